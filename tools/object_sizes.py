@@ -86,7 +86,7 @@ def mirrored(view: SeaView, thing: Thing, before: float) -> float:
     middle = float(view.in_band.wavenumber_cm.mean())
     rho = reflectance(np.clip(cosine, 1e-3, 1.0), view.water.index(middle))
     zenith = np.linspace(0.0, 0.5 * np.pi, 91)
-    sky = np.interp(np.arccos(np.clip(ray[..., 2], 0.0, 1.0)), zenith, view.in_band(view.atmosphere.sky_radiance(zenith)))
+    sky = np.interp(np.arccos(np.clip(ray[..., 2], 0.0, 1.0)), zenith, view.in_band(view.atmosphere.sky_radiance(zenith, 0.0)))
     thing_sends = float(view.band.radiance(np.array([thing.kelvin]), view.atmosphere.wavenumber_cm)[0])
     return float((weight * rho * (thing_sends - sky))[met].sum())
 

@@ -127,7 +127,7 @@ def lowtran_case(row: dict[str, str], edges: tuple[float, float]) -> list[float]
     air = TableAtmosphere.load(row["atmosphere"], wind, edges)
     weights = Band.rectangular(*edges).weights(air.wavenumber_cm)
     tau, path = air.path(height, air.range_of_depression(height, np.radians(depression)))
-    sun, sky = air.solar_irradiance(np.radians(sun_zenith)), air.sky_radiance(np.radians(sky_zenith))
+    sun, sky = air.solar_irradiance(np.radians(sun_zenith)), air.sky_radiance(np.radians(sky_zenith), 0.0)
     return [float(weights @ value) for value in (tau / weights.sum(), path, sun, sun * tau, sky)]
 
 

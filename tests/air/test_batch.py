@@ -42,7 +42,7 @@ def test_every_case_is_that_of_the_table_at_its_wind(model, band):
         np.testing.assert_allclose(tau[i], expected_tau, rtol=1e-7, atol=1e-12)
         np.testing.assert_allclose(path[i], expected_path, rtol=1e-7)
         np.testing.assert_allclose(light[i], air.solar_irradiance(solar[i]), rtol=ROUNDING, atol=1e-18)
-        np.testing.assert_allclose(above[i], air.sky_radiance(sky[i]), rtol=ROUNDING)
+        np.testing.assert_allclose(above[i], air.sky_radiance(sky[i], 0.0), rtol=ROUNDING)
 
 
 def test_stencils_are_the_splines():

@@ -21,7 +21,7 @@ def cavity() -> IsothermalAtmosphere:
 @pytest.mark.parametrize("range_m", [0.0, 10.0, 1e3, 1e5])
 def test_a_black_sea_is_invisible_in_the_cavity(cavity, range_m):
     seen = cavity.path_radiance(30.0, range_m) + cavity.transmittance(30.0, range_m) * planck_wavenumber(cavity.wavenumber_cm, 291.0)
-    np.testing.assert_allclose(seen, cavity.sky_radiance(0.3), rtol=ROUNDING)
+    np.testing.assert_allclose(seen, cavity.sky_radiance(0.3, 0.0), rtol=ROUNDING)
 
 
 def test_the_cavity_has_no_sun(cavity):
@@ -47,7 +47,7 @@ def test_vacuum_neither_absorbs_nor_emits():
     air = VacuumAtmosphere.for_band(3.0, 5.0)
     assert np.all(air.transmittance(10.0, [1.0, 1e5]) == 1.0)
     assert not air.path_radiance(10.0, [1.0, 1e5]).any()
-    assert not air.sky_radiance([0.0, 1.5]).any()
+    assert not air.sky_radiance([0.0, 1.5], 0.0).any()
     np.testing.assert_array_equal(air.solar_irradiance(1.5), air.solar_irradiance(0.0))
     assert not air.solar_irradiance(1.6).any()
 
@@ -76,7 +76,7 @@ def test_they_answer_the_protocol_with_the_shapes_it_promises(make):
     assert air.transmittance(10.0, np.ones((3, 2))).shape == (3, 2, n)
     assert air.path_radiance(10.0, 5.0).shape == (n,)
     assert air.solar_irradiance(np.ones(4)).shape == (4, n)
-    assert air.sky_radiance(np.ones((2, 2)), height=3.0).shape == (2, 2, n)
+    assert air.sky_radiance(np.ones((2, 2)), 0.0, height=3.0).shape == (2, 2, n)
 
 
 @pytest.mark.parametrize("bad", [lambda: exoatmospheric_irradiance(100.0), lambda: wavenumber_grid(5.0, 3.0)])

@@ -49,7 +49,7 @@ BUMP = 0.1  # K: what may be seen beside the step from sea to sky
 
 def apparent(air, edges, elevation, height):
     band = Band.rectangular(*edges)
-    sky = air.sky_radiance(0.5 * np.pi - np.asarray(elevation), height)
+    sky = air.sky_radiance(0.5 * np.pi - np.asarray(elevation), 0.0, height)
     return apparent_temperature(sky @ band.weights(air.wavenumber_cm), band, air.wavenumber_cm)
 
 
@@ -120,10 +120,10 @@ def test_it_goes_over_into_lowtran7s_own_without_steps():
 def test_sensors_from_300_m_up_and_the_sea_itself_see_lowtran7s_sky(monkeypatch):
     air = TableAtmosphere.load("midlatitude-summer", 7.0, BANDS[0])
     zenith = np.radians([90.0, 89.9, 60.0])
-    seen = {height: air.sky_radiance(zenith, height) for height in (0.0, 99.0, 300.0, 2000.0)}
+    seen = {height: air.sky_radiance(zenith, 0.0, height) for height in (0.0, 99.0, 300.0, 2000.0)}
     monkeypatch.setattr(low_sky, "continuous_over_layered", lambda law, height, elevation: np.full((elevation.size, 1), 2.0))
     for height, sky in seen.items():
-        assert np.array_equal(air.sky_radiance(zenith, height), sky) == (height != 99.0)
+        assert np.array_equal(air.sky_radiance(zenith, 0.0, height), sky) == (height != 99.0)
 
 
 def test_air_of_one_temperature_shines_alike_in_any_layers():

@@ -58,7 +58,9 @@ def test_an_isothermal_cavity_is_closed():
     tau, path = air.path(HEIGHT, np.geomspace(5.0, 35e3, 50))
     blackbody = planck_wavenumber(NU, 290.0)
     np.testing.assert_allclose(path + tau * blackbody, np.broadcast_to(blackbody, tau.shape), rtol=1e-6)
-    np.testing.assert_allclose(air.sky_radiance(np.linspace(0.0, 0.5 * np.pi, 31)), np.broadcast_to(blackbody, (31, NU.size)), rtol=1e-9)
+    np.testing.assert_allclose(
+        air.sky_radiance(np.linspace(0.0, 0.5 * np.pi, 31), 0.0), np.broadcast_to(blackbody, (31, NU.size)), rtol=1e-9
+    )
 
 
 def test_sunlight_between_the_nodes_and_none_below_the_horizon():
@@ -103,7 +105,7 @@ def test_a_grazed_level_is_a_corner_of_the_sky():
     flat = planck_wavenumber(NU, 250.0) * np.ones((2, 1))
     air = grey(skies=[SkySamples(0.0, np.array([0.0, 0.5 * np.pi]), flat), SkySamples(HEIGHT, elevation, sky, DIP, (nearest, 0.0))])
     asked = np.linspace(-DIP, 0.0, 101)
-    found = air.sky_radiance(0.5 * np.pi - asked, HEIGHT)
+    found = air.sky_radiance(0.5 * np.pi - asked, 0.0, HEIGHT)
     np.testing.assert_allclose(found, planck_wavenumber(NU, temperature(asked)[:, None]), rtol=1e-3)
 
 
@@ -120,10 +122,10 @@ def test_grazing_coordinate_and_its_inverse():
         (lambda air: air.transmittance(HEIGHT, -1.0), "range_m holds -1 m"),
         (lambda air: air.solar_irradiance(-0.1), "outside 0-pi rad"),
         (
-            lambda air: air.sky_radiance(0.1, HEIGHT),
+            lambda air: air.sky_radiance(0.1, 0.0, HEIGHT),
             r"holds the sky from 0 m only; .* down to the sea horizon at a zenith angle of 90\.30 deg",
         ),
-        (lambda air: air.sky_radiance(np.radians(90.5)), "directions below the sea horizon see the sea"),
+        (lambda air: air.sky_radiance(np.radians(90.5), 0.0), "directions below the sea horizon see the sea"),
     ],
 )
 def test_what_is_outside_is_refused(ask, told):
@@ -140,7 +142,7 @@ def test_angles_outside_the_samples_are_refused():
     with pytest.raises(DomainError, match="solar zenith = 10 deg is outside 30-85 deg"):
         air.solar_irradiance(np.radians(10.0))
     with pytest.raises(DomainError, match=r"seen from the sea: .* outside 30-85 deg of .* down to 90 deg"):
-        air.sky_radiance(np.radians(86.0))
+        air.sky_radiance(np.radians(86.0), 0.0)
 
 
 def test_the_sky_of_a_sensor_that_ends_at_the_horizontal_is_asked_for_down_to_the_sea_horizon():
@@ -154,10 +156,10 @@ def test_the_sky_of_a_sensor_that_ends_at_the_horizontal_is_asked_for_down_to_th
 
     horizon = 0.5 * np.pi + DIP
     with pytest.raises(DomainError, match=r"sky seen from the sensor at 100 m: zenith angles outside 0-90 deg") as error:
-        grey_air_from(90.0).sky_radiance(horizon, HEIGHT)
+        grey_air_from(90.0).sky_radiance(horizon, 0.0, HEIGHT)
     told = float(str(error.value).split("sea horizon at ")[1].removesuffix(" deg"))
     assert np.radians(told) == pytest.approx(horizon, abs=np.radians(0.005))
-    assert np.all(np.isfinite(grey_air_from(told).sky_radiance(horizon, HEIGHT)))
+    assert np.all(np.isfinite(grey_air_from(told).sky_radiance(horizon, 0.0, HEIGHT)))
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
-from seaglint.air.protocol import slant_range
+from seaglint.air.protocol import ClearAir, slant_range
 from seaglint.air.scattering.scattered_cases import scattered_cases
 from seaglint.air.scattering.scattered_light import (
     in_band,
@@ -161,7 +161,7 @@ def test_tables_of_a_setting_sun_have_no_step(scattering_air, weights):
     np.testing.assert_allclose(seen[:-1, 2], seen[:-1, 1], rtol=0.2, atol=1e-12)  # the same sky, 30 m apart
 
 
-class _Only:
+class _Only(ClearAir):
     """An atmosphere of scatterers alone."""
 
     def __init__(self, air):

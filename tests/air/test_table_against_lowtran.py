@@ -55,7 +55,7 @@ def quantities(model, wind, height, depression, solar_zenith, sky_zenith, edges)
     weights = Band.rectangular(*edges).weights(air.wavenumber_cm)
     tau, path = air.path(height, air.range_of_depression(height, np.radians(depression)))
     sun = air.solar_irradiance(np.radians(solar_zenith))
-    sky = air.sky_radiance(np.radians(sky_zenith))
+    sky = air.sky_radiance(np.radians(sky_zenith), 0.0)
     return np.array([weights @ tau / weights.sum(), weights @ path, weights @ sun, weights @ (sun * tau), weights @ sky])
 
 
@@ -113,7 +113,7 @@ def test_sky_near_the_horizon_from_a_height(row, edges, column):
     air = TableAtmosphere.load(row[0], row[1], edges)
     # Below the horizontal both count in parts of their own dip: refraction makes LOWTRAN7's a little another.
     below = horizon_depression(row[2]) * (1.0 - row[3]) if row[4] < 0.0 else -np.radians(row[4])
-    sky = air.sky_radiance(0.5 * np.pi + below, row[2]) @ Band.rectangular(*edges).weights(air.wavenumber_cm)
+    sky = air.sky_radiance(0.5 * np.pi + below, 0.0, row[2]) @ Band.rectangular(*edges).weights(air.wavenumber_cm)
     assert sky == pytest.approx(row[column], rel=SKY_ERROR)
 
 
@@ -142,5 +142,5 @@ def test_sky_of_the_older_single_precision_set_without_aerosol_is_darker(referen
     air = TableAtmosphere.load("midlatitude-summer", 7.0)
     wavenumber = np.array([float(r["wavenumber_cm-1"]) for r in rows])
     theirs = np.array([float(r["sky_L|midlat_summer|none|60"]) for r in rows]) * 1e4 * 1e4 / wavenumber**2
-    ours = np.interp(wavenumber, air.wavenumber_cm, air.sky_radiance(np.radians(60.0)))
+    ours = np.interp(wavenumber, air.wavenumber_cm, air.sky_radiance(np.radians(60.0), 0.0))
     assert np.all(ours > 0.99 * theirs)

@@ -58,7 +58,9 @@ def test_the_horizon_stays_the_darkest_path(extrapolated_air, height):
 
 
 def test_the_sky_from_above_is_that_of_ten_kilometres(extrapolated_air):
-    np.testing.assert_array_equal(extrapolated_air.sky_radiance([0.0, 1.0], 12e3), extrapolated_air.sky_radiance([0.0, 1.0], 10e3))
+    np.testing.assert_array_equal(
+        extrapolated_air.sky_radiance([0.0, 1.0], 0.0, 12e3), extrapolated_air.sky_radiance([0.0, 1.0], 0.0, 10e3)
+    )
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,7 @@ def test_the_first_kilometre_emits_between_its_temperatures(table_air, height):
 def test_kirchhoff_opaque_sky_shines_like_a_blackbody_at_air_temperature(table_air, zenith_deg):
     cold, warm = sorted(LEVELS[table_air.model])
     i = opaque(table_air)
-    sky = table_air.sky_radiance(np.radians(zenith_deg))[i]
+    sky = table_air.sky_radiance(np.radians(zenith_deg), 0.0)[i]
     assert planck_wavenumber(table_air.wavenumber_cm[i], cold - 0.1) < sky < planck_wavenumber(table_air.wavenumber_cm[i], warm + 0.1)
 
 
@@ -113,7 +113,7 @@ def test_two_air_masses_hold_between_one_and_two_times_the_optical_depth(table_a
 def test_sky_brightens_towards_the_horizon(table_air):
     ground, above = LEVELS[table_air.model]
     lowest = 90.0 if ground > above else 88.0  # under an inversion the last degree looks through the colder air at the sea
-    sky = band(table_air, table_air.sky_radiance(np.radians(np.linspace(0.0, lowest, 91))))
+    sky = band(table_air, table_air.sky_radiance(np.radians(np.linspace(0.0, lowest, 91)), 0.0))
     assert np.all(np.diff(sky) > 0.0)
 
 
@@ -138,15 +138,15 @@ def test_the_sky_just_above_the_sea_horizon_continues_through_the_tangent_point(
     # The line of sight that grazes the sea: air up to the horizon, and behind it the sky that the horizon itself sees.
     # Band models do not multiply exactly (20 cm-1 averages): 5 %.
     arc = horizon_range(height)
-    behind = table_air.transmittance(height, arc) * table_air.sky_radiance(0.5 * np.pi)
-    seen = table_air.sky_radiance(0.5 * np.pi + horizon_depression(height), height)
+    behind = table_air.transmittance(height, arc) * table_air.sky_radiance(0.5 * np.pi, 0.0)
+    seen = table_air.sky_radiance(0.5 * np.pi + horizon_depression(height), 0.0, height)
     assert band(table_air, seen) == pytest.approx(band(table_air, table_air.path_radiance(height, arc) + behind), rel=0.05)
 
 
 def test_sky_from_two_metres_is_the_sky_from_the_sea(table_air):
     zenith = np.radians([0.0, 30.0, 60.0, 80.0])
     np.testing.assert_allclose(
-        band(table_air, table_air.sky_radiance(zenith, 2.0)), band(table_air, table_air.sky_radiance(zenith)), rtol=2e-3
+        band(table_air, table_air.sky_radiance(zenith, 0.0, 2.0)), band(table_air, table_air.sky_radiance(zenith, 0.0)), rtol=2e-3
     )
 
 
@@ -176,7 +176,7 @@ def test_it_answers_the_protocol_with_the_shapes_it_promises(table_air):
     assert table_air.transmittance(10.0, np.full((3, 2), 500.0)).shape == (3, 2, n)
     assert table_air.path_radiance(10.0, 5.0).shape == (n,)
     assert table_air.solar_irradiance(np.ones(4)).shape == (4, n)
-    assert table_air.sky_radiance(np.ones((2, 2)), height=3.0).shape == (2, 2, n)
+    assert table_air.sky_radiance(np.ones((2, 2)), 0.0, height=3.0).shape == (2, 2, n)
     tau, glow = table_air.path(10.0, [5.0, 500.0])
     np.testing.assert_array_equal(tau, table_air.transmittance(10.0, [5.0, 500.0]))
     np.testing.assert_array_equal(glow, table_air.path_radiance(10.0, [5.0, 500.0]))
@@ -194,7 +194,7 @@ def test_provenance_says_where_the_numbers_come_from(table_air):
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0, (1.0, 2.0)), "um"),
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).transmittance(1.0, 10.0), "height"),
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).transmittance(10.0, np.nan), "range_m"),
-        (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).sky_radiance(1.7), "zenith"),
+        (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).sky_radiance(1.7, 0.0), "zenith"),
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).solar_irradiance(60.0), "radians"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sample_tails import tail_of
 from scipy.stats import binom, gamma, norm
 
 from seaglint.analysis import Recording
@@ -11,7 +12,6 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.background import Background, count_false_alarms
 from seaglint.detection.interface import Detector
 from seaglint.detection.named_detectors import named_for
-from seaglint.detection.rare_alarms import tail_of
 from seaglint.detection.scoring import exact_interval, interval, match_offsets
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot

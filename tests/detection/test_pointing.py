@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.detection.pointing import border_level, centroid, centroid_deviation, cramer_rao, least_squares
+from seaglint.detection.pointing import border_level, centroid, least_squares
 from seaglint.detection.spot import GaussianSpot
 
 
@@ -19,7 +19,7 @@ def patches(spot: GaussianSpot, contrast: float, number: int, level: float = 0.0
 @pytest.mark.parametrize("sigma", [1.5, 2.5])
 def test_bound_of_a_finely_sampled_spot_does_not_depend_on_its_width(sigma: float) -> None:
     # The pixel's average lowers the peak and widens the spot by 1/12 px²: 3 % at 1.5 px, 1 % at 2.5 px.
-    assert cramer_rao(GaussianSpot(sigma), 50.0, 2.0)[0] == pytest.approx(np.sqrt(2 / np.pi) * 2.0 / 50.0, rel=0.03)
+    assert _bound_at(GaussianSpot(sigma), 50.0, np.zeros(2)) == pytest.approx(np.sqrt(2 / np.pi) / 50.0, rel=0.03)
 
 
 @pytest.mark.parametrize("sigma", [0.8, 1.5])
@@ -50,8 +50,10 @@ def test_centroid_follows_its_own_formula_and_not_the_bound() -> None:
     noisy = 60.0 * spot.stamps(np.zeros((4000, 2))) + generator.normal(0.0, 1.0, (4000, 9, 9))
     spread = centroid(noisy).std()
     # 8000 values: 0.8 %.
-    assert spread == pytest.approx(centroid_deviation(spot, 60.0, 1.0), rel=0.03)
-    assert spread > 3 * cramer_rao(spot, 60.0, 1.0)[0]
+    axis = np.arange(-spot.half, spot.half + 1)
+    own = np.sqrt((axis**2).sum() * axis.size) / (60.0 * spot.stamps(np.zeros((1, 2))).sum())  # sigma sqrt(sum x^2) / sum S
+    assert spread == pytest.approx(own, rel=0.03)
+    assert spread > 3 * _bound_at(spot, 60.0, np.zeros(2))
 
 
 def test_centroid_above_a_level_and_without_an_object() -> None:

@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sample_tails import tail_of
 
 from seaglint.clutter.extremes import TRUSTED_SETS, TRUSTED_SPAN
-from seaglint.detection.rare_alarms import RareTail, tail_of
+from seaglint.detection.rare_alarms import RareTail
 
 
 @pytest.fixture(scope="module")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.stats import norm, poisson
+from stored_frames import StoredFrames
 
 from seaglint.detection.background import Background, count_false_alarms
 from seaglint.detection.counting import Counting, poisson_quantile
+from seaglint.detection.sources import PlainFrames
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import steps_of, tail_above
@@ -19,17 +20,10 @@ from seaglint.studies.detect.chips import chips
 from seaglint.studies.detect.performance import DetectionOptions, detect
 
 
-def source_of(frames: np.ndarray, **more: object) -> SimpleNamespace:
-    count, rows, columns = frames.shape
-    return SimpleNamespace(
-        frames=count, rows=rows, columns=columns, saturation=None, read=lambda start, stop: frames[start:stop].copy(), **more
-    )
-
-
 def test_the_tail_of_counts_is_fitted_to_their_levels() -> None:
     sigma = 2.0  # a count is half a standard deviation
     frames = np.rint(np.random.default_rng(3).normal(100.3, sigma, (70, 128, 128))).astype(np.float32)
-    background = Background(FilterThreshold(), source_of(frames))
+    background = Background(FilterThreshold(), StoredFrames(frames))
     steps = steps_of(background, "sigma")
     assert steps is not None
     assert steps.step == pytest.approx(1.0 / background.sigma, rel=1e-3)
@@ -49,9 +43,9 @@ def test_the_tail_of_counts_is_fitted_to_their_levels() -> None:
 
 def test_other_statistics_are_not_taken_for_counts() -> None:
     frames = np.random.default_rng(3).normal(100.0, 2.0, (8, 64, 64)).astype(np.float32)
-    assert steps_of(Background(FilterThreshold(), source_of(frames)), "sigma") is None
+    assert steps_of(Background(FilterThreshold(), StoredFrames(frames)), "sigma") is None
     fine = np.rint(50.0 * frames)
-    assert steps_of(Background(FilterThreshold(), source_of(fine)), "sigma") is None
+    assert steps_of(Background(FilterThreshold(), StoredFrames(fine)), "sigma") is None
 
 
 def test_electrons_of_an_object_are_poisson_numbers() -> None:
@@ -84,10 +78,10 @@ def test_light_is_counted_in_steps_with_its_own_noise() -> None:
 
 
 @dataclass
-class Dim:
+class Dim(PlainFrames):
     """Frames of a sensor in the dark: the objects' own noise is all there is, but for one thousandth."""
 
-    counting: Counting | None
+    counting: Counting | None = None
     frames: int = 20
     rows: int = 96
     columns: int = 96

@@ -220,7 +220,7 @@ def _thermal_by_hand(view, slopes, tilt, zenith, azimuth, arc):
     for part in np.array_split(np.arange(weight.size), 8):
         up = rise[part] > 0.0
         rho = reflectance(incidence[part][:, None], water.index(nu)) * up[:, None]
-        sky = air.sky_radiance(np.arccos(np.clip(rise[part], 0.0, 1.0)))[:, grid]
+        sky = air.sky_radiance(np.arccos(np.clip(rise[part], 0.0, 1.0)), 0.0)[:, grid]
         total += weight[part] @ (rho * sky + (1.0 - rho) * black)
     return float((weights * air.transmittance(view.sensor_height, np.array([arc]))[0, grid]) @ total)
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from shadowing_laws import saunders
 
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.errors import DomainError
@@ -7,7 +8,7 @@ from seaglint.facet.emissivity import facet_nodes
 from seaglint.facet.glint import direction, glint
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.local_sun import visible_sun
-from seaglint.sea.shadowing.smith import saunders, visible_area
+from seaglint.sea.shadowing.smith import visible_area
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat

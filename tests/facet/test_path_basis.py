@@ -13,7 +13,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 def _spectra(air, grid):
     """Emission of the sea, a sky, the Sun: smooth, banded, and cut by the same absorption as the path."""
     nu = air.wavenumber_cm[grid]
-    return {"sea": planck_wavenumber(nu, 288.15), "sky": air.sky_radiance(1.4)[grid], "sun": air.solar_irradiance(1.2)[grid]}
+    return {"sea": planck_wavenumber(nu, 288.15), "sky": air.sky_radiance(1.4, 0.0)[grid], "sun": air.solar_irradiance(1.2)[grid]}
 
 
 @pytest.mark.parametrize("height", [2.0, 30.0, 1000.0])

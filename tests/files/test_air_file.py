@@ -31,7 +31,7 @@ def rows_of(air):
     for i, arc in enumerate(ARC):
         yield from (["path", HEIGHT, arc, "", v, t, p, ""] for v, t, p in zip(nu, tau[i], path[i], strict=True))
     for height, angles in ((0.0, ZENITH), (HEIGHT, SENSOR_ZENITH)):
-        sky = air.sky_radiance(np.radians(angles), height)
+        sky = air.sky_radiance(np.radians(angles), 0.0, height)
         for i, angle in enumerate(angles):
             yield from (["sky", height, "", angle, v, "", s, ""] for v, s in zip(nu, sky[i], strict=True))
     sun = air.solar_irradiance(np.radians(ZENITH))
@@ -61,8 +61,8 @@ def same(a, b, rtol):
         ("transmittance", (HEIGHT, arc)),
         ("path_radiance", (HEIGHT, arc)),
         ("solar_irradiance", (zenith,)),
-        ("sky_radiance", (zenith,)),
-        ("sky_radiance", (np.append(zenith, np.radians(90.0 + 0.6 * DIP)), HEIGHT)),
+        ("sky_radiance", (zenith, 0.0)),
+        ("sky_radiance", (np.append(zenith, np.radians(90.0 + 0.6 * DIP)), 0.0, HEIGHT)),
     ):
         ours, theirs = (getattr(air, name)(*arguments).mean(axis=-1) for air in (a, b))
         np.testing.assert_allclose(ours, theirs, rtol=rtol, err_msg=name)
@@ -95,8 +95,8 @@ def dataset_of(air):
             "path_transmittance": (("range_m", "wavenumber_cm"), tau),
             "path_radiance": (("range_m", "wavenumber_cm"), path),
             "sun_irradiance": (("sun_zenith_deg", "wavenumber_cm"), air.solar_irradiance(np.radians(ZENITH))),
-            "sky_radiance": (("wavenumber_cm", "sky_zenith_deg"), air.sky_radiance(np.radians(ZENITH)).T),
-            "sensor_sky_radiance": (("sensor_sky_zenith_deg", "wavenumber_cm"), air.sky_radiance(np.radians(SENSOR_ZENITH), HEIGHT)),
+            "sky_radiance": (("wavenumber_cm", "sky_zenith_deg"), air.sky_radiance(np.radians(ZENITH), 0.0).T),
+            "sensor_sky_radiance": (("sensor_sky_zenith_deg", "wavenumber_cm"), air.sky_radiance(np.radians(SENSOR_ZENITH), 0.0, HEIGHT)),
         },
         coords={
             "range_m": ARC,

@@ -90,11 +90,11 @@ def test_between_the_nodes_it_is_lowtran7(live, height):
         run = engine.run(live.program, LowtranCase(SMALL, "sun", 0.0, zenith))
         np.testing.assert_allclose(weights @ found.solar_irradiance(np.radians(zenith)), weights @ run.irradiance, rtol=5e-4)
         run = engine.run(live.program, LowtranCase(SMALL, "sky", 0.0, zenith))
-        np.testing.assert_allclose(weights @ found.sky_radiance(np.radians(zenith)), weights @ run.radiance, rtol=5e-4)
+        np.testing.assert_allclose(weights @ found.sky_radiance(np.radians(zenith), 0.0), weights @ run.radiance, rtol=5e-4)
         elevation = (2.5 * share - 0.95) * dip
         mapped = elevation * ours / dip if elevation < 0.0 else elevation
         run = engine.run(live.program, LowtranCase(SMALL, "sky", height / 1e3, 90.0 - np.degrees(elevation)))
-        np.testing.assert_allclose(weights @ found.sky_radiance(0.5 * np.pi - mapped, height), weights @ run.radiance, rtol=5e-4)
+        np.testing.assert_allclose(weights @ found.sky_radiance(0.5 * np.pi - mapped, 0.0, height), weights @ run.radiance, rtol=5e-4)
 
 
 def test_cards_of_a_line_between_two_heights():

@@ -115,7 +115,7 @@ def test_files_without_a_manifest_tell_their_lines_themselves(tmp_path, name, en
     path = made.case(2, 2, 0.03, 95.0)
     arc = 30.0 / np.tan(np.radians(5.0))
     np.testing.assert_allclose(air.transmittance(30.0, arc), path.transmittance, rtol=1e-3)
-    np.testing.assert_allclose(air.sky_radiance(np.radians(60.0)), 1e4 * made.case(2, 3, 0.0, 60.0).thermal, rtol=6e-3)
+    np.testing.assert_allclose(air.sky_radiance(np.radians(60.0), 0.0), 1e4 * made.case(2, 3, 0.0, 60.0).thermal, rtol=6e-3)
     np.testing.assert_allclose(np.degrees(air.scattered.azimuth), [0.0, 60.0, 180.0])
     assert np.degrees(air.scattered.solar_zenith) == pytest.approx(76.0)
     np.testing.assert_allclose(air.scattered.path[2, 1], 1e4 * made.case(2, 2, 0.03, 95.0, 60.0).scattered, rtol=6e-3)

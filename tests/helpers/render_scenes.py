@@ -41,7 +41,7 @@ class Furnace(IsothermalAtmosphere):
 class WarmSky(VacuumAtmosphere):
     """No air, the Sun, and a sky whose temperature falls towards the zenith."""
 
-    def sky_radiance(self, zenith, height=0.0):
+    def sky_radiance(self, zenith, azimuth, height=0.0):
         temperature = 200.0 + 80.0 * np.sin(np.asarray(zenith, dtype=float)) ** 4
         return planck_wavenumber(self.wavenumber_cm, temperature[..., None])
 

@@ -55,7 +55,7 @@ def test_flat_sea_is_fresnel_times_sky_plus_emission(air):
     depression = -eye.elevations
     theta, arc = view_zenith(height, depression), surface_range(height, depression)
     rho = reflectance(np.cos(theta)[:, None], sea_water.hale_querry_sea().index(nu))
-    leaving = rho * air.sky_radiance(theta) + (1.0 - rho) * planck_wavenumber(nu, SEA_TEMPERATURE)
+    leaving = rho * air.sky_radiance(theta, 0.0) + (1.0 - rho) * planck_wavenumber(nu, SEA_TEMPERATURE)
     expected = (air.transmittance(height, arc) * leaving + air.path_radiance(height, arc)) @ BAND.weights(nu)
     # the bound; rows of 0.046 deg lie between the atmosphere's and the sky's nodes
     np.testing.assert_allclose(total, expected, rtol=1e-3)

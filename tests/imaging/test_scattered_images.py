@@ -192,7 +192,7 @@ def test_dark_air_costs_nothing(air, band):
     tables = swept_scene(sea_view(air, cox_munk_isotropic(7.0), band=band), eye).tables
     assert tables is not None
     assert tables.walk.path.sunlit.row.size == 0
-    assert tables.rows.haze.values.size == 0
+    assert tables.rows.sky.haze.values.size == 0
     assert tables.levels.shape[0, 2] == 2
     assert not tables.levels.axes[0, 4].any()
 

@@ -19,6 +19,8 @@ from seaglint.base.jit import njit
 from seaglint.base.keyed_random import SPACING, cell_key, gamma_deviate, last_event, uniform
 from seaglint.facet.sunlight import sunlight
 from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.layers import FEWEST, SPREAD
+from seaglint.imaging.layers import SUN as SUN_CHANNEL
 from seaglint.imaging.sparkle import (
     MOST_CELLS,
     NO_SPARKLE,
@@ -26,8 +28,8 @@ from seaglint.imaging.sparkle import (
     piece_variance,
     relative_variance,
     sparkle_column,
+    sparkle_columns,
     sparkle_factor,
-    sparkle_image,
     sparkle_of,
     sparkle_rows,
 )
@@ -205,6 +207,14 @@ def test_a_piece_has_the_variance_of_the_mean_model() -> None:
     mean, chance, cosine, theta, sun, slant, solid = 1.7, 2e-3, 0.6, 1.5, 1.0, 900.0, 1e-7
     found = piece_variance(sparkle, mean, chance, cosine, math.cos(theta) + math.cos(sun), solid * slant**2)
     assert found == pytest.approx(float(glint_variance(mean, chance, cosine, theta, sun, slant, solid, 0.0026)), rel=1e-12)
+
+
+def sparkle_image(sparkle, camera: Camera, sun, variance: np.ndarray, time: float) -> np.ndarray:
+    """Factors of mean 1 on the mirrored Sun of an image, for the relative variance of its pixels (rows, columns)."""
+    images = np.ones((camera.columns, 1, FEWEST, camera.rows))
+    images[:, 0, SPREAD] = variance.T
+    sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, (0.0, 0.0), time, images)
+    return np.ascontiguousarray(images[:, 0, SUN_CHANNEL].T)
 
 
 @pytest.mark.parametrize("cell", [0.002, 0.02])

@@ -6,6 +6,7 @@ from render_scenes import BAND, RangeFog, bilinear, black_water, camera, elfouha
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_depression, surface_range
+from seaglint.facet.sky import NO_SKY
 from seaglint.imaging.sweep import sweep, walk
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -126,7 +127,7 @@ def test_elevation_is_the_arc_tangent():
 def _pieces_into_rows(edges, radiance, rows=7):
     """Pieces between falling-together edges [rad], the radiance leaning as the sweep has it, into rows of 1 mrad from 7 mrad down."""
     image = np.zeros((3, rows))
-    lines = sweep.Rows(rows * 1e-3, 1e3, rows, -1.0, 1.0, np.zeros(rows))
+    lines = sweep.Rows(rows * 1e-3, 1e3, rows, -1.0, 1.0, NO_SKY)
     centre = 0.5 * (edges[1:] + edges[:-1])
     light = np.stack([radiance(centre), 0.5 * radiance(centre), np.zeros_like(centre)], axis=1)
     for j in range(centre.size):

@@ -9,7 +9,8 @@ from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.facet.legs import Shadowing
 from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.camera.view import Resampling, cells_of, inside, quads
+from seaglint.imaging.camera.view import cells_of, inside, quads
+from seaglint.imaging.launch import weights_of
 from seaglint.radiance.mean import mean_radiance
 
 
@@ -56,7 +57,7 @@ def test_weights_sum_to_one_and_conserve_energy(elevation, roll):
     pixels = np.arange(eye.rows * eye.columns)
     found = quads(corner, pixels, cells, pointing.azimuth)
     assert inside(found, cells).all()
-    sampled = Resampling.of(found, pixels, cells)
+    sampled = weights_of(found, pixels, cells)
     used = np.concatenate([np.arange(a, a + n) for a, n in zip(sampled.start, sampled.count, strict=False)])
     sums = np.add.reduceat(sampled.weight[used], np.concatenate([[0], np.cumsum(sampled.count)[:-1]]))
     np.testing.assert_allclose(sums, 1.0, atol=1e-6)

@@ -8,7 +8,8 @@ from render_scenes import bilinear, elfouhaily, one_tile
 
 from seaglint.base.errors import DomainError
 from seaglint.imaging import wave_surface as surface_module
-from seaglint.imaging.wave_surface import corners, surface_of
+from seaglint.imaging.launch import surface_of
+from seaglint.imaging.wave_surface import corners
 from seaglint.sea.tiles import Tile
 from seaglint.sea.wander import Wander
 

@@ -90,6 +90,19 @@ def test_the_band_is_averaged_with_the_photons_weight() -> None:
     assert float(blur.parts([0.5 * (optics.cutoff(3e-6) + optics.cutoff(5e-6))])["diffraction"][0]) > 0.0
 
 
+@pytest.mark.parametrize("silent", [0, 20])
+def test_defocus_of_few_lines_is_their_mean(silent: int) -> None:
+    """The path error is the same length at every line, whatever their number and however many of them give no electrons."""
+    lines, share = np.array([3.0e-6, 5.0e-6]), np.array([0.25, 0.75])
+    optics, mean = SensorOptics(0.05, 0.2, defocus=0.3), float(lines @ share)
+    dark = np.linspace(3.1e-6, 4.9e-6, silent)
+    blur = Blur.of(optics, np.append(lines, dark), np.append(share, np.zeros(silent)))
+    f = np.linspace(0.05, 0.9, 9) * optics.cutoff(5.0e-6)
+    expected = sum(s * pupil_mtf(f * line / 0.05, defocus=0.3 * mean / line) for line, s in zip(lines, share, strict=True))
+    parts = blur.parts(f)
+    np.testing.assert_allclose(parts["diffraction"] * parts["defocus"], expected, atol=2e-5)  # the table's nodes
+
+
 def test_jitter_and_motion_at_known_points() -> None:
     assert float(jitter_mtf(1.0 / (2.0 * np.pi * 1e-5), 1e-5)) == pytest.approx(np.exp(-0.5))
     assert float(motion_mtf(1e4, 1e-4)) == pytest.approx(0.0, abs=1e-12)

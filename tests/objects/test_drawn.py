@@ -20,7 +20,7 @@ from seaglint.files.store.object_labels import Labels, run_lengths, write_labels
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.detail_levels import Levels
-from seaglint.imaging.wave_surface import surface_of
+from seaglint.imaging.launch import surface_of
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import composed

@@ -172,6 +172,16 @@ def test_boxes_that_touch_do_not_cross():
         oriented((np.concatenate([corners, corners + shift]), np.concatenate([triangles, triangles + 8])))
 
 
+@pytest.mark.parametrize(("overlap", "crosses"), [(1e-9, False), (5e-7, False), (1e-5, True), (1e-3, True)])
+@pytest.mark.parametrize("aside", [(0.3, 0.2), (-0.41, 0.17), (0.6, -0.7)])
+def test_boxes_that_overlap_by_rounding_touch(aside, overlap, crosses):
+    """Up to a millionth of the mesh, which is 2 m long: files hold seven digits."""
+    corners, triangles = primitives.box((1.0, 1.0, 1.0))
+    mesh = np.concatenate([corners, corners + np.array([1.0 - overlap, *aside])]), np.concatenate([triangles, triangles + 8])
+    with pytest.raises(DomainError, match="crosses itself") if crosses else nullcontext():
+        oriented(mesh)
+
+
 @pytest.mark.parametrize("level", [-0.7, -0.2, 0.0, 0.45])
 def test_sections_of_a_turned_box_by_counting(level):
     """Centre and second moments of the places inside at that height, on a fine lattice."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from shadowing_laws import saunders
 
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
@@ -16,7 +17,6 @@ from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean import mean_radiance
-from seaglint.sea.shadowing.smith import saunders
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 

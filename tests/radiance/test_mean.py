@@ -36,7 +36,7 @@ SEAS = {
 class WarmSky(VacuumAtmosphere):
     """No air, a sky whose temperature falls towards the zenith."""
 
-    def sky_radiance(self, zenith, height=0.0):
+    def sky_radiance(self, zenith, azimuth, height=0.0):
         temperature = 200.0 + 80.0 * np.sin(np.asarray(zenith, dtype=float)) ** 4
         return planck_wavenumber(self.wavenumber_cm, temperature[..., None])
 
@@ -71,7 +71,7 @@ def test_flat_sea_is_fresnel_times_sky_plus_emission(depression):
     theta = view_zenith(30.0, np.radians(depression))
     nu = atmosphere.wavenumber_cm
     rho = reflectance(np.cos(theta), sea_water.hale_querry_sea().index(nu))
-    expected = BAND.weights(nu) @ (rho * atmosphere.sky_radiance(theta) + (1.0 - rho) * planck_wavenumber(nu, 288.15))
+    expected = BAND.weights(nu) @ (rho * atmosphere.sky_radiance(theta, 0.0) + (1.0 - rho) * planck_wavenumber(nu, 288.15))
     assert got.total == pytest.approx(expected, rel=1e-6)  # series of the reflectance: 2e-8 of grazing light
     assert np.all(got.sun == 0.0)
 
@@ -132,7 +132,7 @@ def test_background_is_the_plain_sum_over_facets(slopes, depression, azimuth):
     nodes = facet_nodes(theta, slopes, np.radians(azimuth) + np.pi, view.shadowing.law_bands(slopes))
     nu = atmosphere.wavenumber_cm
     rho = reflectance(nodes.cos_incidence[:, None], view.water.index(nu))
-    sky = atmosphere.sky_radiance(np.minimum(nodes.reflected_zenith, np.pi / 2))
+    sky = atmosphere.sky_radiance(np.minimum(nodes.reflected_zenith, np.pi / 2), 0.0)
     sea = planck_wavenumber(nu, 288.15)
     seen = np.where(nodes.meets_sea[:, None], sea, rho * sky + (1.0 - rho) * sea)
     expected = BAND.weights(nu) @ (nodes.weight @ seen)

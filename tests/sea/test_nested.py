@@ -2,13 +2,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
+from shadowing_laws import lit_of_seen
 
 from seaglint.base.errors import DomainError
 from seaglint.facet.emissivity import facet_nodes
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import NESTED_VIEWER, VIEWER, Shadowing
 from seaglint.sea.shadowing.nested import BANDS, nested_area, nested_exponent_kernel, nested_ratio, ratio_table
-from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel, lit_table
+from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
 from seaglint.sea.shadowing.smith import projected_area, smith_lambda, smith_nu
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
@@ -148,7 +149,7 @@ def test_facets_seen_and_lit_of_two_bands_by_quadrature(slope, view, sun):
 @pytest.mark.parametrize("bands", [2, 3, 5])
 def test_under_a_high_sun_all_that_is_seen_is_lit(bands):
     for slope, view in ((-1.0, 0.4), (0.0, 1.0), (0.1, 0.6)):
-        assert np.exp(lit_exponent_kernel(slope, view, 6.0, lit_table(bands))) == pytest.approx(1.0, abs=0.01)
+        assert lit_of_seen(slope, view, 6.0, bands) == pytest.approx(1.0, abs=0.01)
 
 
 # Share of the mirroring facets seen that a Sun ahead lights, by rays on the same surface, flat Earth: eight seas, 1500 rays each, once.
@@ -167,12 +168,13 @@ def test_facets_lit_of_those_seen_are_those_of_brute_force(depression):
         slope = (np.sin(np.radians(zenith)) - np.cos(low)) / (np.sin(low) + np.cos(np.radians(zenith))) / sigma
         smith = (1.0 + lambda_view) / (1.0 + lambda_view + lambda_sun)
         # the mirror tilts to the viewer where the Sun is higher
-        share = smith * np.exp(lit_exponent_kernel(slope, view, sun, lit_table()))
+        share = smith * lit_of_seen(slope, view, sun)
         assert share == pytest.approx(expected, abs=0.06)
 
 
 def test_one_band_is_smiths():
-    assert lit_table(1).size == 0
+    assert coupling_table(1.0).size == 0
+    assert lit_of_seen(-0.3, 0.5, 0.7, 1) == 1.0
 
 
 @pytest.mark.parametrize(("mu", "t"), [(0.3, -0.5), (1.0, 0.2), (2.5, -1.0)])

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shadowing_laws import saunders
 
 from nested_bands import law, shares
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import BOTH, NESTED, NESTED_VIEWER, VIEWER
-from seaglint.sea.shadowing.smith import saunders
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from shadowing_laws import clipped_mass
 
 from seaglint.base.errors import DomainError
-from seaglint.sea.shadowing.smith import clipped_mass
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import spectrum_slopes

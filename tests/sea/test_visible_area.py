@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from shadowing_laws import bistatic, slope_lambda
 
 from seaglint.facet.emissivity import emissivity, facet_nodes
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.shadowing.smith import bistatic, projected_area, slope_lambda, smith_lambda, smith_nu, visible_area
+from seaglint.sea.shadowing.smith import projected_area, smith_lambda, smith_nu, visible_area
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import spectrum_slopes

@@ -7,12 +7,12 @@ import json
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.stats import norm
+from stored_frames import StoredFrames
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError, ScenarioError
@@ -124,9 +124,7 @@ def test_windows_stay_inside_their_sequence() -> None:
 def test_seas_do_not_mix() -> None:
     frames = np.zeros((6, 32, 32), np.float32) + np.repeat([0.0, 100.0, 7.0], 2)[:, None, None].astype(np.float32)
     frames += np.random.default_rng(1).normal(size=frames.shape).astype(np.float32)
-    source = SimpleNamespace(
-        frames=6, rows=32, columns=32, saturation=None, sequence_length=2, read=lambda start, stop: frames[start:stop].copy()
-    )
+    source = StoredFrames(frames, sequence_length=2)
     background = Background(named_for("frame-difference", GaussianSpot(0.8), lambda: frames), source)
     # a difference across two seas would be about 100
     assert background.windows == 3
@@ -302,9 +300,7 @@ def _place(scene: Any) -> tuple[float, float]:
 
 def test_the_level_of_a_recording_is_in_a_fixed_threshold() -> None:
     frames = np.random.default_rng(1).normal(0.0, 1.0, (2, 32, 32)).astype(np.float32)
-    source = SimpleNamespace(
-        frames=2, rows=32, columns=32, saturation=8.0, offset=1000.0, read=lambda start, stop: frames[start:stop].copy()
-    )
+    source = StoredFrames(frames, saturation=8.0, offset=1000.0)
     assert level_shift(FilterThreshold(), source) == pytest.approx(1000.0)
     # the matched filter's weights keep no level, an average does
     assert level_shift(named_for("log", GaussianSpot(0.8), lambda: frames), source) == pytest.approx(0.0, abs=0.5)
@@ -319,23 +315,21 @@ def test_the_level_of_a_recording_is_in_a_fixed_threshold() -> None:
 def test_a_rescaled_source_counts_the_same_electrons() -> None:
     """Light of one unit of the source is ``factor`` units of the rescaled one: its electrons and its steps of the converter stay."""
     frames = np.random.default_rng(1).normal(0.0, 1.0, (2, 32, 32)).astype(np.float32)
-    source = SimpleNamespace(
-        frames=2, rows=32, columns=32, saturation=8.0, counting=Counting(50.0, 0.5), read=lambda start, stop: frames[start:stop].copy()
-    )
+    source = StoredFrames(frames, saturation=8.0, counting=Counting(50.0, 0.5))
     doubled = Rescaled(source, 2.0, 3.0)
     assert doubled.saturation == 19.0
     assert doubled.counting == Counting(25.0, 1.0)
     np.testing.assert_allclose(doubled.read(0, 2), 2.0 * frames + 3.0, rtol=1e-6)
     assert Rescaled(source, -2.0).counting == Counting(None, 1.0)
-    assert Rescaled(SimpleNamespace(saturation=None), 2.0, 3.0).saturation is None
-    assert Rescaled(SimpleNamespace()).counting is None
+    assert Rescaled(StoredFrames(frames), 2.0, 3.0).saturation is None
+    assert Rescaled(StoredFrames(frames)).counting is None
 
 
 def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:
     # one bright line in each of two frames: no forty events for a tail, and 20 pixels above any threshold below it
     frames = np.random.default_rng(1).normal(0.0, 1.0, (2, 32, 32)).astype(np.float32)
     frames[:, 7, 4:14] += 100.0
-    source = SimpleNamespace(frames=2, rows=32, columns=32, saturation=None, read=lambda start, stop: frames[start:stop].copy())
+    source = StoredFrames(frames)
     background = Background(FilterThreshold(), source)
     threshold = background.threshold(3.0, "sigma")
     count = count_false_alarms(background, threshold)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.air.protocol import require_line, slant_range, wavenumber_grid
+from seaglint.air.protocol import ClearAir, require_line, slant_range, wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 
 
 @dataclass(frozen=True)
-class IsothermalAtmosphere:
+class IsothermalAtmosphere(ClearAir):
     """Grey air of one temperature under a sky of the same temperature, and no Sun.
 
     ``tau = exp(-k s)``, ``L_path = (1 - tau) B(T)``, ``L_sky = B(T)``. A sea at the same temperature is then invisible:
@@ -59,6 +61,11 @@ class IsothermalAtmosphere:
         spectrum = planck_wavenumber(self.wavenumber_cm, self.temperature)
         return np.broadcast_to(spectrum, (*shape, self.wavenumber_cm.size)).copy()
 
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """Name of the class: there is no table."""
+        return {"table": type(self).__name__}
+
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Transmittance ``exp(-k s)`` over the straight path of length ``s`` [1, (..., n)]."""
         optical_depth = self.extinction_per_m * slant_range(height, *require_line(height, range_m, target_height))
@@ -75,6 +82,6 @@ class IsothermalAtmosphere:
         """Solar irradiance in a closed cavity: zero [W m-2 per cm-1, (..., n)]."""
         return np.zeros((*np.shape(solar_zenith), self.wavenumber_cm.size))
 
-    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
+    def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
         """Sky radiance ``B(T)``, equal in all directions [W m-2 sr-1 per cm-1, (..., n)]."""
-        return self._blackbody(np.shape(zenith))
+        return self._blackbody(np.broadcast_shapes(np.shape(zenith), np.shape(azimuth)))

@@ -1,4 +1,4 @@
-"""Interface of all atmospheres: four spectra along a line of sight, for a table, a cavity or vacuum.
+"""Interface of all atmospheres: spectra along a line of sight and of the sky in a direction, for a table, a cavity or vacuum.
 
 All spectra are sampled on ``wavenumber_cm`` (ascending). Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1.
 Paths are named by sensor height, ``range_m``, the arc along the sea from the sensor's foot to that of the point looked at
@@ -11,7 +11,8 @@ business: the straight line over the effective Earth is taken as it is, air belo
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +21,10 @@ from seaglint.air.line import lowest_height
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+
+if TYPE_CHECKING:  # Numba comes with the second: thermal spectra do without
+    from seaglint.air.scattering.scattered_samples import ScatteredSamples
+    from seaglint.air.scattering.scattering_laws import ScatteringAir
 
 DEEPEST_LINE = 100.0
 """Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides."""
@@ -30,11 +35,33 @@ GRID_STEP_CM = 5.0
 
 @runtime_checkable
 class Atmosphere(Protocol):
-    """Spectral transmittance, thermal path radiance, sunlight and thermal sky between the sea and a sensor above it."""
+    """Spectral transmittance, thermal path radiance, sunlight and sky between the sea and a sensor above it.
+
+    Of :class:`ClearAir` an atmosphere inherits the members that it need not have.
+    """
 
     @property
     def wavenumber_cm(self) -> FloatArray:
         """Ascending spectral samples [cm-1, (n,)]."""
+        ...
+
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """Names and digests of what its spectra are made of, for results; ``table`` is always there."""
+        ...
+
+    @property
+    def sky_azimuths(self) -> int:
+        """Number of even azimuths from north that sample the sky: 1 for a sky that is the same all round."""
+        ...
+
+    @property
+    def scattered(self) -> ScatteredSamples | None:
+        """Sunlight scattered by the air as its source gives it; None where it gives none."""
+        ...
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """Scatterers on part of the spectral samples, of which scattered sunlight is computed; None where there are none."""
         ...
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
@@ -59,9 +86,35 @@ class Atmosphere(Protocol):
         """Direct sunlight at the sea on a plane normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 below the horizon."""
         ...
 
-    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky seen from ``height`` at ``zenith`` [W m-2 sr-1 per cm-1, (..., n)]."""
+    def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
+        """Thermal radiance of the sky [W m-2 sr-1 per cm-1, (..., n)].
+
+        Parameters
+        ----------
+        zenith, azimuth : array_like
+            Direction looked at: zenith angle, and azimuth clockwise from north [rad, (...)]; they broadcast.
+        height : float
+            Height looked from [m]; 0 is the sea.
+        """
         ...
+
+
+class ClearAir:
+    """Members of an atmosphere that scatters no sunlight and whose sky is the same all round."""
+
+    @property
+    def sky_azimuths(self) -> int:
+        """One azimuth samples the sky."""
+        return 1
+
+    @property
+    def scattered(self) -> ScatteredSamples | None:
+        """No samples of scattered sunlight."""
+        return None
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """No scatterers."""
+        return None
 
 
 def wavenumber_grid(min_um: float, max_um: float, step_cm: float = GRID_STEP_CM) -> FloatArray:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import resources
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.air.protocol import require_line, wavenumber_grid
+from seaglint.air.protocol import ClearAir, require_line, wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
@@ -57,7 +59,7 @@ def exoatmospheric_irradiance(wavenumber_cm: ArrayLike) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class VacuumAtmosphere:
+class VacuumAtmosphere(ClearAir):
     """Atmosphere without absorption and emission: a black sky and the full Sun at 1 au.
 
     Parameters
@@ -73,6 +75,11 @@ class VacuumAtmosphere:
         """Vacuum on the 5 cm-1 grid that covers a band [um]."""
         return cls(wavenumber_grid(min_um, max_um))
 
+    @property
+    def provenance(self) -> Mapping[str, Any]:
+        """Name of the class: there is no table."""
+        return {"table": type(self).__name__}
+
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Transmittance: one everywhere [1, (..., n)]."""
         return np.ones((*require_line(height, range_m, target_height)[0].shape, self.wavenumber_cm.size))
@@ -87,6 +94,6 @@ class VacuumAtmosphere:
         up = (zenith <= 0.5 * np.pi)[..., np.newaxis]
         return np.asarray(np.where(up, exoatmospheric_irradiance(self.wavenumber_cm), 0.0))
 
-    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
+    def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
         """Sky radiance: zero [W m-2 sr-1 per cm-1, (..., n)]."""
-        return np.zeros((*np.shape(zenith), self.wavenumber_cm.size))
+        return np.zeros((*np.broadcast_shapes(np.shape(zenith), np.shape(azimuth)), self.wavenumber_cm.size))

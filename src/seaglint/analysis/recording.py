@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
+from seaglint.detection.sources import PlainFrames
 
 FrameArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
-class Recording:
+class Recording(PlainFrames):
     """Sequence of images that is read on demand: from a file by ``seaglint.files.recording.open_recording``, or by a user's function.
 
     Attributes

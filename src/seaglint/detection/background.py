@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Final, Literal, Protocol
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from seaglint.clutter.thresholds import frame_scale
 from seaglint.detection.interface import Detector, Frames, statistics
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD
 from seaglint.detection.scoring import Interval, SegmentSums, interval
+from seaglint.detection.sources import FrameSource
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 
@@ -24,34 +25,6 @@ KEPT_BYTES: Final = 512e6
 """Size of the statistic up to which it is held in memory; a larger one is written to a temporary file [B]."""
 
 _BLOCK_BYTES = 8e6
-
-
-class FrameSource(Protocol):
-    """Frames without objects: a recording, or pictures rendered on demand."""
-
-    @property
-    def frames(self) -> int:
-        """Number of frames."""
-        ...
-
-    @property
-    def rows(self) -> int:
-        """Rows of a frame [px]."""
-        ...
-
-    @property
-    def columns(self) -> int:
-        """Columns of a frame [px]."""
-        ...
-
-    @property
-    def saturation(self) -> float | None:
-        """Saturation value of a pixel [u]; None where it is unknown."""
-        ...
-
-    def read(self, start: int, stop: int) -> Frames:
-        """Return frames ``start`` to ``stop`` (not included) as a copy, NaN where missing [u]."""
-        ...
 
 
 def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> Iterator[Frames]:
@@ -82,9 +55,8 @@ class Windows:
 
     @classmethod
     def of(cls, source: FrameSource, lead: int) -> Windows:
-        """Windows of a source; one with an attribute ``sequence_length`` holds independent sequences of so many frames."""
-        length = int(getattr(source, "sequence_length", 0)) or source.frames
-        return cls(source.frames, max(length, 1), lead)
+        """Windows of a source."""
+        return cls(source.frames, max(source.sequence_length or source.frames, 1), lead)
 
     @property
     def each(self) -> int:

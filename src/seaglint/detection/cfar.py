@@ -32,13 +32,46 @@ HIGHEST: Final = 37.0
 _NODES: Final = np.linspace(-8.0, HIGHEST, 9001)
 
 
-def _check(training: int, guard: int) -> None:
-    if not 0 <= guard < training:
-        raise DomainError(f"guard = {guard} px and training = {training} px: 0 <= guard < training is needed")
+class RingDetector:
+    """Members of both detectors, which see one frame and compare each pixel with its ring."""
 
+    training: int
+    guard: int
+    clutter: Clutter
 
-def _cells(training: int, guard: int) -> int:
-    return (2 * training + 1) ** 2 - (2 * guard + 1) ** 2
+    @property
+    def lead(self) -> int:
+        """Single frames are enough."""
+        return 0
+
+    @property
+    def calibrated(self) -> bool:
+        """The statistic is in equivalent standard deviations."""
+        return True
+
+    @property
+    def linear(self) -> bool:
+        """The statistic is no sum over pixels."""
+        return False
+
+    @property
+    def reach(self) -> int:
+        """Half side of the outer square [px]."""
+        return self.training
+
+    @property
+    def null_law(self) -> str:
+        """Exact distribution for independent clutter of its kind."""
+        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
+
+    @property
+    def cells(self) -> int:
+        """Number of training pixels."""
+        return (2 * self.training + 1) ** 2 - (2 * self.guard + 1) ** 2
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.guard < self.training:
+            raise DomainError(f"guard = {self.guard} px and training = {self.training} px: 0 <= guard < training is needed")
 
 
 @njit
@@ -90,7 +123,7 @@ def _equivalent(ratio: FloatArray, nodes: FloatArray, z_nodes: FloatArray = _NOD
 
 
 @dataclass(frozen=True)
-class CellAveraging:
+class CellAveraging(RingDetector):
     """Cell-averaging detector.
 
         exponential:  T = x / mean,                    P(T > c) = (1 + c / n)^-n
@@ -110,26 +143,10 @@ class CellAveraging:
     guard: int = 2
     clutter: Clutter = "gaussian"
     name: str = field(default="ca-cfar", init=False)
-    lead: int = field(default=0, init=False)
-    calibrated: bool = field(default=True, init=False)
-    linear: bool = field(default=False, init=False)
-
-    @property
-    def reach(self) -> int:
-        """Half side of the outer square [px]."""
-        return self.training
-
-    @property
-    def null_law(self) -> str:
-        """Exact distribution for independent clutter of its kind."""
-        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
-
-    def __post_init__(self) -> None:
-        _check(self.training, self.guard)
 
     def __call__(self, frames: Frames) -> Frames:
         """Equivalent standard deviations, -8 to :data:`HIGHEST`, shape (k, rows, columns) [1]; NaN for a ring without variation."""
-        n = _cells(self.training, self.guard)
+        n = self.cells
         nodes = _averaging_ratios(self.clutter, n)
         out = np.empty_like(frames, np.float32)
         for k, frame in enumerate(frames):
@@ -252,7 +269,7 @@ def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
 
 
 @dataclass(frozen=True)
-class OrderedStatistic:
+class OrderedStatistic(RingDetector):
     """Ordered-statistic detector: the pixel against quantiles of its ring, which are robust against bright neighbours.
 
         gaussian:     T = (x - (x_(l) + x_(k)) / 2) / (x_(k) - x_(l)),  l = n + 1 - k
@@ -276,22 +293,9 @@ class OrderedStatistic:
     guard: int = 2
     quantile: float = 0.75
     clutter: Clutter = "gaussian"
-    lead: int = field(default=0, init=False)
-    calibrated: bool = field(default=True, init=False)
-    linear: bool = field(default=False, init=False)
-
-    @property
-    def reach(self) -> int:
-        """Half side of the outer square [px]."""
-        return self.training
-
-    @property
-    def null_law(self) -> str:
-        """Exact distribution for independent clutter of its kind."""
-        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:
-        _check(self.training, self.guard)
+        super().__post_init__()
         least = 0.5 if self.clutter == "gaussian" else 0.0
         if not least < self.quantile < 1:
             raise DomainError(f"quantile = {self.quantile:g} is not between {least:g} and 1; choose e.g. 0.75")
@@ -306,7 +310,7 @@ class OrderedStatistic:
 
         NaN where the ring's quantiles are equal, or in the exponential case not above 0.
         """
-        n = _cells(self.training, self.guard)
+        n = self.cells
         rank = min(max(round(self.quantile * n), 1), n)
         gaussian = self.clutter == "gaussian"
         if gaussian:

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.base.random import stream
-from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Law, Threshold
+from seaglint.detection.background import Background, FalseAlarmCount, Law, Threshold
 from seaglint.detection.interface import Frames
 from seaglint.detection.rare_alarms import RareTail
 from seaglint.detection.scoring import Interval, Scores, interval_of_sequences
+from seaglint.detection.sources import FrameSource, PlainFrames
 from seaglint.detection.trials import InjectedObjects, run_trials
 
 COUNTED: Final = 30
@@ -187,7 +188,7 @@ def loss_db(contrast: float, white: float) -> float:
 
 
 @dataclass(frozen=True)
-class WhiteFrames:
+class WhiteFrames(PlainFrames):
     """White Gaussian noise in place of a source, with the same number of frames, mean and variance.
 
     Parameters
@@ -224,8 +225,7 @@ class WhiteFrames:
             number, total, squares = number + values.size, total + float(values.sum()), squares + float((values**2).sum())
         mean = total / max(number, 1)
         sigma = math.sqrt(max(squares / max(number, 1) - mean**2, 0.0))
-        length = int(getattr(source, "sequence_length", 0))
-        return cls(source.frames, source.rows, source.columns, mean + (shift or 0.0), sigma, seed, length)
+        return cls(source.frames, source.rows, source.columns, mean + (shift or 0.0), sigma, seed, source.sequence_length)
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included)."""

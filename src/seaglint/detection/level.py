@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seaglint.detection.background import FrameSource
 from seaglint.detection.counting import Counting
 from seaglint.detection.interface import Detector, Frames
+from seaglint.detection.sources import FrameSource, PlainFrames
 
 
 @dataclass(frozen=True)
-class Rescaled:
+class Rescaled(PlainFrames):
     """Source whose values are multiplied by a factor and raised by a level.
 
     With a factor of -1 dark objects are bright, which is what detectors look for.
@@ -40,7 +40,7 @@ class Rescaled:
     @property
     def sequence_length(self) -> int:
         """Number of frames of each independent sequence; 0 where all belong together."""
-        return int(getattr(self.source, "sequence_length", 0))
+        return self.source.sequence_length
 
     @property
     def saturation(self) -> float | None:
@@ -51,7 +51,7 @@ class Rescaled:
     @property
     def counting(self) -> Counting | None:
         """Counting of an object's light; with a negative factor that of dark objects, which have no shot noise of their own."""
-        counting: Counting | None = getattr(self.source, "counting", None)
+        counting = self.source.counting
         if counting is None:
             return None
         electrons = None if counting.electrons is None or self.factor < 0.0 else counting.electrons / self.factor
@@ -67,9 +67,8 @@ def level_shift(detector: Detector, source: FrameSource) -> float:
 
     Statistics that are not linear take differences or ratios of neighbours, on which a level has no effect.
     """
-    offset = getattr(source, "offset", 0.0)
-    if not offset or not detector.linear:
+    if not source.offset or not detector.linear:
         return 0.0
     ones = np.ones((detector.lead + 1, source.rows, source.columns), np.float32)
     answer = detector(ones)[-1]
-    return float(offset) * float(answer[source.rows // 2, source.columns // 2])
+    return source.offset * float(answer[source.rows // 2, source.columns // 2])

@@ -53,11 +53,6 @@ def whitened(signature: ArrayLike, lags: ArrayLike) -> FloatArray:
     return np.asarray(((vectors * inverse) @ (vectors.T @ s.ravel())).reshape(s.shape))
 
 
-def deflection(signature: ArrayLike, lags: ArrayLike) -> float:
-    """Deflection d' = sqrt(s . C^-1 s) of an object of amplitude 1: mean of the matched filter's output over its standard deviation [1]."""
-    return float(np.sqrt((np.asarray(signature, np.float64) * whitened(signature, lags)).sum()))
-
-
 @dataclass(frozen=True)
 class Matched:
     """Matched filter with one set of weights for the whole frame.

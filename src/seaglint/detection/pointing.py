@@ -48,13 +48,6 @@ def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray
     return np.where(total[:, None] > 0, place, np.nan)
 
 
-def centroid_deviation(shape: SpotShape, contrast: float, sigma: float) -> float:
-    """Standard deviation of a centroid along one axis for a centred object in white noise, sigma sqrt(sum x²) / sum S [px]."""
-    axis = np.arange(-shape.half, shape.half + 1)
-    total = contrast * float(shape.stamps(np.zeros((1, 2))).sum())
-    return float(sigma * np.sqrt((axis**2).sum() * axis.size) / total)
-
-
 def _derivatives(shape: SpotShape, place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shape and its derivatives with respect to row and column."""
     steps = _STEP * np.eye(2)
@@ -91,14 +84,3 @@ def least_squares(patches: FloatArray, shape: SpotShape) -> FloatArray:
         place = np.clip(place + np.clip(step, -0.5, 0.5), -2 * FARTHEST, 2 * FARTHEST)
     near = np.abs(place).max(axis=1) < FARTHEST
     return np.where(near[:, None], place, np.nan)
-
-
-def cramer_rao(shape: SpotShape, contrast: float, sigma: float) -> tuple[float, float]:
-    """Least standard deviation of an unbiased row and column of a centred object in white noise, amplitude and level unknown [px].
-
-    For a finely sampled Gaussian spot of peak A it is sqrt(2 / pi) sigma / A, whatever the width.
-    """
-    s, down, right = (d.ravel() for d in _derivatives(shape, np.zeros((1, 2))))
-    design = np.stack([s, np.ones_like(s), contrast * down, contrast * right], axis=1) / sigma
-    bound = np.linalg.inv(design.T @ design)
-    return float(np.sqrt(bound[2, 2])), float(np.sqrt(bound[3, 3]))

@@ -18,14 +18,11 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.extremes import TRUSTED_SETS, TRUSTED_SPAN, TailFit, fit_tail
-from seaglint.clutter.false_alarms import FalseAlarms, RateCurve
-from seaglint.clutter.thresholds import standardise
+from seaglint.clutter.false_alarms import RateCurve
 
 LOWEST_THRESHOLD: Final = 3.0
 """Threshold above which the events of a tail begin [standard deviations]."""
@@ -175,32 +172,3 @@ def _region(curve: RateCurve, fit: TailFit) -> tuple[FloatArray, FloatArray]:
             likelihood -= np.where(inside > 0, n * (1.0 + 1.0 / shape) * np.log(inside), np.inf)
     near = likelihood >= likelihood.max() - 0.5 * QUANTILE**2
     return shape[near], scale[near]
-
-
-def tail_of(values: ArrayLike, *, seed: int = 0) -> tuple[RareTail, float, float]:
-    """Tail of a sample, and the mean and standard deviation of its thresholds' scale.
-
-    Parameters
-    ----------
-    values : array_like
-        A series, an image, or frames (k, rows, columns): neighbours belong to one event [u].
-    seed : int
-        Seed of the draws for test and interval.
-
-    Raises
-    ------
-    DomainError
-        More than three axes.
-    DataError
-        No variation.
-    """
-    x = np.asarray(values, np.float64)
-    if not 1 <= x.ndim <= 3:
-        raise DomainError(f"values have {x.ndim} axes; give a series, an image, or frames (k, rows, columns)")
-    frames = x.reshape((1,) * (3 - x.ndim) + x.shape)
-    mean, sigma = float(np.nanmean(frames)), float(np.nanstd(frames))
-    if not sigma > 0:
-        raise DataError("values without variation have no tail; give others")
-    alarms = FalseAlarms((LOWEST_THRESHOLD,))
-    alarms.add(standardise(frames - mean, scope="sequence", scale=(0.0, sigma)))
-    return rare_tail(alarms.curve(), alarms.events(LOWEST_THRESHOLD), seed=seed), mean, sigma

@@ -1,8 +1,8 @@
 """Trials of a detector with injected objects, batch by batch.
 
 A detector that is linear sees clutter and objects apart: the statistic of the clutter is known, that of the objects is computed once and
-scaled to every contrast. Any other sees the frames with the objects in them. A source that is a sensor's has an attribute ``counting``
-(:class:`seaglint.detection.counting.Counting`): its objects have shot noise, and what they add is counted in steps.
+scaled to every contrast. Any other sees the frames with the objects in them. Objects before a sensor have shot noise, and what they add is
+counted in steps (:class:`seaglint.detection.counting.Counting`).
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError, DomainError
-from seaglint.detection.background import Background, FrameSource, Threshold, Windows
+from seaglint.detection.background import Background, Threshold, Windows
 from seaglint.detection.injection import Batch, InjectionPlan, Placement, free, inject, most_batches, nothing_free, pitch_for
 from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.pointing import Pointing, border_level, centroid, least_squares
 from seaglint.detection.scoring import Scores, around, best, match_offsets
+from seaglint.detection.sources import FrameSource
 from seaglint.detection.spot import SpotShape
 
 LARGEST_CONTRAST: Final = 1e30
@@ -139,7 +140,7 @@ class _Batches:
         alone = np.zeros_like(frames)
         there = min(objects.duration, lead + 1) or lead + 1
         inject(alone[lead + 1 - there :], batch, objects.shape, 1.0, objects.velocity)
-        detector, counting = self.background.detector, getattr(self.source, "counting", None)
+        detector, counting = self.background.detector, self.source.counting
         draws = None if counting is None else counting.draws(objects.seed, start, alone.shape)
         response = detector(alone)[-1] if detector.linear and counting is None else None
         base = around(self.background.statistic[batch.window], batch.row, batch.column, self.offsets)

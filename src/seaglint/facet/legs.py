@@ -159,7 +159,7 @@ def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: floa
 
     The share P is interpolated over the azimuth between both legs as Smith's law for two legs is: 1/P of legs on one side, where the
     lower one decides, and of opposite legs, by the weight of :func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`. One band is
-    :func:`~seaglint.sea.shadowing.smith.bistatic`.
+    the share given there.
     """
     seen = nested_ratio_kernel(view[0], view[1], 1.0, legs.ratio)
     if not legs.sun:

@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 from seaglint.air.protocol import Atmosphere
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.emissivity import facet_nodes
+from seaglint.facet.sky import mirrored_sky
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.optics.sea_water import WaterIndex
@@ -54,7 +55,7 @@ class SkyTable:
     def of(cls, atmosphere: Atmosphere, grid: slice = slice(None)) -> SkyTable:
         """Table of the sky seen from the sea, on part of the atmosphere's spectral grid."""
         root = np.sqrt(0.5 * np.pi) * np.linspace(0.0, 1.0, _SKY_NODES)
-        radiance = atmosphere.sky_radiance(np.clip(0.5 * np.pi - root**2, 0.0, 0.5 * np.pi))[:, grid]
+        radiance = mirrored_sky(atmosphere, np.clip(0.5 * np.pi - root**2, 0.0, 0.5 * np.pi), grid)
         u, s, v = np.linalg.svd(radiance, full_matrices=False)
         rank = max(int(np.count_nonzero(s > _SKY_RANK * s[0])), 1)
         return cls(CubicSpline(root, u[:, :rank] * s[:rank]), np.asarray(v[:rank]))

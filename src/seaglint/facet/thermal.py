@@ -21,6 +21,7 @@ from seaglint.base.jit import kernel, njit, njit_parallel
 from seaglint.facet.path_basis import PathBasis
 from seaglint.facet.roughness import Roughness, Sight, along
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import mirrored_sky
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
@@ -352,7 +353,7 @@ def thermal_sources(basis: PathBasis, view: SeaView) -> ThermalSources:
     rho = band_reflectance(basis, view.water)
     black = planck_wavenumber(basis.wavenumber_cm, view.sea_temperature)
     zenith = np.arccos(np.linspace(0.0, 1.0, SKY_NODES) ** 2)
-    sky = view.atmosphere.sky_radiance(zenith)[:, basis.grid]
+    sky = mirrored_sky(view.atmosphere, zenith, basis.grid)
     weighted = basis.phi * basis.weights
     reflected = np.stack([(rho * w) @ sky.T for w in weighted], axis=-1)
     return ThermalSources(basis.project((1.0 - rho) * black), np.ascontiguousarray(reflected), basis.project(black))

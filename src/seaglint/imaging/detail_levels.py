@@ -12,7 +12,8 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Bounds, Surface, steepest_rise, surface_of
+from seaglint.imaging.launch import surface_of
+from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Bounds, Surface, steepest_rise
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 

@@ -9,7 +9,6 @@ displacement of its tiles is that of the place where a ray meets the mean sea.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,18 +16,19 @@ from numpy.typing import NDArray
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
-from seaglint.base.jit import in_threads, kernel, njit
+from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.facet.facet_tables import FacetDomain, PathTerms, facet_tables
-from seaglint.facet.haze import Haze, haze_between, haze_column, sky_haze
+from seaglint.facet.haze import haze_between, haze_column
 from seaglint.facet.local_sun import SunTable, strength_kernel
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import SkyAbove, sky_above, sky_between
 from seaglint.facet.solar_disc import DiscLine, no_disc_line
 from seaglint.facet.sunlight import Sunlight, raised_sun, sunlight_at
 from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
-from seaglint.imaging.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
+from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
 from seaglint.imaging.wave_shadow import sun_over_waves
 from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -55,17 +55,15 @@ MOST_STEPS = 200_000
 class Air(NamedTuple):
     """Path by arc and sky by elevation, from one height.
 
-    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` and its scattered sunlight at the elevations
-    ``i^2/sky_parts^2 - dip``.
+    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` at the elevations ``i^2/sky_parts^2 - dip``.
     """
 
     scale: float
     parts: float
     path: PathTerms
-    sky: np.ndarray
+    sky: SkyAbove
     dip: float
     sky_parts: float
-    haze: Haze
 
 
 class RayTables(NamedTuple):
@@ -138,13 +136,8 @@ def meet(surface: Surface, line: SurfaceLine, bounds: Bounds, eye: float, run: f
 @kernel
 def sky_at(air: Air, elevation: float, azimuth: float) -> float:
     """Radiance of the sky at an elevation and an azimuth [rad], without the Sun."""
-    at = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
-    i = min(int(at), air.sky.shape[0] - 2)
-    f = min(at - i, 1.0)
-    sky = (1.0 - f) * air.sky[i] + f * air.sky[i + 1]
-    if air.haze.values.shape[0] > 0:
-        sky += haze_between(air.haze, haze_column(air.haze, azimuth), i + f)
-    return float(sky)
+    row = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
+    return sky_between(air.sky, azimuth, min(row, air.sky.thermal.shape[1] - 1.0))
 
 
 @njit
@@ -245,61 +238,43 @@ def walk_pixels(
         channels[p] /= n * n
 
 
-@dataclass(frozen=True, eq=False)
-class WalkedRays:
-    """Tables of rays from one height; make it with :meth:`prepare`."""
+def ray_tables(
+    view: SeaView,
+    facets: SlopeStatistics,
+    resolved: tuple[float, float],
+    crest: float,
+    elevation: float,
+    azimuths: tuple[float, float],
+    *,
+    emitted: bool = False,
+) -> RayTables:
+    """Tables for rays from one height that look down at least as steeply as ``elevation`` and between two azimuths [rad].
 
-    tables: RayTables
+    ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
+    the highest [m]; ``emitted``: whether emission is separate from the sky.
+    """
+    eye = view.sensor_height
+    dip = horizon_depression(eye)
+    farthest = horizon_range(eye) + horizon_range(max(crest, 1e-6))
+    if -elevation > 1.05 * dip:
+        # the ray meets crests nearer, and troughs as deep farther out, than the mean sea
+        farthest = min(float(surface_range(eye + 2.0 * crest, -elevation)), farthest)
+    scale = eye
+    log = np.linspace(0.0, np.log1p(farthest / scale), PATH_NODES)
+    arcs = scale * np.expm1(log)
+    places = np.maximum(arcs, 1e-3 * eye)
+    basis = path_basis(view.atmosphere, view.band, eye, places)
+    lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
+    domain = FacetDomain(facets, resolved, view.shadowing.facet_bands(view.slopes, facets), (lowest, 1.0))
+    sun, levels, path = facet_tables(view, basis, places, [domain], azimuths, emitted=emitted)
+    shape = levels.shape[0, 1:]
 
-    @classmethod
-    def prepare(
-        cls,
-        view: SeaView,
-        facets: SlopeStatistics,
-        resolved: tuple[float, float],
-        crest: float,
-        elevation: float,
-        azimuths: tuple[float, float],
-        *,
-        emitted: bool = False,
-    ) -> WalkedRays:
-        """Tables for rays that look down at least as steeply as ``elevation`` and between two azimuths [rad].
+    def by_azimuth(table: NDArray[np.float32]) -> NDArray[np.float32]:
+        return np.ascontiguousarray(table.reshape(*shape, table.shape[1]).transpose(1, 0, 2, 3, 4))
 
-        ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
-        the highest [m]; ``emitted``: whether emission is separate from the sky.
-        """
-        eye = view.sensor_height
-        dip = horizon_depression(eye)
-        farthest = horizon_range(eye) + horizon_range(max(crest, 1e-6))
-        if -elevation > 1.05 * dip:
-            # the ray meets crests nearer, and troughs as deep farther out, than the mean sea
-            farthest = min(float(surface_range(eye + 2.0 * crest, -elevation)), farthest)
-        scale = eye
-        log = np.linspace(0.0, np.log1p(farthest / scale), PATH_NODES)
-        arcs = scale * np.expm1(log)
-        places = np.maximum(arcs, 1e-3 * eye)
-        basis = path_basis(view.atmosphere, view.band, eye, places)
-        lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
-        domain = FacetDomain(facets, resolved, view.shadowing.facet_bands(view.slopes, facets), (lowest, 1.0))
-        sun, levels, path = facet_tables(view, basis, places, [domain], azimuths, emitted=emitted)
-        shape = levels.shape[0, 1:]
-
-        def by_azimuth(table: NDArray[np.float32]) -> NDArray[np.float32]:
-            return np.ascontiguousarray(table.reshape(*shape, table.shape[1]).transpose(1, 0, 2, 3, 4))
-
-        above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
-        sky = view.in_band(view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye))
-        haze = sky_haze(view, above**2 - dip)
-        air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]), haze)
-        return cls(RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
-
-    def __call__(
-        self, surface: Surface, bounds: Bounds, eye: float, corner: FloatArray, pixels: NDArray[np.int64], samples: NDArray[np.int64]
-    ) -> FloatArray:
-        """Mean channels of some pixels (pixels, channels); see :func:`walk_pixels`."""
-        channels = np.zeros((pixels.size, CHANNELS))
-        in_threads(lambda some: walk_pixels(surface, bounds, eye, self.tables, corner, pixels, samples, channels, some), pixels.size)
-        return channels
+    above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
+    air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky_above(view, above**2 - dip), dip, 1.0 / float(above[1]))
+    return RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air)
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:

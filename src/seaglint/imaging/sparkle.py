@@ -26,7 +26,7 @@ import numba
 import numpy as np
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
-from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range
+from seaglint.base.conventions import horizon_depression, horizon_range, surface_range
 from seaglint.base.jit import kernel, njit_parallel
 from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
 from seaglint.base.random import stream
@@ -36,7 +36,7 @@ from seaglint.facet.roughness import Sight
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sunlight import Sunlight, sunlight_at
 from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.layers import FEWEST, SPREAD, SUN, TOTAL
+from seaglint.imaging.layers import SPREAD, SUN, TOTAL
 from seaglint.radiance.variance import patches
 
 MOST_CELLS = 10.0
@@ -403,48 +403,3 @@ def sparkle_columns(
     """Apply :func:`sparkle_column` to every column of ``images`` (columns, intervals, channels, rows)."""
     for column in numba.prange(azimuths.shape[0]):
         sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])
-
-
-def sparkle_image(
-    sparkle: Sparkle,
-    camera: Camera,
-    sun: Sunlight,
-    variance: FloatArray,
-    time: float,
-    origin: tuple[float, float] = (0.0, 0.0),
-) -> FloatArray:
-    """Factors of mean 1 on the mirrored Sun of an image.
-
-    Parameters
-    ----------
-    sparkle : Sparkle
-        The sea's parameters, from :func:`sparkle_of`.
-    camera : Camera
-        The image's grid.
-    sun : Sunlight
-        The Sun at the sensor's foot.
-    variance : ndarray
-        Relative variance ``(1/P - 1)/M`` of pixels that see many cells [1, (rows, columns)]; see :func:`piece_variance`.
-    time : float
-        Instant [s].
-    origin : tuple of float
-        Sensor's foot, east and north [m].
-
-    Returns
-    -------
-    ndarray
-        Factors [1, (rows, columns)].
-
-    Examples
-    --------
-    >>> from seaglint.facet.sunlight import sunlight
-    >>> camera = Camera(20.0, 0.0, -0.1, 0.002, 0.001, 4, 2)
-    >>> factors = sparkle_image(sparkle_of(1, 0.0026, 0.07), camera, sunlight(1.0, 0.0, True), np.full((2, 4), 0.01), 3.2)
-    >>> factors.shape, bool(abs(factors.mean() - 1.0) < 0.3)
-    ((2, 4), True)
-    """
-    images = np.ones((camera.columns, 1, FEWEST, camera.rows))
-    images[:, 0, SPREAD] = np.asarray(variance, dtype=np.float64).T
-    place = (float(origin[0]), float(origin[1]))
-    sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, place, float(time), images)
-    return np.ascontiguousarray(images[:, 0, SUN].T)

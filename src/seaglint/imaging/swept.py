@@ -13,24 +13,24 @@ from numpy.typing import NDArray
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, view_zenith_of_range, wrap_angle
 from seaglint.base.errors import DomainError
-from seaglint.base.jit import in_threads
 from seaglint.facet.facet_tables import FacetDomain, facet_slopes, facet_tables
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sunlight import Sunlight
+from seaglint.imaging import launch
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.detail_levels import Levels
-from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed, upright
+from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import Instant, joined, require_columns
-from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
+from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
 from seaglint.imaging.sweep.pieces import Merging
 from seaglint.imaging.sweep.sky_rows import sky_rows
-from seaglint.imaging.sweep.sweep import Swept, skies_alone, sweep_columns
+from seaglint.imaging.sweep.sweep import Swept
 from seaglint.imaging.sweep.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
-from seaglint.imaging.wave_surface import Surface, course, height
+from seaglint.imaging.wave_surface import Surface
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.smith import smith_lambda
@@ -280,24 +280,17 @@ class SweptScene:
 
     def _interval(self, columns: FloatArray) -> Layers:
         planes = np.arange(CHANNELS + 1)
-        out = np.empty((planes.size, self.camera.rows, columns.shape[0]))
-        upright(columns, planes, out)
-        return layers_of(out, planes, (*self.layers, "coverage"))
+        return layers_of(launch.planes_of(columns, planes, np.float64), planes, (*self.layers, "coverage"))
 
     def _layers(self, columns: FloatArray) -> Layers:
         """Layers of columns (columns, channels, rows)."""
         planes = planes_for(self.layers)
-        return layers_of(self._planes(columns, planes), planes, self.layers)
-
-    def _planes(self, columns: FloatArray, planes: NDArray[np.int64]) -> NDArray[np.float32]:
-        out = np.empty((planes.size, self.camera.rows, columns.shape[0]), np.float32)
-        upright(columns, planes, out)
-        return out
+        return layers_of(launch.planes_of(columns, planes, np.float32), planes, self.layers)
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
         """Planes of :func:`~seaglint.imaging.layers.planes_for` [(planes, rows, columns)] of some columns, for a given sea."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
-        return self._planes(images[:, 0], planes_for(self.layers))
+        return launch.planes_of(images[:, 0], planes_for(self.layers), np.float32)
 
     def _swept(self, pose: Pose, time: float, part: tuple[int, int], surface: Surface, cuts: FloatArray) -> FloatArray:
         """Channels of some columns (columns, 1 or 2 + cuts, channels, rows)."""
@@ -306,15 +299,12 @@ class SweptScene:
         intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
         channels = CHANNELS if intervals else channels_for(self.layers)
         azimuths = np.ascontiguousarray(camera.azimuths[part[0] : part[1]])
-        images = np.zeros((azimuths.size, 1 + intervals, channels, camera.rows))
         if tables is None:
-            skies_alone(sky_rows(self.view, replace(camera, height=self._prepared_for.height)), azimuths, camera.column_step, images)
-            return images
-        line = course(surface, 0, 1.0, 0.0)
-        require_above(height(surface, line, 0, line.part.shape[0], 0.0), camera.height, time)
-        in_threads(lambda some: sweep_columns(tables, surface, azimuths, camera.column_step, cuts, images, some), azimuths.size)
-        place = (float(pose.east), float(pose.north))
-        sparkle_columns(tables.sparkle, sparkle_rows(camera), tables.sunlight, azimuths, place, float(time), images)
+            rows = sky_rows(self.view, replace(camera, height=self._prepared_for.height))
+            return launch.columns_of_sky(rows, azimuths, camera.column_step, intervals, channels)
+        require_above(launch.foot_height(surface), camera.height, time)
+        images = launch.columns_of_sea(tables, surface, azimuths, camera.column_step, cuts, channels)
+        launch.add_sparkles(tables, sparkle_rows(camera), azimuths, (float(pose.east), float(pose.north)), float(time), images)
         return images
 
     def _require_pose(self, pose: Pose) -> None:

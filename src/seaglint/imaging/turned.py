@@ -16,6 +16,7 @@ from seaglint.base.conventions import FloatArray, wrap_angle
 from seaglint.base.errors import DomainError
 from seaglint.facet.facet_tables import facet_slopes
 from seaglint.facet.sea_view import SeaView
+from seaglint.imaging import launch
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.attitude_coverage import AngleSurvey, corners_of, covers
 from seaglint.imaging.camera.image_grid import Camera
@@ -31,16 +32,14 @@ from seaglint.imaging.camera.view import (
     pixel_elevations,
     pixel_pitch,
     quads,
-    resample_at_once,
 )
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
-from seaglint.imaging.rays import WalkedRays, rays_per_side
+from seaglint.imaging.rays import RayTables, ray_tables, rays_per_side
 from seaglint.imaging.scene import Instant, require_columns
 from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles
 from seaglint.imaging.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.imaging.swept import SAME, SweptScene, require_above, require_dry
-from seaglint.imaging.wave_surface import course, height
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 
@@ -74,10 +73,10 @@ class _Height:
 
     view: SeaView
     swept: SweptScene | None
-    prepare_rays: Callable[[], WalkedRays]
+    prepare_rays: Callable[[], RayTables]
 
     @cached_property
-    def rays(self) -> WalkedRays:
+    def rays(self) -> RayTables:
         return self.prepare_rays()
 
     @cached_property
@@ -276,7 +275,7 @@ class TurnedScene:
             if pixels.size:
                 quadrilaterals, cells, parts = self._columns(every.some(covered), grid)
                 if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_KEPT:
-                    resampling = Resampling.of(quadrilaterals, pixels, cells)
+                    resampling = launch.weights_of(quadrilaterals, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
         return _AttitudePlan(corner, pixels, parts, quadrilaterals, cells, resampling, walked, samples)
@@ -325,11 +324,11 @@ class TurnedScene:
             self._heights.popitem(last=False)
         return self._heights[at]
 
-    def _rays(self, view: SeaView) -> WalkedRays:
+    def _rays(self, view: SeaView) -> RayTables:
         waves, survey = self.waves, self._survey
         resolved = waves.resolved_mss() if waves is not None else (0.0, 0.0)
         towards = waves.spectrum.wind_to_azimuth if waves is not None else view.slopes.wind_to_azimuth
-        return WalkedRays.prepare(
+        return ray_tables(
             view,
             facet_slopes(view.slopes, resolved, towards, waves.resolved_covariance() if waves is not None else 0.0),
             resolved,
@@ -402,8 +401,7 @@ class TurnedScene:
     def _drawn(self, pose: Pose, time: float, plan: _AttitudePlan, sea: Instant | None) -> Layers:
         prepared, kinds = self._prepared(pose.height), planes_for(self.layers)
         levels, lattices, surface = sea or self.sea(pose, time)
-        line = course(surface, 0, 1.0, 0.0)
-        require_above(height(surface, line, 0, line.part.shape[0], 0.0), pose.height, time)
+        require_above(launch.foot_height(surface), pose.height, time)
         columns = plan.corner.shape[1] - 1
         out = np.zeros((kinds.size, self.imager.rows * columns), np.float32)
         if plan.swept.size and prepared.swept is not None:
@@ -411,7 +409,8 @@ class TurnedScene:
             upright = replace(scene.pose, east=pose.east, north=pose.north)
             _resample(plan, np.concatenate([scene.planes(upright, time, surface, part) for part in plan.parts], axis=2), out)
         if plan.walked.size:
-            channels = prepared.rays(surface, levels.bounds(lattices), pose.height, plan.corner, plan.walked, plan.samples)
+            bounds = levels.bounds(lattices)
+            channels = launch.pixels_of_rays(prepared.rays, surface, bounds, pose.height, plan.corner, plan.walked, plan.samples)
             channels[:, TOTAL] += disc_in_pixels(prepared.sun, plan.corner, plan.walked) * (1.0 - channels[:, COVERAGE])
             sky = channels[:, TOTAL] - channels[:, SUN] - channels[:, EMITTED] - channels[:, PATH]
             for k, kind in enumerate(kinds):
@@ -422,9 +421,8 @@ class TurnedScene:
 def _resample(plan: _AttitudePlan, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
     """Resample images of the sweep's cells (planes, rows, columns) into the camera's pixels (planes, pixels)."""
     if plan.resampling is not None:
-        plan.resampling(images, out)
+        launch.resample(plan.resampling, images, out)
         return
     assert plan.quads is not None  # where pixels are swept there are these
     assert plan.cells is not None
-    quad, most = plan.quads, int(plan.quads.bound.max())
-    resample_at_once(quad.column, quad.sine, plan.cells, most, images.reshape(images.shape[0], -1), plan.swept, out)
+    launch.resample_once(plan.quads, plan.swept, plan.cells, images, out)

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit
 from seaglint.sea.wander import Wander
 
@@ -386,61 +385,8 @@ def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray
     return rise
 
 
-def surface_of(
-    lattices: tuple[NDArray[np.float32], ...],
-    spacing: FloatArray,
-    turn: FloatArray,
-    levels: tuple[tuple[int, ...], ...] | None = None,
-    origin: tuple[float, float] = (0.0, 0.0),
-    wander: tuple[Wander, ...] = (),
-) -> Surface:
-    """Bundle the lattices of one instant; without lattices the sea has no resolved waves.
-
-    Parameters
-    ----------
-    lattices : tuple of ndarray
-        Each (n, n, 3): height [m], slopes towards east and north; n a power of two, 4 or more.
-    spacing, turn : ndarray
-        Distance of lattice points [m] and turn from east [rad] of each.
-    levels : tuple of tuples of int, optional
-        Lattices of every level of detail, longest waves first; one of all by default.
-    origin : (float, float)
-        Point under the sensor, east and north [m].
-    wander : tuple of Wander
-        Displacement of each lattice; none where all lie still.
-    """
-    sizes = np.array([z.shape[0] for z in lattices], dtype=np.int64)
-    for n in sizes:
-        if n < 4 or n & (n - 1) or n > LONGEST_STRIP:
-            raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
-    chosen = levels if levels is not None else (tuple(range(len(lattices))),)
-    first = np.concatenate([[0], np.cumsum(sizes**2)]).astype(np.int64)
-    bits = np.array([int(n).bit_length() - 1 for n in sizes], dtype=np.int64)
-    heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
-    for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
-        lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
-    c, s = np.cos(turn), np.sin(turn)
-    # positions are periodic: small numbers have more digits
-    u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
-    highest = [float(z[..., 0].max()) for z in lattices]
-    most = max(*map(len, chosen), 1)
-    level, crest = np.full((len(chosen), most), -1, np.int64), np.zeros((len(chosen), most))
-    for i, parts in enumerate(chosen):
-        level[i, : len(parts)] = parts
-        crest[i, : len(parts)] = np.cumsum([highest[p] for p in reversed(parts)])[::-1]
-    return Surface(
-        heights,
-        both_slopes,
-        np.stack([first[:-1], sizes, bits], axis=1),
-        np.stack([1.0 / spacing, c, s, u, v], axis=1),
-        level,
-        crest,
-        _wander_rows(wander, spacing, turn, origin),
-    )
-
-
-def _wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """Rows :attr:`Surface.wander` for a sensor above ``origin``."""
+def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
+    """Rows :attr:`Surface.wander` for a sensor above ``origin`` [m]."""
     out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
     for row, one, d, angle in zip(out, wander, spacing, turn, strict=False):
         c, s = np.cos(angle), np.sin(angle)

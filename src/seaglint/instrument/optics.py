@@ -241,9 +241,10 @@ class Blur:
         diffraction = np.interp(v, nodes, clear) @ share
         if optics.defocus == 0.0:
             return cls(optics, mean, frequency, diffraction, diffraction)
-        bins = np.array_split(np.argsort(wavelength), 16)
-        weight = np.array([share[b].sum() for b in bins])
-        middle = np.array([(wavelength[b] @ share[b]) / max(w, 1e-300) for b, w in zip(bins, weight, strict=True)])
+        # parts without electrons have no mean wavelength: bands of less than 16 samples, and samples without response
+        bins = [part for part in np.array_split(np.argsort(wavelength), 16) if share[part].sum() > 0.0]
+        weight = np.array([share[part].sum() for part in bins])
+        middle = np.array([(wavelength[part] @ share[part]) / w for part, w in zip(bins, weight, strict=True)])
         soft = np.stack(
             [
                 np.interp(frequency * w / optics.aperture, nodes, pupil_mtf(nodes, optics.obscuration, optics.defocus * mean / w))

@@ -140,16 +140,26 @@ def _crossing(corners: FloatArray, low: FloatArray, high: FloatArray, triangles:
 
 @njit
 def _pierces(start: FloatArray, end: FloatArray, triangle: FloatArray, depth: float) -> bool:
-    """True if a segment passes through the inside of a triangle, by more than ``depth`` on both sides."""
+    """True if a segment passes through a triangle: by more than ``depth`` on both sides, and that far from its edges."""
     a, b, c = triangle[0], triangle[1], triangle[2]
     before, behind = _six_volumes(a, b, c, start), _six_volumes(a, b, c, end)
     if before * behind >= 0.0:
         return False
     x, y, z = _normal(a, b, c)
-    if min(abs(before), abs(behind)) <= depth * math.sqrt(x * x + y * y + z * z):
+    long = math.sqrt(x * x + y * y + z * z)
+    if min(abs(before), abs(behind)) <= depth * long:
         return False
     u, v, w = _six_volumes(start, end, a, b), _six_volumes(start, end, b, c), _six_volumes(start, end, c, a)
-    return (u > 0.0 and v > 0.0 and w > 0.0) or (u < 0.0 and v < 0.0 and w < 0.0)
+    if not ((u > 0.0 and v > 0.0 and w > 0.0) or (u < 0.0 and v < 0.0 and w < 0.0)):
+        return False
+    # distances from the edges, by the shares of the corners opposite to them
+    least = depth * abs(u + v + w) / long
+    return abs(u) > least * _distance(a, b) and abs(v) > least * _distance(b, c) and abs(w) > least * _distance(c, a)
+
+
+@njit
+def _distance(a: FloatArray, b: FloatArray) -> float:
+    return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
 
 
 @njit

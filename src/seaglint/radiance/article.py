@@ -78,7 +78,7 @@ class ArticleAtmosphere:
             path=CubicSpline(np.log(slant), path @ over.weights),
             boundary=CubicSpline(np.log(slant), (path + spectral * sea) @ over.weights),
             sun=PchipInterpolator(_ZENITHS, over(atmosphere.solar_irradiance(_ZENITHS))),
-            sky=PchipInterpolator(zenith, over(atmosphere.sky_radiance(zenith, sensor_height))),
+            sky=PchipInterpolator(zenith, over(atmosphere.sky_radiance(zenith, 0.0, sensor_height))),
             fit_error=float(np.max(np.abs(np.exp(powers @ coefficients) - transmittance))),
         )
 

@@ -20,6 +20,7 @@ from seaglint.facet.glint import GlintModel
 from seaglint.facet.local_sun import turn_at
 from seaglint.facet.scattered import Around, ScatteredMap, ScatteredSun, SeaRows
 from seaglint.facet.sea_view import SeaView, sea_arc
+from seaglint.facet.sky import thermal_at, thermal_sky
 from seaglint.facet.surface_spectra import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
@@ -203,7 +204,8 @@ class MeanModel:
         emission[sea, 0] = np.sum(interpolated[:, 1 : 1 + k] * weights.T, axis=1)
         sky[sea, 0] = np.sum(interpolated[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
         above, table = self._sky
-        sky[~sea, 0] = np.interp(elevation[~sea], above, table)
+        seen = np.stack([np.interp(elevation[~sea], above, row) for row in table])
+        sky[~sea, 0] = thermal_at(seen, azimuth[~sea], np.arange(seen.shape[1]))
         if self._scattered is not None:
             more_path, more_sky = self._scattered.along(gamma[sea], azimuth[sea])
             path[sea, 0] += more_path
@@ -214,11 +216,10 @@ class MeanModel:
 
     @cached_property
     def _sky(self) -> tuple[FloatArray, FloatArray]:
-        """Elevations from the horizon to the zenith [rad], and the sky radiance there [W m-2 sr-1]."""
+        """Elevations from the horizon to the zenith [rad], and the thermal sky there [W m-2 sr-1, (azimuths, elevations)]."""
         dip = horizon_depression(self.view.sensor_height)
         elevation = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_NODES) ** 2 - dip
-        zenith = np.clip(0.5 * np.pi - elevation, 0.0, 0.5 * np.pi + dip)
-        return elevation, self.view.in_band(self.view.atmosphere.sky_radiance(zenith, self.view.sensor_height))
+        return elevation, thermal_sky(self.view, elevation)
 
 
 def _lines(elevation: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -288,11 +289,11 @@ def _assembled(
     k = weights.shape[0]
     table = np.zeros((rows.size, sampled.shape[1]))
     table[sea] = sampled
-    wide = weights[:, :1] if view.slopes.is_isotropic else weights
+    wide = weights[:, :1] if view.slopes.is_isotropic and view.atmosphere.sky_azimuths == 1 else weights
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
     turn = turn_at(sea_arc(view.sensor_height, gamma))
     mirrored = glint.grid(0.5 * np.pi - gamma, columns + np.pi, turn, table[:, 1 + 2 * k :])
     if not np.all(sea):
-        above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)
-        sky[~sea] = view.in_band(above)[:, None]
+        above = thermal_sky(view, rows[~sea])
+        sky[~sea] = thermal_at(above, columns[: sky.shape[1]], np.arange(above.shape[1])[:, None])
     return SeaRadiance(path, emission, sky, *mirrored)

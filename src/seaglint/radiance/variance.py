@@ -143,18 +143,8 @@ def glint_variance(
         Mean radiance of the mirrored Sun [W m-2 sr-1], as :attr:`seaglint.radiance.mean.SeaRadiance.sun`.
     chance : array_like
         P, share of the viewed area that mirrors the Sun, shadowing included [1].
-    cos_incidence : array_like
-        Cosine of the angle of incidence on the mirroring facets [1].
-    view_zenith : array_like
-        Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2.
-    solar_zenith : float
-        Zenith angle of the Sun's centre [rad].
-    slant_range : array_like
-        Distance to the sea [m].
-    solid_angle : array_like
-        Solid angle of the detector's view [sr]: for a rectangular pixel the product of its two angular widths.
-    correlation_length : float
-        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.glint_correlation`.
+    cos_incidence, view_zenith, solar_zenith, slant_range, solid_angle, correlation_length
+        As in :func:`patches`.
 
     Returns
     -------

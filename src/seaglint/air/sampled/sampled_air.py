@@ -21,7 +21,7 @@ from seaglint.air.coordinates import (
     path_coordinate,
 )
 from seaglint.air.line import heights_along
-from seaglint.air.protocol import require_line, require_range, require_solar_zenith, slant_range
+from seaglint.air.protocol import ClearAir, require_line, require_range, require_solar_zenith, slant_range
 from seaglint.air.scattering.scattered_samples import ScatteredSamples
 from seaglint.air.sky_spline import Sky, SkySamples, brightness_temperature, radiance_of
 from seaglint.air.vacuum import exoatmospheric_irradiance
@@ -89,7 +89,7 @@ class SunSamples:
 
 
 @dataclass(frozen=True, eq=False)
-class SampledAtmosphere:
+class SampledAtmosphere(ClearAir):
     """Atmosphere of spectra at nodes with splines between them, for one sensor height. Make it with :meth:`create`.
 
     Notes
@@ -342,8 +342,8 @@ class SampledAtmosphere:
         sunlight = self._source * np.exp(-decode_optical_depth(np.asarray(self._sun(np.clip(y, self._sun.x[0], self._sun.x[-1])))))
         return np.asarray(np.where(up[..., np.newaxis], sunlight, 0.0))
 
-    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky at zenith angles ``zenith`` [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+    def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
+        """Thermal radiance of the clear sky in directions [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
 
         ``height`` is 0 or the sensor's; from there the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``.
         """
@@ -359,14 +359,15 @@ class SampledAtmosphere:
                 value=height,
                 allowed=covered,
             )
-        elevation = 0.5 * np.pi - np.asarray(zenith, dtype=np.float64)
+        angle = np.broadcast_arrays(np.asarray(zenith, dtype=np.float64), azimuth)[0]
+        elevation = 0.5 * np.pi - angle
         outside = ~((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK))
         if outside.any():
             raise DomainError(
                 f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "
                 "directions below the sea horizon see the sea",
                 name="zenith",
-                value=float(np.asarray(zenith)[outside].ravel()[0]),
+                value=float(angle[outside].ravel()[0]),
                 allowed=(0.0, 0.5 * np.pi + dip),
             )
         if sky.dip > 0.0 and dip > 0.0:

@@ -11,19 +11,18 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final, Protocol, cast
+from typing import Final, cast
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
-from seaglint.air.protocol import slant_range
+from seaglint.air.protocol import Atmosphere, slant_range
 from seaglint.air.scattering.lowtran_ray import invariant_of
 from seaglint.air.scattering.scattered_file import LOW, SampledLight
 from seaglint.air.scattering.scattered_light import DARK, ScatteredTable
 from seaglint.air.scattering.scattered_line import KINDS, horizon_zenith
-from seaglint.air.scattering.scattered_samples import ScatteredSamples
 from seaglint.air.scattering.scattering_laws import ScatteringAir, scattering_angle
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.air.sky_spline import grazing_coordinate, grazing_share
@@ -79,16 +78,8 @@ Resample = Callable[[FloatArray], FloatArray]
 """Function that resamples node values along the second axis to rows."""
 
 
-class Scattering(Protocol):
-    """Interface of an atmosphere that describes its scatterers."""
-
-    def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the spectral samples; None where there are none."""
-        ...
-
-
 def scattered_in(
-    atmosphere: object, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
+    atmosphere: Atmosphere | None, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
 ) -> ScatteredLight | SampledLight:
     """Return the scattered sunlight of a band in any atmosphere.
 
@@ -97,19 +88,19 @@ def scattered_in(
 
     Parameters
     ----------
-    atmosphere : Atmosphere
-        Asked for samples of its own, ``scattered``, and for ``scattering(grid)``, if it has them.
+    atmosphere : Atmosphere or None
+        Asked for samples of its own, ``scattered``, else for its scatterers; None for light that is left out.
     grid, weights : slice, ndarray
         Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.facet.sea_view.BandSum` has them.
     height, solar_zenith, farthest_turn : float
         As for :class:`ScatteredLight`; ``seaglint.facet.sea_view.SeaView`` has all three.
     """
     up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
-    samples = getattr(atmosphere, "scattered", None)
-    if up and isinstance(samples, ScatteredSamples):
+    samples = None if atmosphere is None else atmosphere.scattered
+    if up and samples is not None:
         samples.require_sun(solar_zenith, "the file of air")
         return SampledLight(samples, grid, np.asarray(weights, dtype=np.float64), height)
-    air = cast(Scattering, atmosphere).scattering(grid) if up and hasattr(atmosphere, "scattering") else None
+    air = atmosphere.scattering(grid) if up and atmosphere is not None else None
     made = ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
     # Its tables take 0.4 s: a frame has those of the mean map, and a map those of the one before where air and Sun are the same.
     key = hashlib.blake2b(pickle.dumps(made)).digest()

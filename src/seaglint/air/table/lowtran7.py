@@ -23,7 +23,7 @@ from seaglint.air.coordinates import (
     straight_sea_cosine,
     straight_slant,
 )
-from seaglint.air.protocol import require_height, require_line, slant_range
+from seaglint.air.protocol import ClearAir, require_height, require_line, slant_range
 from seaglint.air.sky_spline import brightness_temperature
 from seaglint.air.table import low_sky
 from seaglint.air.table.absorbers import Absorbers, BandLaw
@@ -57,7 +57,7 @@ def _along(spectra: Spectra, scores: FloatArray, x: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class TableAtmosphere:
+class TableAtmosphere(ClearAir):
     """LOWTRAN7 model atmosphere at one wind speed, over one band. Make it with :meth:`load`.
 
     Notes
@@ -334,8 +334,8 @@ class TableAtmosphere:
         y = self._table.sun_coordinate(solar_zenith)
         return self._table.sunlight(solar_zenith, _along(self._sun_depth, self._sun_depth.scores, y))
 
-    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky at zenith angles ``zenith`` [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+    def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
+        """Thermal radiance of the clear sky in directions [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
 
         From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
         and are refused. Below half a degree above the horizontal the sky that a low sensor sees is that of continuous air
@@ -345,7 +345,7 @@ class TableAtmosphere:
         at = min(height, highest) if self._extrapolate else height
         require_height(at, 0.0, highest, "choose a height inside it")
         dip = horizon_depression(height) if height > 0.0 else 0.0
-        elevation = 0.5 * np.pi - np.asarray(zenith, dtype=np.float64)
+        elevation = 0.5 * np.pi - np.broadcast_arrays(np.asarray(zenith, dtype=np.float64), azimuth)[0]
         if not np.all((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK)):
             raise DomainError(
                 f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "

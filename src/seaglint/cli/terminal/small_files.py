@@ -17,11 +17,12 @@ def weights(path: Path) -> NDArray[np.float64]:
     import numpy as np
 
     from seaglint.base.errors import DataError
+    from seaglint.files.text_file import read_text
 
     try:
         if path.suffix == ".npy":
             return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
-        text = path.read_text(encoding="utf-8-sig").replace(";", " ").replace(",", " ")
+        text = read_text(path, "give a CSV or .npy file").replace(";", " ").replace(",", " ")
         return np.loadtxt(text.splitlines(), dtype=np.float64, ndmin=2)
     except (OSError, ValueError) as error:
         raise DataError(f"{path}: cannot be read as rows of numbers ({str(error).splitlines()[0]}); give a CSV or .npy file") from error

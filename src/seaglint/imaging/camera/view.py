@@ -341,23 +341,13 @@ def resample_at_once(
 
 @dataclass(frozen=True, eq=False)
 class Resampling:
-    """Weights of the sweep's cells in a camera's pixels (CSR); make it with :meth:`of`."""
+    """Weights of the sweep's cells in a camera's pixels.
+
+    Of the n-th of ``pixels`` (flat indices) they lie from ``start[n]`` on in ``weight``, ``count[n]`` of them, with the cells in ``index``.
+    """
 
     pixels: NDArray[np.int64]
     start: NDArray[np.int64]
     count: NDArray[np.int32]
     index: NDArray[np.int32]
     weight: NDArray[np.float32]
-
-    @classmethod
-    def of(cls, quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid) -> Resampling:
-        """Resampling weights for some pixels (flat indices) and their quadrilaterals."""
-        start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
-        count = np.zeros(pixels.size, np.int32)
-        index, weight = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.float32)
-        fill_weights(quadrilaterals.column, quadrilaterals.sine, cells, start, count, index, weight)
-        return cls(pixels, start, count, index, weight)
-
-    def __call__(self, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
-        """Resample ``images`` (k, rows, columns) into ``out`` (k, pixels of the camera)."""
-        apply_weights(self.start, self.count, self.index, self.weight, images.reshape(images.shape[0], -1), self.pixels, out)

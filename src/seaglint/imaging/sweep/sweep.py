@@ -20,9 +20,10 @@ import numpy as np
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
-from seaglint.facet.haze import NO_HAZE, Haze, haze_between, haze_column, path_along
+from seaglint.facet.haze import haze_between, haze_column, path_along
 from seaglint.facet.local_sun import SunTable, strength_kernel
 from seaglint.facet.roughness import Sight, line_of_sight
+from seaglint.facet.sky import SkyAbove, sky_column, thermal_between
 from seaglint.facet.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.facet.sunlight import Sunlight, raised_sun, sunlight_at
 from seaglint.facet.thermal import ThermalLine, facet_thermal, thermal_along
@@ -45,8 +46,8 @@ WIDE_COLUMN = math.radians(0.5)
 class Rows(NamedTuple):
     """Rows of the image: geometry, sky and Sun.
 
-    The fields are elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in each,
-    its scattered sunlight in those that touch it, and the Sun.
+    The fields are elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the sky in those that
+    touch it and in one more, and the Sun.
     """
 
     top: float
@@ -54,8 +55,7 @@ class Rows(NamedTuple):
     number: int
     bottom_tangent: float
     top_tangent: float
-    sky: np.ndarray
-    haze: Haze = NO_HAZE
+    sky: SkyAbove
     sun: SunInSky = NO_SUN
 
 
@@ -251,12 +251,15 @@ def shade_line(
 def add_sky(rows: Rows, azimuth: float, tangent: float, weight: float, image: np.ndarray) -> None:
     """Fill the rows above the horizon of a line at an azimuth [rad]."""
     upper = (rows.top - elevation(tangent)) * rows.per_radian
-    for row in range(min(rows.number, math.ceil(max(upper, 0.0)))):
-        image[TOTAL, row] += weight * rows.sky[row] * (min(upper, row + 1.0) - row)
-    if rows.haze.values.shape[0] > 0:
-        column = haze_column(rows.haze, azimuth)
-        for row in range(min(rows.haze.values.shape[1] - 1, math.ceil(max(upper, 0.0)))):
-            image[TOTAL, row] += weight * haze_between(rows.haze, column, row) * (min(upper, row + 1.0) - row)
+    last = min(rows.sky.thermal.shape[1] - 1, math.ceil(max(upper, 0.0)))
+    column = sky_column(rows.sky, azimuth)
+    for row in range(last):
+        image[TOTAL, row] += weight * thermal_between(rows.sky, column, row) * (min(upper, row + 1.0) - row)
+    haze = rows.sky.haze
+    if haze.values.shape[0] > 0:
+        column = haze_column(haze, azimuth)
+        for row in range(last):
+            image[TOTAL, row] += weight * haze_between(haze, column, row) * (min(upper, row + 1.0) - row)
 
 
 @kernel

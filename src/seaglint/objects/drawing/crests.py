@@ -12,24 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range
+from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.jit import kernel, njit
-from seaglint.imaging.detail_levels import Levels
-from seaglint.imaging.sweep.walk import sight_lines
 from seaglint.imaging.wave_surface import STRIP, Surface, add_heights, course, new_strip
-
-LINES_PER_WAVE = 4.0
-"""Number of azimuth lines across the shortest resolved wave."""
-
-MOST_LINES = 256
-"""Largest number of azimuth lines of a body."""
-
-ARCS_ACROSS = 24
-"""Least number of arcs over the depth of a body."""
-
-MOST_ARCS = 60_000
-"""Largest number of arcs of a line: 15 km in steps of a quarter of a metre. Longer ways take longer steps."""
 
 STEEP = 1.0
 """Tangent of depression beyond which no wave in front hides a body: slopes of resolved waves stay below it."""
@@ -73,10 +58,10 @@ class Span(NamedTuple):
 
 
 @njit
-def _walk(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.ndarray, keep: int, out: np.ndarray) -> None:
-    """Fill ``out[line, (tangent, height), arc]`` from arc ``keep`` on; ``sights``: arcs, rise, fall (:func:`sight_lines`).
+def walk_crests(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.ndarray, keep: int, out: np.ndarray) -> None:
+    """Fill ``out[line, (tangent, height), arc]`` from arc ``keep`` on.
 
-    ``stage[s] = (level of detail, first arc, end)``.
+    ``sights``: arcs, rise and fall (:func:`~seaglint.imaging.sweep.walk.sight_lines`); ``stage[s] = (level of detail, first arc, end)``.
     """
     arcs, rise, fall = sights[0], sights[1], sights[2]
     strip = new_strip()
@@ -108,45 +93,6 @@ def _walk(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.
                     if at + k >= keep:
                         out[n, 0, at + k - keep], out[n, 1, at + k - keep] = highest, strip.height[k]
                 at += count
-
-
-def crests(levels: Levels, surface: Surface, eye: float, span: Span) -> Crests:
-    """Compute the sea before and under a body, from a sensor ``eye`` above the mean sea [m]."""
-    mean = calm(eye)
-    if surface.part.shape[0] == 0:
-        return mean
-    top = float(surface.crest[0].max())
-    near, far = max(span.arc[0], 0.0), span.arc[1]
-    level = int(np.searchsorted(levels.begins, near, side="right")) - 1
-    step = float(levels.steps[level]) if levels.steps[level] > 0.0 else 0.25 * float(levels.shortest[level])
-    first = _first_arc(eye, span.lowest, near, top)
-    ahead = np.arange(first, near, max(step, (near - first) / MOST_ARCS))
-    inside = np.linspace(near, max(far, near + step), max(ARCS_ACROSS, math.ceil((far - near) / step)) + 1)
-    arcs = np.concatenate([ahead, inside])
-    keep = ahead.size
-    left, right = span.azimuth
-    wide = (right - left) * max(far, 1e-3)
-    lines = min(max(math.ceil(wide * LINES_PER_WAVE / float(levels.shortest[level])) + 1, 3), MOST_LINES)
-    azimuths = np.linspace(left, right, lines)
-    at = np.searchsorted(levels.begins, arcs, side="right") - 1
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(at) != 0]))
-    stage = np.stack([at[starts], starts, np.append(starts[1:], arcs.size)], axis=1).astype(np.int64)
-    out = np.empty((lines, 2, arcs.size - keep))
-    _walk(surface, stage, np.stack([arcs, *sight_lines(arcs, eye)]), azimuths, keep, out)
-    per_radian = (lines - 1) / (right - left) if right > left else 0.0
-    tangent, height = np.ascontiguousarray(out[:, 0]), np.ascontiguousarray(out[:, 1])
-    return Crests(left, per_radian, arcs[keep:], tangent, height, mean.horizon, (float(height.max()), float(tangent.max())))
-
-
-def _first_arc(eye: float, lowest: float, near: float, crest: float) -> float:
-    """First arc at which a crest can reach the line of sight of tangent ``lowest``."""
-    if lowest < -STEEP:
-        return near
-    arcs: FloatArray = np.linspace(0.0, near, 400)
-    psi = arcs / EFFECTIVE_EARTH_RADIUS
-    above = eye + EFFECTIVE_EARTH_RADIUS * np.sin(psi) * lowest + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2
-    below = np.flatnonzero(above < crest)
-    return float(arcs[max(below[0] - 1, 0)]) if below.size else near
 
 
 @kernel

@@ -20,25 +20,13 @@ from seaglint.imaging.camera.view import Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.wave_surface import Surface
 from seaglint.objects.body import Body, GasPlume, PointSource
-from seaglint.objects.drawing.crests import Crests, calm, crests
-from seaglint.objects.drawing.eye import Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand, strips
+from seaglint.objects.drawing.crests import Crests, calm
+from seaglint.objects.drawing.eye import Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand
+from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map, solid_angle_of
 from seaglint.objects.drawing.light import Arriving, Corners, Surroundings
 from seaglint.objects.drawing.parts import DrawnPart, Mesh, Placed, parts_of, placed
-from seaglint.objects.drawing.raster import Faces, Samples, lay_samples, meet, outline, whole_solid_angle
-from seaglint.objects.drawing.sample_sums import (
-    LIFT,
-    PLANES,
-    SUMS,
-    WHOLE,
-    BodySurroundings,
-    SensorMesh,
-    SunMap,
-    Window,
-    clear_to,
-    shade_gas,
-    shade_solid,
-    sun_map,
-)
+from seaglint.objects.drawing.raster import Faces
+from seaglint.objects.drawing.sample_sums import LIFT, PLANES, WHOLE, BodySurroundings, SensorMesh, SunMap, Window
 
 SHADOW_CELLS: Final = (128, 256)
 """Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones."""
@@ -49,7 +37,6 @@ _FACES_SUN: Final = 1e-3
 """Least reflectance of a surface for which its shadow map is computed."""
 
 _WHOLE_CELLS: Final = 128
-_OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
 _POLE: Final = math.radians(88.0)
 _KEPT: Final = 4
 
@@ -129,7 +116,7 @@ class Stage:
         """Sea in front of a part."""
         if self.sea is None:
             return calm(self.pose.height)
-        return crests(*self.sea, self.pose.height, one.span[0])
+        return sea_before(*self.sea, self.pose.height, one.span[0])
 
     def faces(self, one: Placed, plane: TangentPlane, about: Placed) -> Faces:
         """Triangles or points of a part on a plane and in the image, with continuous columns about those of another."""
@@ -277,22 +264,9 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
     if one.radius == 0.0:
         return _point(stage, one, (plane, sea, solids, gases), box, arriving)
     grid = grid_over(inside)
-    planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros(SUMS)
     shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
-    for some in strips(grid):
-        samples = lay_samples(some, stage.lens, plane.axes)
-        meet(faces, some, samples)
-        outline(faces, stage.lens, plane.axes, some, samples)
-        behind = _others(samples, some, solids)
-        scene = BodySurroundings(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
-        rows = some.first[1] - grid.first[1]
-        out = (planes[:, rows : rows + some.pixels[1]], sums)
-        if isinstance(one.part.kind, Mesh):
-            kind = one.part.kind
-            shape = SensorMesh(one.surface, kind.corners, kind.code, kind.emissivity)
-            shade_solid(some, stage.lens, stage.window, samples, shape, scene, arriving, shadow, out)
-        else:
-            shade_gas(some, stage.lens, stage.window, samples, one.gas, scene, arriving, out)
+    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
+    planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids), _body(one), scene, arriving, shadow)
     if inside != box:
         sums[WHOLE] = solid_angle(one)
     return _patch(stage, one, grid, planes, sums)
@@ -309,14 +283,10 @@ def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[fl
     return (left, right, top, bottom) if left < right and top < bottom else None
 
 
-def _others(samples: Samples, grid: Grid, solids: list[Faces]) -> FloatArray:
-    """Inverse depths of other bodies at the samples."""
-    near = np.zeros_like(samples.near)
-    if solids:
-        triangle = np.full(near.shape, -1, np.int32)
-        for faces in solids:
-            meet(faces, grid, samples._replace(near=near, triangle=triangle))
-    return near
+def _body(one: Placed) -> SensorMesh | FloatArray:
+    """Solid or gas of a part, as kernels read it."""
+    kind = one.part.kind
+    return SensorMesh(one.surface, kind.corners, kind.code, kind.emissivity) if isinstance(kind, Mesh) else one.gas
 
 
 def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> PixelPatch | None:
@@ -338,14 +308,9 @@ def _point(
 ) -> PixelPatch | None:
     """Draw a point source: its visibility and the transmittance of its path."""
     plane, sea, solids, gases = around
-    grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
-    x, y, near = np.zeros((3, 1, 1))
-    samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
-    # every triangle is tested in the one direction
-    near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
-    scene = BodySurroundings(stage.pose.height, sea, near, gases, plane.axes, one.heading)
+    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
-    clear = float(clear_to(scene, one.distance)) * float(arriving.clear[0])
+    clear = clear_to_point(scene, solids, one.distance) * float(arriving.clear[0])
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
     if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
         return None
@@ -363,8 +328,7 @@ def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     right = np.array([sun[1], -sun[0], 0.0])
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
-    result: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
-    return result
+    return shadow_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
 
 
 def solid_angle(one: Placed) -> float:
@@ -384,10 +348,8 @@ def solid_angle(one: Placed) -> float:
     x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
     y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
     if isinstance(one.part.kind, Mesh):
-        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
         image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows count downwards
-        faces = faces_of(one.part.kind, point, image, 1e-9)
-        return float(whole_solid_angle(faces, _OWN_PLANE, samples, (float(step[0]), float(step[1]))))
+        return solid_angle_of(faces_of(one.part.kind, point, image, 1e-9), x, y, (float(step[0]), float(step[1])))
     u = np.stack([x, y, np.ones_like(x)], axis=-1)
     w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
     d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T

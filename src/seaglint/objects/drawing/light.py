@@ -23,6 +23,7 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.haze import is_dark
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import mirrored_sky
 from seaglint.facet.surface_spectra import SeaSurface
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
@@ -91,7 +92,7 @@ class Surroundings:
         zenith = np.arccos(sine)
         surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, grid)
         leaving = surface.leaving(zenith, view.solar_azimuth, view.slopes)
-        sea, sky = leaving.emission + leaving.sky, view.atmosphere.sky_radiance(zenith)[:, grid]
+        sea, sky = leaving.emission + leaving.sky, mirrored_sky(view.atmosphere, zenith, grid)
         azimuth, share = _azimuths()
         light = np.concatenate([np.repeat(sky[:, None], azimuth.size, 1), np.repeat(sea[:, None], azimuth.size, 1)])
         table = view.scattered.sea_sky

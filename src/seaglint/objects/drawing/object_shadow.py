@@ -21,10 +21,10 @@ from seaglint.base.conventions import FloatArray
 from seaglint.imaging.layers import Layers, share_of_glint
 from seaglint.objects.drawing.compose import LEAST_COVER
 from seaglint.objects.drawing.draw import Stage
-from seaglint.objects.drawing.eye import TangentPlane, grid_over, strips
+from seaglint.objects.drawing.eye import TangentPlane, grid_over
+from seaglint.objects.drawing.launch_bodies import hit_cells
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.parts import Mesh, Placed
-from seaglint.objects.drawing.raster import lay_samples, meet
 
 
 def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surroundings) -> Layers:
@@ -102,12 +102,10 @@ def _add(dark: FloatArray, stage: Stage, flat: Placed | None) -> None:
     if not across[0] < across[1]:
         return
     grid = grid_over((*across, max(box[2], float(top)), min(box[3], float(bottom))))
-    for some in strips(grid):
-        samples = lay_samples(some, stage.lens, plane.axes)
-        meet(faces, some, samples)
+    for some, hit in hit_cells(grid, stage.lens, plane.axes, faces):
         columns = (some.begin[0] + np.arange(some.size[0])) // some.cells[0]
         rows = (some.begin[1] + np.arange(some.size[1])) // some.cells[1]
         columns = columns % circle if circle else columns
         inner = np.ix_((rows >= top) & (rows < bottom), (columns >= left) & (columns < right))
         where = np.ix_(rows[inner[0].ravel()] - top, columns[inner[1].ravel()] - left)
-        np.add.at(dark, where, (samples.triangle[inner] >= 0) / (some.cells[0] * some.cells[1]))
+        np.add.at(dark, where, hit[inner] / (some.cells[0] * some.cells[1]))

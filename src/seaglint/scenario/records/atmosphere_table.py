@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -94,6 +94,7 @@ class IsothermalAtmosphereSettings(Record):
     """Air and sky at one temperature, no Sun: a closed cavity for tests."""
 
     source: Literal["isothermal"] = "isothermal"
+    scattered_sunlight: ClassVar[bool] = False
     temperature_k: Annotated[float, Quantity("K", ge=150, le=400), Field(description="temperature of air and sky")] = 288.15
     extinction_per_km: Annotated[float, Quantity("1/km", ge=0, le=1000), Field(description="extinction of the air")] = 0.1
 
@@ -102,6 +103,7 @@ class NoAtmosphere(Record):
     """No air: a black sky and the Sun at 1 au or the date's distance."""
 
     source: Literal["none"] = "none"
+    scattered_sunlight: ClassVar[bool] = False
 
 
 Atmosphere = Annotated[

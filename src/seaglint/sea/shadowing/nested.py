@@ -149,7 +149,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
-    """Table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a non-integer number of bands; empty for one.
+    """Table of logarithms [1] (:func:`ratio_table`) for a non-integer number of bands; empty for one.
 
     Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
     """

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
-from seaglint.sea.shadowing.nested import BANDS, HIGHEST, REACH, between_bands, nested_ratio_kernel, ratio_table
+from seaglint.sea.shadowing.nested import HIGHEST, REACH, between_bands, nested_ratio_kernel, ratio_table
 
 _COUPLING: Final = 0.55
 """Ratio of the number of bands of the coupling of both legs to that of each leg alone."""
@@ -92,17 +92,6 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
                 out[i, j, k] -= math.log(nested_ratio_kernel(-slopes[k], sun, 1.0, alone))
 
 
-@njit
-def _fill_lit(alone: FloatArray, out: FloatArray) -> None:
-    """Add the logarithms of the Sun's leg alone to a table of the coupling."""
-    shares = out.shape[2]
-    for i in range(out.shape[0]):
-        for j in range(out.shape[1]):
-            view, sun = _pair_elevation(i), _pair_elevation(j)
-            for k in range(shares):
-                out[i, j, k] += math.log(nested_ratio_kernel(sun - (view + sun) * k / (shares - 1), sun, 1.0, alone))
-
-
 @lru_cache(maxsize=8)
 def _pair_table(bands: int) -> FloatArray:
     """Table of the coupling for a whole number of bands."""
@@ -129,30 +118,9 @@ def coupling_table(bands: float) -> FloatArray:
     return between_bands(_pair_table, max(_COUPLING * bands, 1.0))
 
 
-@lru_cache(maxsize=8)
-def lit_table(bands: int = BANDS) -> FloatArray:
-    """Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: share of the seen facets that is lit too, band by band.
-
-    The Sun's leg alone and the coupling of both (:func:`coupling_table`): logarithms of the share of seen facets that are lit, over what
-    Smith's law in one band has for it; one band has an empty table.
-
-    Raises
-    ------
-    DomainError
-        As :func:`ratio_table`.
-    """
-    alone = ratio_table(bands)
-    if bands == 1:
-        return np.zeros((0, 0, 0))
-    coupling = coupling_table(bands)
-    out = coupling.copy() if coupling.size > 0 else np.zeros((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
-    _fill_lit(alone, out)
-    return out
-
-
 @kernel
 def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
-    """Logarithm from :func:`lit_table` or :func:`coupling_table`, interpolated linearly between its nodes.
+    """Logarithm from :func:`coupling_table`, interpolated linearly between its nodes.
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
     in rms slopes; both elevations at least 0, the Sun opposite to the viewer.

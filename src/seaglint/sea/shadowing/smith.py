@@ -1,4 +1,4 @@
-"""Shadowing of a rough sea by itself: Smith's function, Saunders' factor, two legs, and the visible projected area.
+"""Shadowing of a rough sea by itself: Smith's function, two legs, and the visible projected area.
 
 With ``v`` the unit vector to the viewer, the projected area of facets turned to the viewer per unit area of sea is ::
 
@@ -109,25 +109,25 @@ def smith_lambda_kernel(nu: float) -> float:
 
 @kernel
 def leg_passage_kernel(relative_azimuth: float) -> float:
-    """Weight of the second leg's own shadows, 0 for legs on one side to 1 for opposite sides; see :func:`bistatic`."""
+    """Weight ``a`` of the second leg's own shadows [1], 0 for legs on one side to 1 for opposite sides.
+
+    The share of the facets turned to both viewer and Sun that is seen by the one and lit by the other is
+
+    ``S = 1/[1 + max(Lambda_v, Lambda_s) + a(phi) min(Lambda_v, Lambda_s)]``,
+    ``a(phi) = [4.41 phi/(4.41 phi + 1)] / [4.41 pi/(4.41 pi + 1)]``
+
+    On the same side (``phi = 0``) what is seen along the lower ray is lit by the higher one; at opposite azimuths the legs are
+    independent given the height, ``1/(1 + Lambda_v + Lambda_s)``. The passage is that of van Ginneken et al., divided by its value
+    at ``pi`` (0.933) so that the opposite side is Smith's exactly. Symmetric in viewer and Sun (reciprocal).
+
+    References
+    ----------
+    van Ginneken, Stavridi and Koenderink 1998, Appl. Opt. 37, 130 (passage 4.41 phi/(4.41 phi + 1)); Ross, Dion and Potvin 2005,
+    J. Opt. Soc. Am. A 22, 2442 (the two limits).
+    """
     turn = 2.0 * math.pi
     angle = abs(relative_azimuth - turn * math.floor(relative_azimuth / turn + 0.5))
     return angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / math.pi
-
-
-@kernel
-def both_legs_kernel(lambda_view: float, lambda_sun: float, passage: float) -> float:
-    """Share of facets both seen and lit, for a given weight of :func:`leg_passage_kernel`."""
-    small, large = min(lambda_view, lambda_sun), max(lambda_view, lambda_sun)
-    if large == math.inf:
-        return 0.0
-    return 1.0 / (1.0 + large + passage * small)
-
-
-@kernel
-def bistatic_kernel(lambda_view: float, lambda_sun: float, relative_azimuth: float) -> float:
-    """Share of facets both seen and lit; see :func:`bistatic`."""
-    return both_legs_kernel(lambda_view, lambda_sun, leg_passage_kernel(relative_azimuth))
 
 
 @njit
@@ -140,12 +140,6 @@ def _map_lambda(nu: FloatArray, out: FloatArray) -> None:
 def _map_area(mean: FloatArray, deviation: FloatArray, out: FloatArray) -> None:
     for i in range(mean.size):
         out[i] = visible_area_kernel(mean[i], deviation[i])
-
-
-@njit
-def _map_bistatic(lambda_view: FloatArray, lambda_sun: FloatArray, azimuth: FloatArray, out: FloatArray) -> None:
-    for i in range(out.size):
-        out[i] = bistatic_kernel(lambda_view[i], lambda_sun[i], azimuth[i])
 
 
 def _flat_broadcast(*arrays: ArrayLike) -> tuple[tuple[int, ...], list[FloatArray]]:
@@ -190,69 +184,6 @@ def smith_nu(zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
         nu = cosine / (sine * np.sqrt(2.0 * variance))
     # a flat sea seen exactly along the horizon (0/0) is past it
     return np.asarray(np.where(np.isnan(nu) & ~np.isnan(theta + variance), -np.inf, nu))
-
-
-def saunders(view_zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
-    """Saunders' shadowing factor of one leg, the visible share of facets turned to the viewer.
-
-    ``S = 1/(1 + Lambda) = 2/[1 + erf(nu) + exp(-nu^2)/(nu sqrt(pi))]``
-
-    Parameters
-    ----------
-    view_zenith : array_like
-        Zenith angle of the direction to the viewer [rad].
-    mss_along : array_like
-        Slope variance along the view azimuth [1]; for an isotropic sea half of the total.
-
-    Returns
-    -------
-    ndarray
-        Factor in [0, 1]; 0 at and past the horizon.
-
-    References
-    ----------
-    Saunders 1967, Eq. 9; Eq. 8 of the source article.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> round(float(saunders(np.radians(85.0), 0.0316)), 5)
-    0.71082
-    """
-    return np.asarray(1.0 / (1.0 + smith_lambda(smith_nu(view_zenith, mss_along))))
-
-
-def bistatic(lambda_view: ArrayLike, lambda_sun: ArrayLike, relative_azimuth: ArrayLike) -> FloatArray:
-    """Share of facets turned to both viewer and Sun that is seen by the one and lit by the other.
-
-    ``S = 1/[1 + max(Lambda_v, Lambda_s) + a(phi) min(Lambda_v, Lambda_s)]``,
-    ``a(phi) = [4.41 phi/(4.41 phi + 1)] / [4.41 pi/(4.41 pi + 1)]``
-
-    On the same side (``phi = 0``) what is seen along the lower ray is lit by the higher one; at opposite azimuths the legs are
-    independent given the height, ``1/(1 + Lambda_v + Lambda_s)``. The passage is that of van Ginneken et al., divided by its value
-    at ``pi`` (0.933) so that the opposite side is Smith's exactly. Symmetric in viewer and Sun (reciprocal).
-
-    Parameters
-    ----------
-    lambda_view, lambda_sun : array_like
-        Smith's Lambda of the two legs [1].
-    relative_azimuth : array_like
-        Azimuth between the directions from the sea to the viewer and to the Sun [rad]; pi looking into the glint corridor.
-
-    Returns
-    -------
-    ndarray
-        Factor in [0, 1].
-
-    References
-    ----------
-    van Ginneken, Stavridi and Koenderink 1998, Appl. Opt. 37, 130 (passage 4.41 phi/(4.41 phi + 1)); Ross, Dion and Potvin 2005,
-    J. Opt. Soc. Am. A 22, 2442 (the two limits).
-    """
-    shape, (view, sun, azimuth) = _flat_broadcast(lambda_view, lambda_sun, relative_azimuth)
-    out = np.empty_like(view)
-    _map_bistatic(view, sun, azimuth, out)
-    return out.reshape(shape)
 
 
 def projected_area(view_zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
@@ -348,16 +279,6 @@ def _map_series_area(zenith: FloatArray, turn: FloatArray, series: _Series, out:
         out[i] = _series_area_kernel(zenith[i], turn[i], series)
 
 
-def clipped_mass(slopes: SlopeStatistics) -> float:
-    """Mass that a slope density gains by setting negative values of its series to 0 [1]: its integral over all slopes less 1.
-
-    >>> from seaglint.sea.slopes.slope_statistics import SlopeStatistics
-    >>> clipped_mass(SlopeStatistics(0.03, 0.02))
-    0.0
-    """
-    return 0.0 if slopes.is_gaussian else _clipping(slopes.coefficients)[0]
-
-
 def visible_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
     r"""Projected area of the facets turned to the viewer, per unit area of sea, over any slope density.
 
@@ -403,34 +324,6 @@ def visible_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeS
     out = np.empty_like(flat_zenith)
     _map_series_area(flat_zenith, turn, series, out)
     return out.reshape(shape)
-
-
-def slope_lambda(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
-    """Smith's Lambda over any slope density, ``A+/cos(theta) - 1`` with the area of :func:`visible_area`.
-
-    Parameters
-    ----------
-    view_zenith, view_azimuth : array_like
-        Direction from the sea to the viewer or to the Sun [rad]; broadcast.
-    slopes : SlopeStatistics
-        Gaussian or not.
-
-    Returns
-    -------
-    ndarray
-        Lambda [1], broadcast shape; infinite at and past the horizon. For a Gaussian sea :func:`smith_lambda` exactly. Otherwise
-        ``cos(theta) (1 + Lambda)`` is A+ exactly, and at steep views Lambda is the clipped mass, of the order of 1e-3, not 0.
-    """
-    zenith, azimuth = np.asarray(view_zenith, dtype=np.float64), np.asarray(view_azimuth, dtype=np.float64)
-    shape = np.broadcast_shapes(zenith.shape, azimuth.shape)
-    if slopes.is_isotropic:
-        return np.array(np.broadcast_to(smith_lambda(smith_nu(zenith, slopes.mss_up)), shape))
-    if slopes.is_gaussian:
-        return smith_lambda(smith_nu(zenith, slopes.mss_along(azimuth)))
-    cosine = np.cos(zenith) + np.zeros(shape)
-    above = cosine > 0.0
-    area = visible_area(zenith, azimuth, slopes)
-    return np.asarray(np.where(above, area / np.where(above, cosine, 1.0) - 1.0, np.inf))
 
 
 def _require_variance(variance: FloatArray) -> None:

@@ -115,12 +115,8 @@ def cox_munk_gram_charlier(
 
     Parameters
     ----------
-    wind_speed : float
-        Neutral wind speed at ``height`` [m s⁻¹]; 0-20 m/s.
-    wind_to_azimuth : float
-        Azimuth the wind blows TO, clockwise from north [rad].
-    height, extrapolate
-        As in :func:`cox_munk_isotropic`.
+    wind_speed, wind_to_azimuth, height, extrapolate
+        As in :func:`cox_munk_anisotropic`.
 
     Returns
     -------
@@ -164,10 +160,8 @@ def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float =
     ----------
     wind_speed : float
         Neutral wind speed at ``height`` [m s⁻¹]; 0-14 m/s.
-    wind_to_azimuth : float
-        Azimuth the wind blows TO, clockwise from north [rad].
-    height, extrapolate
-        As in :func:`cox_munk_isotropic`.
+    wind_to_azimuth, height, extrapolate
+        As in :func:`cox_munk_anisotropic`.
 
     Returns
     -------

@@ -124,8 +124,8 @@ class SlopeStatistics:
 
         Notes
         -----
-        The series itself integrates to 1 and has the stated variances; setting its negative values to 0 adds the mass that
-        :func:`seaglint.sea.shadowing.smith.clipped_mass` tells. No factor makes up for it, so that the density is the printed one;
+        The series itself integrates to 1 and has the stated variances; setting its negative values to 0 adds mass, as
+        a model's notes say. No factor makes up for it, so that the density is the printed one;
         the areas of :mod:`seaglint.sea.shadowing.smith` are integrals over this same density, which is what conserves energy.
 
         References

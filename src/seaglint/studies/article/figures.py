@@ -125,7 +125,7 @@ def figure_2(report: Progress = _silent) -> xr.Dataset:
         paths["path_radiance_W_m2_sr"].append(path)
         paths["boundary_radiance_W_m2_sr"].append(path + spectral @ (over.weights * planck_wavenumber(over.wavenumber_cm, SEA_TEMPERATURE)))
         skies["solar_irradiance_W_m2"].append(over(view.atmosphere.solar_irradiance(np.radians(zenith))))
-        skies["sky_radiance_W_m2_sr"].append(over(view.atmosphere.sky_radiance(np.radians(zenith))))
+        skies["sky_radiance_W_m2_sr"].append(over(view.atmosphere.sky_radiance(np.radians(zenith), 0.0)))
     report(len(PATH_WINDS), len(PATH_WINDS))
     blackbody = float(band.radiance(PATH_BLACKBODY, view.atmosphere.wavenumber_cm))
     return xr.Dataset(

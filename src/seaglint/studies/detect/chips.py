@@ -8,10 +8,9 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.detection.background import FrameSource
-from seaglint.detection.counting import Counting
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.interface import Frames
+from seaglint.detection.sources import FrameSource
 from seaglint.files.detection_case import Chip, Chips, FalseAlarmMap
 from seaglint.studies.detect.performance import Performance
 
@@ -75,7 +74,7 @@ def _with_object(found: Performance, source: FrameSource, batch: Batch, contrast
     light = np.zeros_like(frame)[None]
     objects = found.options.objects
     inject(light, batch, objects.shape, contrast)
-    counting: Counting | None = getattr(source, "counting", None)
+    counting = source.counting
     if counting is not None:
         last = found.judged.place.start(batch.window) + found.judged.lead
         light = counting.added(light, counting.draws(objects.seed, last, light.shape))

@@ -12,7 +12,7 @@ from seaglint.base.errors import DataError, DomainError, SeaglintError
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.cluster_variance import score_interval
 from seaglint.clutter.false_alarms import FalseAlarms
-from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Threshold, count_false_alarms
+from seaglint.detection.background import Background, FalseAlarmCount, Threshold, count_false_alarms
 from seaglint.detection.design import (
     RateThreshold,
     WhiteFrames,
@@ -24,6 +24,7 @@ from seaglint.detection.design import (
 )
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, RareTail
+from seaglint.detection.sources import FrameSource
 from seaglint.detection.stepped import tail_above
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detector_for
 

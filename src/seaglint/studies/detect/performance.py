@@ -16,7 +16,7 @@ from seaglint.base.representation import as_text, card, notes, table
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.filters import Filter, Unfiltered
 from seaglint.clutter.thresholds import gaussian_rate
-from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Law, Threshold, Windows, count_false_alarms
+from seaglint.detection.background import Background, FalseAlarmCount, Law, Threshold, Windows, count_false_alarms
 from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.isolated import TIME_LIMIT, IsolatedDetector
 from seaglint.detection.level import Rescaled, level_shift
@@ -24,6 +24,7 @@ from seaglint.detection.named_detectors import named_for
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, RARE, RareRate, RareTail
 from seaglint.detection.roc import Roc, roc
 from seaglint.detection.scoring import Interval, Scores, mean_interval
+from seaglint.detection.sources import FrameSource
 from seaglint.detection.spatial import Chain, FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import tail_above
@@ -317,10 +318,9 @@ def as_given(source: FrameSource, options: DetectionOptions) -> FrameSource:
     A recording takes a level off its frames for the sake of precision (:attr:`seaglint.analysis.Recording.offset`). Fixed thresholds
     of statistics that are not linear, a user's function and the ratio of exponential clutter want it back.
     """
-    offset = getattr(source, "offset", 0.0)
     wants = ":" in options.detector or "exponential" in options.detector
     plain = isinstance(options.filter, Unfiltered)
-    return Rescaled(source, level=offset) if offset and plain and wants else source
+    return Rescaled(source, level=source.offset) if source.offset and plain and wants else source
 
 
 def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:

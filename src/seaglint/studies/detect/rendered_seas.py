@@ -14,11 +14,11 @@ from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError, SeaglintError
 from seaglint.base.free_form import JsonObject
 from seaglint.cluster import Workers
-from seaglint.detection.background import FrameSource
 from seaglint.detection.interface import Detector
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.level import Rescaled
 from seaglint.detection.named_detectors import named_for
+from seaglint.detection.sources import FrameSource
 from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.files.detection_case import Judged
 from seaglint.files.detection_parts import Parts

@@ -20,6 +20,7 @@ from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.detection.counting import Counting
 from seaglint.detection.interface import Frames
+from seaglint.detection.sources import PlainFrames
 from seaglint.files.detection_parts import keep_sea, sea_path, whole_sea
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
@@ -150,8 +151,8 @@ class IndependentSeas:
 
 
 @dataclass(eq=False)
-class SceneFrames:
-    """Independent seas on disk as a :class:`seaglint.detection.background.FrameSource`.
+class SceneFrames(PlainFrames):
+    """Independent seas on disk as a :class:`seaglint.detection.sources.FrameSource`.
 
     Attributes
     ----------
@@ -169,7 +170,7 @@ class SceneFrames:
 
     seas: IndependentSeas
     folder: Path
-    sequence_length: int
+    sequence_length: int = 1
     count: int = 0
     workers: Workers | None = None
     _held: dict[int, Frames] = field(default_factory=dict, repr=False)

@@ -52,5 +52,4 @@ def mean_radiance(scenario: Scenario) -> float:
         }
     )
     result = mean(scenario.model_copy(update={"sensor": plain, "platform": None}))
-    radiance = np.asarray(result["radiance"] if not hasattr(result, "radiance") else result.radiance, np.float64)
-    return float(np.nanmean(radiance))
+    return float(np.nanmean(np.asarray(result["radiance"], np.float64)))

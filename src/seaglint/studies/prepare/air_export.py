@@ -66,8 +66,8 @@ def export_air(scenario: Scenario) -> xr.Dataset:
         "path_transmittance": ("range_m", np.minimum(air.transmittance(height, arc), 1.0)),
         "path_radiance": ("range_m", air.path_radiance(height, arc)),
         "sun_irradiance": ("sun_zenith_deg", air.solar_irradiance(np.radians(zenith))),
-        "sky_radiance": ("sky_zenith_deg", air.sky_radiance(np.radians(zenith))),
-        "sensor_sky_radiance": ("sensor_sky_zenith_deg", air.sky_radiance(np.radians(from_sensor), height)),
+        "sky_radiance": ("sky_zenith_deg", air.sky_radiance(np.radians(zenith), 0.0)),
+        "sensor_sky_radiance": ("sensor_sky_zenith_deg", air.sky_radiance(np.radians(from_sensor), 0.0, height)),
     }
     attributes = provenance(
         "Air between sea and sensor", scenario.model_dump_json(exclude_none=True), scenario.seed, sensor_height_m=height

@@ -256,8 +256,8 @@ def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
 
 
 def scatters(scenario: Scenario) -> bool:
-    """Return True where sunlight scattered by the air is included; kinds of air that scatter none ignore the key."""
-    return bool(getattr(scenario.atmosphere, "scattered_sunlight", False))
+    """Return True where sunlight scattered by the air is included."""
+    return scenario.atmosphere.scattered_sunlight
 
 
 def view(scenario: Scenario) -> SeaView:
@@ -447,4 +447,4 @@ def facet_density(statistics: SlopeStatistics) -> str:
 
 def atmosphere_provenance(air: Atmosphere) -> Attributes:
     """Return the provenance that the atmosphere's table holds."""
-    return dict(getattr(air, "provenance", {"table": type(air).__name__}))
+    return dict(air.provenance)

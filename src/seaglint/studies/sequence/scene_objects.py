@@ -122,7 +122,7 @@ def bodies_of(scenario: Scenario) -> BodiesOf:
     ScenarioError
         When asked for: objects that do not fit the scene.
     """
-    if not getattr(scenario, "objects", None):
+    if not scenario.objects:
         return lambda waves: ()
     from seaglint.studies.prepare.bodies import bodies
 

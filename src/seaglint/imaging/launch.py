@@ -1,0 +1,147 @@
+"""Launches of a frame's kernels: here alone their arrays are allocated and they are run, in threads or by Numba's parallel loops.
+
+Scenes prepare the tables that kernels read and call these functions for every frame; another device would bring its own module in place
+of this one. The tables themselves are filled where they are defined, once for each sensor height; Fourier transforms of the waves are in
+:mod:`seaglint.sea.field`, launches for bodies in :mod:`seaglint.objects.drawing.launch_bodies`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import in_threads
+from seaglint.imaging.camera.view import Quads, Resampling, SweepGrid, apply_weights, fill_weights, resample_at_once
+from seaglint.imaging.layers import CHANNELS, upright
+from seaglint.imaging.rays import RayTables, walk_pixels
+from seaglint.imaging.sparkle import SparkleRows, sparkle_columns
+from seaglint.imaging.sweep.sweep import Rows, Swept, skies_alone, sweep_columns
+from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, lay_squares, wander_rows
+from seaglint.sea.wander import Wander
+
+
+def surface_of(
+    lattices: tuple[NDArray[np.float32], ...],
+    spacing: FloatArray,
+    turn: FloatArray,
+    levels: tuple[tuple[int, ...], ...] | None = None,
+    origin: tuple[float, float] = (0.0, 0.0),
+    wander: tuple[Wander, ...] = (),
+) -> Surface:
+    """Bundle the lattices of one instant; without lattices the sea has no resolved waves.
+
+    Parameters
+    ----------
+    lattices : tuple of ndarray
+        Each (n, n, 3): height [m], slopes towards east and north; n a power of two, 4 or more.
+    spacing, turn : ndarray
+        Distance of lattice points [m] and turn from east [rad] of each.
+    levels : tuple of tuples of int, optional
+        Lattices of every level of detail, longest waves first; one of all by default.
+    origin : (float, float)
+        Point under the sensor, east and north [m].
+    wander : tuple of Wander
+        Displacement of each lattice; none where all lie still.
+    """
+    sizes = np.array([z.shape[0] for z in lattices], dtype=np.int64)
+    for n in sizes:
+        if n < 4 or n & (n - 1) or n > LONGEST_STRIP:
+            raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
+    chosen = levels if levels is not None else (tuple(range(len(lattices))),)
+    first = np.concatenate([[0], np.cumsum(sizes**2)]).astype(np.int64)
+    bits = np.array([int(n).bit_length() - 1 for n in sizes], dtype=np.int64)
+    heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
+    for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
+        lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
+    c, s = np.cos(turn), np.sin(turn)
+    # positions are periodic: small numbers have more digits
+    u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
+    highest = [float(z[..., 0].max()) for z in lattices]
+    most = max(*map(len, chosen), 1)
+    level, crest = np.full((len(chosen), most), -1, np.int64), np.zeros((len(chosen), most))
+    for i, parts in enumerate(chosen):
+        level[i, : len(parts)] = parts
+        crest[i, : len(parts)] = np.cumsum([highest[p] for p in reversed(parts)])[::-1]
+    return Surface(
+        heights,
+        both_slopes,
+        np.stack([first[:-1], sizes, bits], axis=1),
+        np.stack([1.0 / spacing, c, s, u, v], axis=1),
+        level,
+        crest,
+        wander_rows(wander, spacing, turn, origin),
+    )
+
+
+def foot_height(surface: Surface) -> float:
+    """Height of the sea under the sensor [m]."""
+    line = course(surface, 0, 1.0, 0.0)
+    return float(height(surface, line, 0, line.part.shape[0], 0.0))
+
+
+def columns_of_sky(rows: Rows, azimuths: FloatArray, width: float, intervals: int, channels: int) -> FloatArray:
+    """Channels of columns without sea (columns, 1 + intervals, channels, rows), at azimuths and of a width [rad]."""
+    images = np.zeros((azimuths.size, 1 + intervals, channels, rows.number))
+    skies_alone(rows, azimuths, width, images)
+    return images
+
+
+def columns_of_sea(swept: Swept, surface: Surface, azimuths: FloatArray, width: float, cuts: FloatArray, channels: int) -> FloatArray:
+    """Channels of columns by the sweep (columns, 1 or 2 + cuts, channels, rows), at azimuths and of a width [rad]; without sparkles."""
+    intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
+    images = np.zeros((azimuths.size, 1 + intervals, channels, swept.rows.number))
+    in_threads(lambda part: sweep_columns(swept, surface, azimuths, width, cuts, images, part), azimuths.size)
+    return images
+
+
+def add_sparkles(
+    swept: Swept, rows: SparkleRows, azimuths: FloatArray, place: tuple[float, float], time: float, images: FloatArray
+) -> None:
+    """Apply sparkles to the mirrored Sun of columns, seen from above a place, east and north [m], at a time [s]."""
+    sparkle_columns(swept.sparkle, rows, swept.sunlight, azimuths, place, time, images)
+
+
+def planes_of(columns: FloatArray, planes: NDArray[np.int64], kind: DTypeLike) -> NDArray[np.floating]:
+    """Planes of an image [(planes, rows, columns)], as numbers of a kind, from the channels of its columns [(columns, channels, rows)]."""
+    out = np.empty((planes.size, columns.shape[2], columns.shape[0]), kind)
+    upright(columns, planes, out)
+    return out
+
+
+def pixels_of_rays(
+    tables: RayTables,
+    surface: Surface,
+    bounds: Bounds,
+    eye: float,
+    corner: FloatArray,
+    pixels: NDArray[np.int64],
+    samples: NDArray[np.int64],
+) -> FloatArray:
+    """Mean channels of some pixels [(pixels, channels)], from rays; arguments as of :func:`~seaglint.imaging.rays.walk_pixels`."""
+    channels = np.zeros((pixels.size, CHANNELS))
+    in_threads(lambda part: walk_pixels(surface, bounds, eye, tables, corner, pixels, samples, channels, part), pixels.size)
+    return channels
+
+
+def weights_of(quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid) -> Resampling:
+    """Weights of the sweep's cells in some pixels (flat indices) with their quadrilaterals."""
+    start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
+    count = np.zeros(pixels.size, np.int32)
+    index, weight = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.float32)
+    fill_weights(quadrilaterals.column, quadrilaterals.sine, cells, start, count, index, weight)
+    return Resampling(pixels, start, count, index, weight)
+
+
+def resample(weights: Resampling, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+    """Resample images of the sweep's cells (planes, rows, columns) into pixels of ``out`` (planes, pixels of the camera)."""
+    apply_weights(weights.start, weights.count, weights.index, weights.weight, images.reshape(images.shape[0], -1), weights.pixels, out)
+
+
+def resample_once(
+    quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid, images: NDArray[np.float32], out: NDArray[np.float32]
+) -> None:
+    """Resample as :func:`resample` with the weights of :func:`weights_of`, which are not stored."""
+    most = int(quadrilaterals.bound.max())
+    resample_at_once(quadrilaterals.column, quadrilaterals.sine, cells, most, images.reshape(images.shape[0], -1), pixels, out)
