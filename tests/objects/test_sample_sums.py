@@ -64,7 +64,7 @@ def gas(rng: np.random.Generator, centre: np.ndarray, size: float, depth: float)
 
 def crested(rng: np.random.Generator, azimuth: float) -> Crests:
     """Rough sea along five lines about an azimuth."""
-    tangent, height = rng.uniform(-0.05, 0.01, (5, 7)), rng.uniform(-40.0, 10.0, (5, 7))
+    tangent, height = rng.uniform(-0.05, 0.04, (5, 7)), rng.uniform(-40.0, 3.0, (5, 7))
     mean = calm(EYE)
     arcs = np.linspace(300.0, 2500.0, 7) + rng.uniform(-50.0, 50.0, 7)
     return Crests(azimuth - 0.3, 6.0, arcs, tangent, height, mean.horizon, (float(height.max()), float(tangent.max())))
