@@ -6,6 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
+from scipy.spatial.transform import Rotation
 
 from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.objects import primitives
@@ -117,3 +119,49 @@ def test_samples_lie_where_the_camera_images_them(projection):
         column, row, seen = image_point(eye, direction, 4.0)
         assert seen
         assert (column, row) == pytest.approx(((8 + i + right) / 8, (18 + j + down) / 9), abs=1.5e-5)
+
+
+def test_the_nearest_triangle_that_faces_the_sensor_is_met() -> None:
+    """Random triangles: planes of one over the depth by least squares, inside by the signs of three areas."""
+    rng = np.random.default_rng(3)
+    corner = rng.permutation(60).reshape(20, 3).astype(np.int32)
+    point = np.column_stack([rng.uniform(-0.1, 0.1, (60, 2)), rng.uniform(0.05, 0.2, 60)])
+    point[corner[19, 1], 2] = 0.0  # behind the sensor
+    image = np.column_stack([100.0 * (point[:, 0] + 0.1), 100.0 * (0.1 - point[:, 1])])
+    grid = Grid((0, 0), (20, 20), (3, 2), (6, 4), (45, 30))
+    x = np.broadcast_to((grid.begin[0] + np.arange(45) + rng.random((30, 45))) / 300.0 - 0.1, (30, 45)).copy()
+    y = 0.1 - (grid.begin[1] + np.arange(30)[:, None] + rng.random((30, 45))) / 200.0
+    samples = Samples(x, y, np.zeros((30, 45)), np.full((30, 45), -1, np.int32), np.zeros((30, 45)))
+    none = np.zeros((0, 3), np.int32)
+    meet(Faces(point, image, corner, none[:, :2], none, 1e-9), grid, samples)
+    nearest, triangle = np.zeros((30, 45)), np.full((30, 45), -1)
+    for t, three in enumerate(corner[:19]):
+        a, b, c = point[three, :2]
+        if np.cross(b - a, c - a) <= 0.0:
+            continue
+        places = np.stack([x, y], axis=-1)
+        inside = np.all([np.cross(q - p, places - p) >= 0.0 for p, q in ((a, b), (b, c), (c, a))], axis=0)
+        plane = np.linalg.solve(np.column_stack([point[three, :2], np.ones(3)]), point[three, 2])
+        near = places @ plane[:2] + plane[2]
+        new = inside & (near > nearest)
+        nearest, triangle = np.where(new, near, nearest), np.where(new, t, triangle)
+    np.testing.assert_allclose(samples.near, nearest, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(samples.triangle, triangle)
+    assert len(np.unique(triangle)) >= 4
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_turned_box_covers_cells_by_the_area_of_its_outline(seed: int) -> None:
+    """Outline of a convex body: the hull of its corners in the image, of which each cell holds so many of 60 x 60 points."""
+    rng = np.random.default_rng(seed)
+    corners, triangles = primitives.box((0.5, 0.3, 0.2))
+    corners = Rotation.random(random_state=seed).apply(corners) + rng.uniform(-0.1, 0.1, 3)
+    found = shares(Mesh.of([solid((corners, triangles), 300.0, 1.0)]), WHOLE)
+    seen = corners + np.array([0.0, 10.0, 0.0])
+    image = np.column_stack([10.0 + 100.0 * seen[:, 0] / seen[:, 1], 10.0 - 100.0 * seen[:, 2] / seen[:, 1]])
+    fine = (np.arange(20 * 60) + 0.5) / 60.0
+    places = np.stack(np.meshgrid(fine, fine), axis=-1)
+    hull = ConvexHull(image).equations
+    inside = (places @ hull[:, :2].T + hull[:, 2] <= 0.0).all(axis=-1)
+    np.testing.assert_allclose(found, inside.reshape(20, 60, 20, 60).mean(axis=(1, 3)), atol=0.02)
+    assert found.sum() == pytest.approx(ConvexHull(image).volume, rel=1e-6)
