@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.objects import primitives
 from seaglint.objects.drawing.crests import calm, in_sight
-from seaglint.objects.drawing.eye import Grid, image_point, lens, project
+from seaglint.objects.drawing.eye import Grid, TangentPlane, image_point, lens, project
 from seaglint.objects.drawing.parts import Mesh
 from seaglint.objects.drawing.raster import Faces, Samples, chord, lay_samples, meet, outline, sample_place
 from seaglint.objects.solids import solid
@@ -165,3 +165,26 @@ def test_a_turned_box_covers_cells_by_the_area_of_its_outline(seed: int) -> None
     inside = (places @ hull[:, :2].T + hull[:, 2] <= 0.0).all(axis=-1)
     np.testing.assert_allclose(found, inside.reshape(20, 60, 20, 60).mean(axis=(1, 3)), atol=0.02)
     assert found.sum() == pytest.approx(ConvexHull(image).volume, rel=1e-6)
+
+
+def test_edges_bend_in_an_image_of_angles() -> None:
+    """A large turned box in wide pixels of equal angles: shares by 60 x 60 lines of sight through each, on the plane of its silhouette."""
+    imager, attitude = Imager("equal-angle", 1.2, 1.0, 12, 10), Attitude(0.2, 0.35, 0.15)
+    eye = lens(imager, attitude)
+    middle = imager.directions(attitude, 6.0, 5.0)
+    axes = TangentPlane.to(middle).axes
+    corners, triangles = primitives.box((4.0, 3.0, 2.0))
+    mesh = Mesh.of([solid((Rotation.random(random_state=4).apply(corners) + 8.0 * middle, triangles), 300.0, 1.0)])
+    point, image = project(mesh.vertices, axes, eye, 6.0)
+    grid = Grid((0, 0), (12, 10), (3, 2), (0, 0), (36, 20))
+    samples = lay_samples(grid, eye, axes)
+    faces = Faces(point, image, mesh.corners, mesh.ends, mesh.sides, 0.3)
+    meet(faces, grid, samples)
+    outline(faces, eye, axes, grid, samples)
+    fine = (np.arange(36 * 40) + 0.5) / 120.0, (np.arange(20 * 40) + 0.5)[:, None] / 80.0
+    along = imager.directions(attitude, *np.broadcast_arrays(*fine)) @ axes.T
+    places = along[..., :2] / along[..., 2:]
+    hull = ConvexHull(point[:, :2]).equations
+    inside = (places @ hull[:, :2].T + hull[:, 2] <= 0.0).all(axis=-1)
+    np.testing.assert_allclose(samples.share, inside.reshape(20, 40, 36, 40).mean(axis=(1, 3)), atol=0.03)
+    assert samples.share.sum() == pytest.approx(inside.mean() * 720, rel=1e-3)
