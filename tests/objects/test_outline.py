@@ -9,10 +9,13 @@ import pytest
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.objects import primitives
+from seaglint.objects.body import Placement
 from seaglint.objects.drawing.crests import calm, in_sight
-from seaglint.objects.drawing.eye import Grid, TangentPlane, image_point, lens, project
+from seaglint.objects.drawing.eye import Grid, TangentPlane, image_point, lens, project, stand
 from seaglint.objects.drawing.parts import Mesh
 from seaglint.objects.drawing.raster import Faces, Samples, chord, lay_samples, meet, outline, sample_place
 from seaglint.objects.solids import solid
@@ -188,3 +191,37 @@ def test_edges_bend_in_an_image_of_angles() -> None:
     inside = (places @ hull[:, :2].T + hull[:, 2] <= 0.0).all(axis=-1)
     np.testing.assert_allclose(samples.share, inside.reshape(20, 40, 36, 40).mean(axis=(1, 3)), atol=0.03)
     assert samples.share.sum() == pytest.approx(inside.mean() * 720, rel=1e-3)
+
+
+@pytest.mark.parametrize(("east", "north"), [(3000.0, -4000.0), (0.0, 20_000.0), (-60_000.0, 10.0), (0.0, 0.0)])
+def test_bodies_stand_on_a_round_sea(east: float, north: float) -> None:
+    """Place from the centre of the sphere; axes turned about the horizontal across the way, by the angle at the centre."""
+    pose = Pose(100.0, -200.0, 35.0, Attitude(0.0, 0.0))
+    own = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
+    found = stand(Placement(np.array([100.0 + east, -200.0 + north, 12.0]), own), pose)
+    arc, radius = math.hypot(east, north), EFFECTIVE_EARTH_RADIUS
+    way = np.array([east, north, 0.0]) / max(arc, 1e-9)
+    turn = Rotation.from_rotvec(arc / radius * np.array([-way[1], way[0], 0.0]))
+    up = turn.apply([0.0, 0.0, 1.0])
+    np.testing.assert_allclose(found.place, (radius + 12.0) * up - [0.0, 0.0, radius + 35.0], atol=1e-7)
+    np.testing.assert_allclose(found.turn, turn.as_matrix() @ own, atol=1e-12)
+
+
+def test_the_tangent_plane_is_across_the_line_of_sight_and_level() -> None:
+    for place in (np.array([30.0, 40.0, -5.0]), np.array([-3.0, 1.0, 8.0]), np.array([0.0, 0.0, 2.0])):
+        right, up, ahead = TangentPlane.to(place).axes
+        np.testing.assert_allclose(TangentPlane.to(place).axes @ TangentPlane.to(place).axes.T, np.eye(3), atol=1e-12)
+        np.testing.assert_allclose(ahead, place / np.linalg.norm(place))
+        np.testing.assert_allclose(np.cross(right, up), -ahead, atol=1e-12)
+        assert right[2] == 0.0
+        assert up[2] >= 0.0
+
+
+def test_columns_are_never_more_than_half_a_circle_away() -> None:
+    eye = lens(Imager("equal-angle", 2.0 * math.pi, 0.5, 360, 30), Attitude(0.0, 0.0))
+    for azimuth in np.linspace(-3.1, 3.1, 23):
+        for about in np.linspace(-400.0, 700.0, 31):
+            column = image_point(eye, (math.sin(azimuth), math.cos(azimuth), 0.0), about)[0]
+            assert abs(column - about) <= 180.0 + 1e-9
+            turns = (column - 180.0 - math.degrees(azimuth)) / 360.0
+            assert turns == pytest.approx(round(turns), abs=1e-9)
