@@ -14,7 +14,7 @@ from seaglint.texture.monte_carlo import BATCHES, _last, inside_products, newton
 from seaglint.texture.neighbourhood import classes
 from seaglint.texture.pseudo_likelihood import conditional_log_likelihood
 from seaglint.texture.quantisation import GreyLevels
-from seaglint.texture.regime import correlations, mean_field, regime
+from seaglint.texture.regime import Regime, correlations, mean_field, regime
 
 KNOWN = Autobinomial.of(8, 2, -1.4, (0.09, 0.05, -0.02, 0.03), isotropic=False)
 
@@ -369,3 +369,43 @@ def test_the_last_step_finds_weights_under_which_sums_are_the_pictures() -> None
     np.testing.assert_allclose(shift, -np.linalg.inv(root @ root.T) @ differences.mean(axis=0), rtol=0.1)
     batches = np.array([part.mean(axis=0) for part in np.split(differences, BATCHES)])
     np.testing.assert_allclose(covariance, inverse + inverse @ np.cov(batches.T) @ inverse / BATCHES, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["usable", "frozen", "molten"])
+@pytest.mark.parametrize("memory", [0.04, 0.06])
+def test_findings_name_the_regime_and_the_remedy(name: str, memory: float) -> None:
+    """What stays apart is told only of a frozen field that remembers its starts; who can use the fit needs no remedy."""
+    found = Regime(name, 0.9, 1, memory, 4.0, 5.0, 1.2, 2.3, (0.4,), (0.6,))  # type: ignore[arg-type]
+    assert ("keep the picture's contrast" in found.finding) is (name == "usable")
+    assert found.finding.startswith(name) is (name != "usable")
+    assert ("apart" in found.finding) is (name == "frozen" and memory > 0.05)
+    assert ("wherever they begin" in found.finding) is (name == "frozen" and memory < 0.05)
+    assert (found.text != found.finding) is (name != "usable")
+
+
+@pytest.mark.parametrize(("ratio", "name"), [(0.68, "molten"), (0.72, "usable"), (1.40, "usable"), (1.45, "molten")])
+@pytest.mark.parametrize("tied", [True, False])
+def test_samples_of_another_correlation_are_molten(monkeypatch: pytest.MonkeyPatch, ratio: float, name: str, tied: bool) -> None:
+    """Where the picture's own is above 0.1: below, chance alone changes it as much."""
+    given = iter([np.array([0.2 if tied else 0.09]), np.array([ratio * (0.2 if tied else 0.09)])])
+    monkeypatch.setattr("seaglint.texture.regime.correlations", lambda *parts: next(given))
+    picture = np.random.default_rng(1).binomial(15, 0.5, (60, 60))
+    monkeypatch.setattr("seaglint.texture.regime.sampler.sample", lambda *parts, **more: picture)
+    assert regime(picture.astype(np.int16), Autobinomial.of(16, 1, 0.0, (0.0,)), seed=1).name == (name if tied else "usable")
+
+
+def test_samples_are_as_large_as_the_picture_up_to_their_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """128 pixels a side, or four times the farthest neighbour and one."""
+    shapes = []
+
+    def sampled(model: Autobinomial, shape: tuple[int, int], *parts: object, **more: object) -> np.ndarray:
+        shapes.append(shape)
+        return picture[: shape[0], : shape[1]]
+
+    monkeypatch.setattr("seaglint.texture.regime.sampler.sample", sampled)
+    picture = np.random.default_rng(1).binomial(15, 0.5, (90, 300)).astype(np.int16)
+    regime(picture, Autobinomial(16, (((0, 40), (1, 0)),), 0.0, (0.0,)), seed=1)
+    assert set(shapes) == {(90, 161)}
+    shapes.clear()
+    regime(picture.T, Autobinomial.of(16, 1, 0.0, (0.0,)), seed=1)
+    assert set(shapes) == {(128, 90)}

@@ -7,7 +7,7 @@ import pytest
 
 from seaglint.base.errors import DomainError
 from seaglint.weather.clouds import clear_line, illuminated
-from seaglint.weather.conditions import GeographicRegion, Times, conditions, draw_pairs, months_of
+from seaglint.weather.conditions import GeographicRegion, Times, _nearest, conditions, draw_pairs, months_of
 from seaglint.weather.draws import SamplingPlan, estimate
 from seaglint.weather.strata import strata
 from seaglint.weather.weather_table import WeatherTable
@@ -165,3 +165,31 @@ def test_hours_of_rows_stand_for_the_hours_around_them():
         assert np.quantile(away, [0.0, 0.25, 0.5, 0.75, 1.0]) == pytest.approx([-3.0, -1.5, 0.0, 1.5, 3.0], abs=0.3)
     days = np.unique(found.time // 86_400.0)
     assert days.size == 31
+
+
+@pytest.mark.parametrize(
+    ("region", "east"),
+    [
+        ((10.0, 60.0, -20.0, 40.0), 40.0),
+        ((10.0, 60.0, 170.0, -150.0), -150.0),
+        ((-90.0, 90.0, -180.0, 180.0), -180.0),
+        ((-5.0, -5.0, 3.0, 3.0), 3.0),
+    ],
+)
+def test_places_go_from_border_to_border(region, east):
+    """First, middle and last: sines of latitude are even, longitudes go on over the date line."""
+    south, north, west, _ = region
+    latitude, longitude = GeographicRegion(*region).draw(np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.5, 1.0]))
+    sines = np.sin(np.radians([south, north]))
+    assert np.sin(np.radians(latitude)) == pytest.approx([sines[0], sines.mean(), sines[1]], abs=1e-12)
+    assert longitude[[0, 2]] == pytest.approx([west, east])
+    half = (region[3] - west) % 360.0 / 2.0 if region[3] - west != 360.0 else 180.0
+    assert np.exp(1j * np.radians(longitude[1])) == pytest.approx(np.exp(1j * np.radians(west + half)))
+    assert -180.0 <= longitude.min() <= longitude.max() < 180.0
+
+
+def test_the_nearest_hour_goes_around_the_day():
+    hours = np.array([1.0, 7.5, 13.0, 22.0])
+    asked = np.linspace(0.0, 23.99, 200)
+    away = np.abs((asked[:, None] - hours + 12.0) % 24.0 - 12.0)
+    assert np.array_equal(_nearest(asked, hours), np.argmin(away, axis=1))
