@@ -9,6 +9,7 @@ import pytest
 from scipy.stats import norm
 
 from seaglint.detection.background import Background, Windows, blocks_of, count_false_alarms, curve_density
+from seaglint.detection.moving import FrameDifference
 from seaglint.detection.spatial import FilterThreshold
 
 
@@ -103,3 +104,15 @@ def test_the_density_of_a_rate_curve_is_its_slope() -> None:
     assert curve_density(threshold, line, 1.0, half=0.5) == pytest.approx(1000.0, rel=1e-9)
     assert curve_density(threshold, line, 0.0) == pytest.approx(500.0, rel=1e-9)  # nothing is counted below the first
     assert curve_density(threshold[:1], line[:1], 0.0) == 0.0
+
+
+def test_large_frames_are_read_one_by_one() -> None:
+    frames = np.zeros((3, 1500, 1500), np.float32)  # 9 MB each
+    assert [len(block) for block in blocks_of(source_of(frames))] == [1, 1, 1]
+
+
+def test_a_detector_of_several_frames_sees_one_sequence_at_a_time() -> None:
+    frames = np.random.default_rng(6).normal(size=(12, 20, 24)).astype(np.float32)
+    background = Background(FrameDifference(lag=2), source_of(frames, sequence_length=4))
+    expected = [frames[first + 2 + k] - frames[first + k] for first in (0, 4, 8) for k in (0, 1)]
+    np.testing.assert_allclose(background.statistic, expected, atol=1e-6)
