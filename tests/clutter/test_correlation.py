@@ -155,3 +155,33 @@ def test_decay_within_the_first_lag():
     assert decay(np.array([1.0, 0.3, 0.01, 0.0])) == pytest.approx((1.0 - np.exp(-1.0)) / 0.7)
     assert decay(np.array([1.0, 0.3])) == pytest.approx((1.0 - np.exp(-1.0)) / 0.7)
     assert decay(np.array([1.0, 0.01, 0.2, 0.1])) == pytest.approx((1.0 - np.exp(-1.0)) / 0.99)
+
+
+def test_decay_before_noise_is_along_a_straight_line():
+    """A value of the noise's size after the 1/e level, and another one above it behind."""
+    assert decay(np.array([1.0, 0.9, 0.6, 0.01, 0.3])) == pytest.approx(2.0 + (0.6 - np.exp(-1.0)) / 0.59)
+
+
+def test_lags_reach_a_third_of_each_side():
+    found = spatial_correlation(np.random.default_rng(3).standard_normal((20, 31)))
+    assert (len(found.y), len(found.x)) == (7, 11)
+    assert len(spatial_correlation(np.random.default_rng(3).standard_normal((5, 2))).x) == 2
+    assert len(spatial_correlation(np.random.default_rng(3).standard_normal((5, 4)), longest=9).x) == 4
+
+
+def test_what_a_surface_leaves_of_a_constant_has_no_correlation():
+    level = np.full((40, 40), 1234.567)
+    assert np.isnan(spatial_correlation(level, mean=trend_surface(level)).length_x)
+
+
+def test_the_correction_for_the_mean_solves_its_own_equation():
+    """Shift of the variance = (variance + shift) over the number of independent pixels, whose integral scales are of what results."""
+    field = gaussian_filter(np.random.default_rng(10).standard_normal((2, 90, 120)), (0.0, 4.0, 6.0), mode="wrap")
+    found = spatial_correlation(field)
+    d = field - field.mean()
+    variance = float((d * d).mean())
+    lag = float((d[:, :, :-1] * d[:, :, 1:]).mean())
+    independent = effective_count(field.size, found.scale_x, found.scale_y)
+    shift = variance / (independent - 1.0)
+    assert found.x[1] == pytest.approx((lag + shift) / (variance + shift), rel=1e-4)
+    assert shift > 0.005 * variance

@@ -8,7 +8,16 @@ from scipy.stats import genpareto
 
 from seaglint.base.errors import DomainError
 from seaglint.clutter.exceedances import Events
-from seaglint.clutter.extremes import fit_pareto, fit_tail
+from seaglint.clutter.extremes import (
+    TRUSTED_SETS,
+    TRUSTED_SPAN,
+    ParetoFit,
+    _anderson_darling,
+    _draw,
+    fit_pareto,
+    fit_tail,
+    with_limits,
+)
 from seaglint.clutter.false_alarms import FalseAlarms, RateCurve
 
 
@@ -97,3 +106,48 @@ def test_too_few_or_negative_excesses_are_refused() -> None:
         fit_pareto([1.0, 2.0])
     with pytest.raises(DomainError, match="above 0"):
         fit_pareto(np.arange(20.0) - 3)
+
+
+@pytest.mark.parametrize("shape", [-0.3, 0.0, 0.4])
+def test_draws_are_the_inverse_of_the_survival_function(shape: float) -> None:
+    fit = ParetoFit(shape, 1.7, 0.0)
+    drawn = _draw(fit, 1000, np.random.default_rng(1))
+    exponential = np.random.default_rng(1).standard_exponential(1000)
+    np.testing.assert_allclose(drawn, genpareto.isf(np.exp(-exponential), shape, scale=1.7), rtol=1e-9)
+    np.testing.assert_allclose(fit.survival(drawn), np.exp(-exponential), rtol=1e-9)
+
+
+def test_the_anderson_darling_distance_is_its_integral() -> None:
+    """n times the integral of the squared difference of both distribution functions over p (1 - p)."""
+    fit = ParetoFit(0.2, 1.3, 0.0)
+    drawn = np.sort(_draw(fit, 40, np.random.default_rng(2)))
+    p = (np.arange(2_000_000) + 0.5) / 2_000_000
+    steps = np.searchsorted(genpareto.cdf(drawn, 0.2, scale=1.3), p) / 40.0
+    assert _anderson_darling(drawn, fit) == pytest.approx(40.0 * np.mean((steps - p) ** 2 / (p * (1.0 - p))), rel=1e-4)
+
+
+def test_limits_are_those_of_maximum_likelihood() -> None:
+    """Smith's covariance of shape and log scale, and a Poisson number; trusted up to the last rate that is sharp and not too rare."""
+    threshold = np.linspace(0.0, 20.0, 2001)
+    curve = RateCurve(threshold, np.rint(1e8 * np.exp(-threshold)).astype(np.int64), 10**8)
+    fit, number = ParetoFit(0.15, 1.1, 0.0), 400
+    tail = with_limits(curve, 300, 3.0, number, fit, 0.5, 4.0, np.random.default_rng(3))
+    rates, shapes, scales = tail._draws
+    assert tail.rate == pytest.approx(np.exp(-3.0))
+    found = number * np.cov(np.stack([shapes, np.log(scales), np.log(rates)]))
+    expected = np.array([[1.15**2, -1.15, 0.0], [-1.15, 2.0 * 1.15, 0.0], [0.0, 0.0, 1.0]])
+    error = 4.0 * 1.15 * np.sqrt(2.0 * 2.3 / shapes.size)  # four standard errors of the largest entries
+    np.testing.assert_allclose(found, expected, atol=error)
+    assert tail.shape_interval == pytest.approx(tuple(np.quantile(shapes, [0.025, 0.975])))
+    at = 3.0 + np.array([0.0, 2.0, 5.0])
+    rate, low, high = tail.rates(at)
+    np.testing.assert_allclose(rate, tail.rate * genpareto.sf(at - 3.0, 0.15, scale=1.1))
+    each = rates[:, None] * genpareto.sf(at - 3.0, shapes[:, None], scale=scales[:, None])
+    np.testing.assert_allclose((low, high), np.quantile(each, [0.025, 0.975], axis=0), rtol=1e-9)
+    assert tail.threshold_for(1e-5) == pytest.approx(3.0 + genpareto.isf(1e-5 / tail.rate, 0.15, scale=1.1))
+    assert tail.threshold_for(1.001 * tail.rate) is None
+    steps = 3.0 + np.linspace(0.0, 40.0, 301)
+    rate, low, high = tail.rates(steps)
+    trusted = steps[: np.flatnonzero((high >= TRUSTED_SPAN * low) | (rate * 1e8 < 1.0 / TRUSTED_SETS))[0]]
+    assert tail.trusted_to_sigma == pytest.approx(trusted[-1])
+    assert tail.trusted_to_rate == pytest.approx(rate[trusted.size - 1])

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.ndimage import gaussian_filter
-from scipy.special import kv
+from scipy.special import digamma, kv
 
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import block_labels, effective_count
-from seaglint.clutter.fits import FAMILIES, cdf, draw, fit, log_density
+from seaglint.clutter.fits import FAMILIES, _condensed, cdf, draw, fit, log_density, scores
 
 TRUTHS = [
     ("gamma", (0.7, 3.0)),
@@ -184,3 +184,57 @@ def test_blocks_widen_intervals_by_the_correlation():
     # sqrt(1 / share of independent values) = 7.1 for the values, sqrt(2) less for the squares that fix the shape.
     assert 4.0 < ratio < 8.0
     assert counted.shape_interval[1] - counted.shape_interval[0] > 0.8 * (blocked.shape_interval[1] - blocked.shape_interval[0])
+
+
+ANALYTIC_SCORES = {
+    "gaussian": lambda x, a, b: ((x - a) / b**2, ((x - a) / b) ** 2 - 1.0),
+    "gamma": lambda x, a, b: (a * (np.log(x / b) - digamma(a)), x / b - a),
+    "lognormal": lambda x, a, b: ((np.log(x / b) / a) ** 2 - 1.0, np.log(x / b) / a**2),
+    "weibull": lambda x, a, b: (1.0 + a * np.log(x / b) * (1.0 - (x / b) ** a), a * ((x / b) ** a - 1.0)),
+}
+
+
+@pytest.mark.parametrize("family", ANALYTIC_SCORES)
+def test_scores_are_the_derivatives_of_the_density(family):
+    """Closed forms, by the parameters' logarithms and the Gaussian's mean."""
+    x = np.array([0.3, 1.0, 2.7, 6.0])
+    np.testing.assert_allclose(scores(family, x, (2.3, 1.7)), ANALYTIC_SCORES[family](x, 2.3, 1.7), rtol=1e-6, atol=1e-8)
+
+
+def test_intervals_of_a_gaussian_are_the_closed_forms():
+    """Of mirrored values, whose mean and deviation do not go together: errors s / root n and 1 / root ((kurtosis - 1) n)."""
+    half = np.random.default_rng(12).gamma(2.0, 1.0, 300)
+    found = fit(3.0 + np.r_[half, -half], "gaussian")
+    error = np.sqrt(np.mean(half**2) / 600.0)
+    assert np.subtract(found.loc_interval, 3.0) == pytest.approx([-1.959964 * error, 1.959964 * error], rel=1e-6)
+    spread = 1.959964 / np.sqrt((np.mean(half**4) / np.mean(half**2) ** 2 - 1.0) * 600.0)
+    assert np.log(np.divide(found.scale_interval, found.scale)) == pytest.approx([-spread, spread], rel=1e-5)
+
+
+def test_intervals_of_blocks_are_those_of_their_sums():
+    """Gaussian: sums over blocks of deviations, and of squared ones less their mean, with Student's quantile."""
+    rng = np.random.default_rng(13)
+    label = rng.integers(0, 12, 500)
+    x = rng.standard_normal(500) + rng.standard_normal(12)[label]
+    w = rng.uniform(0.5, 2.0, 500)
+    found = fit(x, "gaussian", weights=w, blocks=label)
+    mean = np.average(x, weights=w)
+    z = (x - mean) / np.sqrt(np.average((x - mean) ** 2, weights=w))
+    quantile = stats.t.ppf(0.975, 11)
+    for interval, part, slope in (
+        (np.subtract(found.loc_interval, found.loc) / found.scale, z, w.sum()),
+        (np.log(np.divide(found.scale_interval, found.scale)), z**2 - 1.0, 2.0 * w.sum()),
+    ):
+        sums = np.array([np.sum((w * part)[label == block]) for block in range(12)])
+        error = np.sqrt(np.sum(sums**2) * 12.0 / 11.0) / slope
+        assert interval == pytest.approx([-quantile * error, quantile * error], rel=1e-4)
+
+
+def test_many_values_are_condensed_to_means_of_as_many_neighbours():
+    rng = np.random.default_rng(14)
+    x, p = rng.gamma(2.0, 1.0, 1000), rng.uniform(0.5, 1.5, 1000)
+    p /= p.sum()
+    means, weights = _condensed(x, p, 100)
+    order = np.argsort(x).reshape(100, 10)
+    np.testing.assert_allclose(weights, p[order].sum(axis=1))
+    np.testing.assert_allclose(means, (p * x)[order].sum(axis=1) / p[order].sum(axis=1))

@@ -72,3 +72,16 @@ def test_too_few_independent_values_have_no_level():
 def test_no_fit_no_goodness():
     with pytest.raises(DataError, match="no gamma fit"):
         goodness(-np.ones(50), fit(-np.ones(50), "gamma"))
+
+
+def test_levels_of_many_values_are_those_of_as_many_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fewer are drawn than there are, and distances scaled: of 199 draws a level near 0.3 scatters by 0.03."""
+    sample = np.random.default_rng(19).gamma(3.0, 2.0, 3000)
+    found = fit(sample, "gamma")
+    whole = goodness(sample, found, seed=1)
+    monkeypatch.setattr("seaglint.clutter.goodness.MOST_INDEPENDENT", 250)
+    few = goodness(sample, found, seed=2)
+    assert 0.1 < min(whole.ks_p, whole.ad_p) < 0.9
+    assert (few.ks, few.ad) == (whole.ks, whole.ad)
+    assert few.ks_p == pytest.approx(whole.ks_p, abs=0.15)
+    assert few.ad_p == pytest.approx(whole.ad_p, abs=0.15)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.special import gammaln
+from scipy.stats import norm, t
 
 from seaglint.base.errors import DomainError
 from seaglint.clutter.false_alarms import FalseAlarms
@@ -105,3 +107,51 @@ def test_ordered_statistic_does_not_feel_level_and_gain() -> None:
 def test_unusable_settings_are_refused(make) -> None:
     with pytest.raises(DomainError):
         make()
+
+
+def rings(frame: np.ndarray, training: int, guard: int) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels that have a whole ring, and the values of each one's."""
+    side = 2 * training + 1
+    used = np.ones((side, side), bool)
+    used[training - guard : training + guard + 1, training - guard : training + guard + 1] = False
+    return frame[training:-training, training:-training], np.lib.stride_tricks.sliding_window_view(frame, (side, side))[..., used]
+
+
+@pytest.mark.parametrize(("training", "guard"), [(3, 1), (2, 0), (4, 2)])
+def test_equivalent_deviations_are_those_of_the_closed_tails(training: int, guard: int) -> None:
+    """Pixel by pixel: Student's t, the power law of an exponential's mean, and Rohling's ratio of Gamma functions."""
+    frame = np.random.default_rng(3).standard_exponential((24, 30)).astype(np.float32)
+    inner = (0, slice(training, -training), slice(training, -training))
+    x, ring = (part.astype(float) for part in rings(frame, training, guard))
+    n = ring.shape[-1]
+    student = (x - ring.mean(axis=-1)) / (ring.std(axis=-1, ddof=1) * np.sqrt(1.0 + 1.0 / n))
+    np.testing.assert_allclose(CellAveraging(training, guard)(frame[None])[inner], norm.isf(t.sf(student, n - 1)), atol=1e-4)
+    power = np.exp(-n * np.log1p(x / ring.mean(axis=-1) / n))
+    np.testing.assert_allclose(CellAveraging(training, guard, "exponential")(frame[None])[inner], norm.isf(power), atol=1e-4)
+    rank = round(0.6 * n)
+    ratio = x / np.sort(ring, axis=-1)[..., rank - 1]
+    tail = np.exp(gammaln(n + 1) + gammaln(n - rank + 1 + ratio) - gammaln(n - rank + 1) - gammaln(n + 1 + ratio))
+    np.testing.assert_allclose(OrderedStatistic(training, guard, 0.6, "exponential")(frame[None])[inner], norm.isf(tail), atol=1e-4)
+
+
+@pytest.mark.parametrize(("c", "quantile"), [(1.2, 0.75), (-0.7, 0.6)])
+def test_the_tail_between_two_quantiles_is_the_integral_over_their_joint_density(c: float, quantile: float) -> None:
+    """Ranks l = n + 1 - k and k of n Gaussian values; the statistic made from a pixel at that ratio between them."""
+    n = 7**2 - 3**2
+    k = max(round(quantile * n), n // 2 + 1)
+    frame = np.random.default_rng(4).normal(size=(7, 7)).astype(np.float32)
+    ring = np.sort(rings(frame, 3, 1)[1].ravel().astype(float))
+    low, high = ring[n - k], ring[k - 1]
+    frame[3, 3] = 0.5 * (low + high) + c * (high - low)
+    grid = np.linspace(-6.0, 6.0, 1501)
+    a, b = grid[:, None], grid[None, :]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        joint = (
+            (n - k) * (norm.logcdf(a) + norm.logsf(b))
+            + (2 * k - n - 2) * np.log(norm.cdf(b) - norm.cdf(a))
+            + norm.logpdf(a)
+            + norm.logpdf(b)
+        )
+    weight = np.where(b > a, np.exp(joint - np.nanmax(joint[np.isfinite(joint)])), 0.0)
+    tail = np.sum(weight * norm.sf(0.5 * (a + b) + c * (b - a))) / np.sum(weight)
+    assert OrderedStatistic(3, 1, quantile)(frame[None])[0, 3, 3] == pytest.approx(norm.isf(tail), abs=2e-3)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
 from scipy.special import ndtr
+from scipy.stats import norm
+from scipy.stats import t as student
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.filters import TopHat, autocovariance
@@ -156,3 +161,45 @@ def test_names_that_need_a_shape_and_names_there_are_not() -> None:
         named("matched")
     with pytest.raises(DataError, match="unknown; choose ca-cfar"):
         named_for("radar", SPOT, lambda: np.empty((0, 1, 1), np.float32))
+
+
+@pytest.mark.parametrize(("count", "guard"), [(3, 0), (6, 2)])
+def test_temporal_profile_is_the_prediction_interval_of_a_past(count: int, guard: int) -> None:
+    """Student's t of the latest value against the mean of those before the guard, as a Gaussian deviation."""
+    frames = np.random.default_rng(3).normal(5.0, 2.0, (count + guard + 2, 6, 7)).astype(np.float32)
+    found = TemporalProfile(count=count, guard=guard)(frames)
+    for k in range(2):
+        past, latest = frames[k : k + count].astype(float), frames[k + count + guard]
+        t = (latest - past.mean(axis=0)) / (past.std(axis=0, ddof=1) * np.sqrt((count + 1.0) / count))
+        np.testing.assert_allclose(found[k], norm.isf(student.sf(t, count - 1)), atol=2e-3)
+
+
+def test_tracks_are_the_best_of_all_ways() -> None:
+    """Three frames, every way of at most a pixel a step one by one; none through a missing pixel."""
+    frames = np.random.default_rng(4).normal(size=(3, 5, 6)).astype(np.float32)
+    frames[1, 2, 2] = np.nan
+    best = np.full((5, 6), -np.inf)
+    steps = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    for y, x in np.ndindex(5, 6):
+        for (a, b), (c, d) in itertools.product(steps, steps):
+            way = [(2, y, x), (1, y + a, x + b), (0, y + a + c, x + b + d)]
+            if all(0 <= row < 5 and 0 <= column < 6 for _, row, column in way):
+                total = sum(float(frames[place]) for place in way)
+                best[y, x] = max(best[y, x], -np.inf if np.isnan(total) else total)
+    np.testing.assert_allclose(TrackBeforeDetect(count=3, speed=1)(frames)[0], best / np.sqrt(3.0), rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("make", "allowed"),
+    [
+        (lambda: TrackBeforeDetect(count=2, speed=0), True),
+        (lambda: TrackBeforeDetect(count=1, speed=1), False),
+        (lambda: TrackBeforeDetect(count=2, speed=-1), False),
+        (lambda: TemporalProfile(count=3, guard=0), True),
+        (lambda: TemporalProfile(count=2), False),
+        (lambda: TemporalProfile(count=3, guard=-1), False),
+    ],
+)
+def test_counts_of_frames_have_a_least_value(make, allowed: bool) -> None:
+    with nullcontext() if allowed else pytest.raises(DomainError):
+        make()

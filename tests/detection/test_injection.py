@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from scipy.integrate import dblquad
@@ -12,7 +14,7 @@ from seaglint.detection.background import Background
 from seaglint.detection.injection import Batch, InjectionPlan, inject, offsets
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot, SampledSpot
-from seaglint.detection.trials import InjectedObjects, run_trials
+from seaglint.detection.trials import LARGEST_CONTRAST, InjectedObjects, run_trials
 
 SPOT = GaussianSpot(0.8)
 
@@ -140,3 +142,25 @@ def test_no_place_for_an_object_is_said(clutter: np.ndarray) -> None:
         run_trials(background, source, InjectedObjects(SPOT, (1.0,), 10), background.threshold(2.0, "sigma"))
     with pytest.raises(DomainError, match="no place for an object"):
         InjectedObjects(GaussianSpot(5.0), (1.0,), 10).plan(background.detector, source)
+
+
+@pytest.mark.parametrize(
+    ("options", "allowed"),
+    [
+        ({"contrasts": ()}, False),
+        ({"contrasts": (1.0, 0.0)}, False),
+        ({"contrasts": (np.inf,)}, False),
+        ({"contrasts": (LARGEST_CONTRAST, -LARGEST_CONTRAST)}, True),
+        ({"contrasts": (1.01 * LARGEST_CONTRAST,)}, False),
+        ({"velocity": (50.0, -50.0)}, True),
+        ({"velocity": (50.1, 0.0)}, False),
+        ({"velocity": (0.0, -50.1)}, False),
+        ({"velocity": (np.nan, 0.0)}, False),
+        ({"duration": 0}, True),
+        ({"duration": -1}, False),
+    ],
+)
+def test_objects_may_reach_their_limits_and_not_pass_them(options: dict, allowed: bool) -> None:
+    made = {"shape": GaussianSpot(0.8), "contrasts": (1.0,)} | options
+    with nullcontext() if allowed else pytest.raises(DomainError):
+        InjectedObjects(**made)

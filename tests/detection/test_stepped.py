@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.stats import norm, poisson
+from scipy.optimize import minimize
+from scipy.stats import chi2, genpareto, norm, poisson, power_divergence
 from stored_frames import StoredFrames
 
 from seaglint.detection.background import Background, count_false_alarms
@@ -14,7 +15,7 @@ from seaglint.detection.counting import Counting, poisson_quantile
 from seaglint.detection.sources import PlainFrames
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.stepped import steps_of, tail_above
+from seaglint.detection.stepped import Steps, fit_levels, steps_of, tail_above
 from seaglint.detection.trials import InjectedObjects, run_trials
 from seaglint.studies.detect.chips import chips
 from seaglint.studies.detect.performance import DetectionOptions, detect
@@ -125,3 +126,45 @@ def test_pictures_of_misses_show_what_was_judged() -> None:
         value = chip.score * found.background[1] + found.background[0]
         assert chip.pixels[12][12] == pytest.approx(value, abs=1e-6)
     assert len({round(chip.pixels[12][12], 2) for chip in missed}) > 1
+
+
+@pytest.mark.parametrize("threshold", [-3.4, -0.2, 0.31, 1.0, 2.55, 7.29])
+def test_thresholds_of_steps_are_middles_of_two_levels(threshold: float) -> None:
+    steps = Steps(0.3, 0.7)
+    levels = 0.3 + 0.7 * np.arange(-20, 20)
+    middles = 0.5 * (levels[1:] + levels[:-1])
+    assert steps.below(threshold) == pytest.approx(middles[np.argmax(levels > threshold) - 1])
+    assert steps.above(threshold) == pytest.approx(middles[middles >= threshold].min())
+    assert steps.above(middles[25]) == pytest.approx(middles[25])
+    assert steps.below(levels[25]) == pytest.approx(middles[25])
+
+
+@pytest.mark.parametrize(("shape", "share"), [(0.3, 1.0), (-0.25, 0.6), (0.0, 0.8)])
+def test_levels_are_fitted_by_the_likelihood_of_their_numbers(shape: float, share: float) -> None:
+    """Numbers of SciPy's distribution between ends of levels; the fit's likelihood, its region, and what lies beside it."""
+    step, ends = 0.5, 0.5 * np.arange(26)
+    chances = -np.diff(genpareto.sf(ends, shape, scale=1.3))
+    counts = np.random.default_rng(2).multinomial(3000, chances / chances.sum())
+    counts = counts[: np.flatnonzero(counts)[-1] + 1]
+    fit, p, (shapes, scales) = fit_levels(counts, step, share)
+
+    def likelihood(xi: float, beta: float) -> float:
+        below = genpareto.sf(ends[: counts.size], xi, scale=beta) - genpareto.sf(ends[1 : counts.size + 1], xi, scale=beta)
+        return share * float(counts @ np.log(np.maximum(below, 1e-300)))
+
+    assert fit.log_likelihood == pytest.approx(likelihood(fit.shape, fit.scale), rel=1e-9)
+    best = minimize(lambda at: -likelihood(at[0], np.exp(at[1])), (shape, np.log(1.3)), method="Nelder-Mead")
+    assert fit.log_likelihood == pytest.approx(-best.fun, abs=0.3)  # on a grid of steps of 0.01 and 2.5 %
+    assert (fit.shape, fit.scale) == (pytest.approx(best.x[0], abs=0.03), pytest.approx(np.exp(best.x[1]), rel=0.05))
+    inside = np.array([likelihood(*pair) for pair in zip(shapes, scales, strict=True)])
+    assert 0.0 <= inside.min() - (fit.log_likelihood - 0.5 * 2.1**2) < 0.5
+    # steps beside the region's ends are outside it, whatever the scale
+    for beyond in (shapes.min() - 0.01, shapes.max() + 0.01):
+        assert max(likelihood(beyond, beta) for beta in np.unique(scales)) < fit.log_likelihood - 0.5 * 2.1**2
+    reached = np.r_[genpareto.sf(ends[: counts.size], fit.shape, scale=fit.scale), 0.0]
+    seen, expected = list(share * counts), list(-share * counts.sum() * np.diff(reached))
+    while len(seen) > 1 and expected[-1] < 3.0:  # rare levels with those beyond
+        seen[-2:], expected[-2:] = [sum(seen[-2:])], [sum(expected[-2:])]
+    statistic = power_divergence(seen, np.array(expected) * sum(seen) / sum(expected), lambda_="log-likelihood").statistic
+    assert p == pytest.approx(chi2.sf(statistic, len(seen) - 3), rel=1e-6)
+    assert p > 0.01

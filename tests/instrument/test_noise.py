@@ -280,3 +280,43 @@ def test_corrected_patterns_vanish_where_they_were_corrected() -> None:
     low, middle, high = (fixed_pattern(model, one) for one in radiance)
     assert (low, high) == (pytest.approx(0.0, abs=1e-6), pytest.approx(0.0, abs=1e-6))
     assert middle == pytest.approx(0.02 * 3e5**2 / line.full_scale)
+
+
+def test_lag_ends_where_a_frame_is_forgotten() -> None:
+    """Weights down to a ten-thousandth of the first, 64 at most."""
+    weights = lag_weights(0.1, 0.04)
+    decay = np.exp(-0.4)
+    assert weights.size == 1 + np.flatnonzero(decay ** np.arange(100) >= 1e-4)[-1]
+    np.testing.assert_allclose(weights, decay ** np.arange(weights.size) / np.sum(decay ** np.arange(weights.size)))
+    assert lag_weights(100.0, 0.04).size == 64
+    assert lag_weights(1e-9, 0.04).tolist() == [1.0]
+    assert lag_weights(0.0, 0.04).tolist() == [1.0]
+
+
+def test_the_signal_of_a_microbolometer_is_in_nanowatts() -> None:
+    """Radiance times area, solid angle, transmission and absorptance."""
+    model = microbolometer(fill_factor=0.8, absorptance=0.7)
+    power = model.readout.per_radiance * 1e-9
+    assert power == pytest.approx((17e-6) ** 2 * 0.8 * 0.7 * model.optics.solid_angle * 0.9)
+    assert figures(model)["nw_per_count"] == pytest.approx(model.readout.radiance_scale * power * 1e9)
+
+
+def test_components_solve_the_table_of_expected_mean_squares() -> None:
+    """Parts without means of their own, of which the mean squares are known; expected ones by the table of a crossed design."""
+    shape, rng = (4, 5, 6), np.random.default_rng(21)
+    sizes = {"T": (0,), "V": (1,), "H": (2,), "TV": (0, 1), "TH": (0, 2), "VH": (1, 2), "TVH": (0, 1, 2)}
+    rms = {1: 20.0, 2: 5.0, 3: 1.0}
+    cube, squares = np.zeros(shape), []
+    for axes in sizes.values():
+        part = rms[len(axes)] * rng.normal(size=[shape[axis] if axis in axes else 1 for axis in range(3)])
+        for axis in axes:
+            part = part - part.mean(axis=axis, keepdims=True)
+        cube = cube + part
+        squares.append(np.sum(np.broadcast_to(part, shape) ** 2) / np.prod([shape[axis] - 1 for axis in axes]))
+    table = [
+        [np.prod([n for axis, n in enumerate(shape) if axis not in of]) * (set(own) <= set(of)) for of in sizes.values()]
+        for own in sizes.values()
+    ]
+    expected = np.sqrt(np.linalg.solve(np.array(table, float), squares))
+    assert list(three_d_noise(cube + 7.0).values()) == pytest.approx(expected, rel=1e-10)
+    assert list(three_d_noise(cube)) == list(sizes)

@@ -10,11 +10,11 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_fit import fit
 from seaglint.texture.autobinomial_sampler import exchange, sample
-from seaglint.texture.monte_carlo import inside_products
+from seaglint.texture.monte_carlo import BATCHES, _last, inside_products, newton
 from seaglint.texture.neighbourhood import classes
 from seaglint.texture.pseudo_likelihood import conditional_log_likelihood
 from seaglint.texture.quantisation import GreyLevels
-from seaglint.texture.regime import correlations, mean_field, regime
+from seaglint.texture.regime import Regime, correlations, mean_field, regime
 
 KNOWN = Autobinomial.of(8, 2, -1.4, (0.09, 0.05, -0.02, 0.03), isotropic=False)
 
@@ -320,3 +320,92 @@ def test_inside_products_are_those_of_a_torus_without_its_seams(texture: np.ndar
     levels = texture.astype(np.int64)
     expected = [sum(float(np.mean(levels * np.roll(levels, (-dy, -dx), (0, 1)))) for dy, dx in one) for one in KNOWN.neighbours]
     assert inside_products(texture, KNOWN.neighbours) == pytest.approx(expected, rel=5e-3)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_errors_are_the_sandwich_of_pairs_of_scores(periodic: bool) -> None:
+    """Slopes of the conditional law of each pixel, by products of those of pixels that are neighbours or the same, one by one."""
+    picture = sample(Autobinomial.of(4, 2, -1.2, (0.12, -0.05)), (16, 17), 30, seed=8)
+    found = fit(picture, 4, 2, periodic=periodic, check=False)
+    offsets = [[(s * dy, s * dx) for dy, dx in one for s in (1, -1)] for one in found.model.neighbours]
+    places = list(np.ndindex(16, 17)) if periodic else [(y, x) for y in range(1, 15) for x in range(1, 16)]
+    scores, information = {}, np.zeros((3, 3))
+    for y, x in places:
+        sums = np.array([1.0, *(sum(float(picture[(y + dy) % 16, (x + dx) % 17]) for dy, dx in one) for one in offsets)])
+        chance = 1.0 / (1.0 + np.exp(-sums @ found.parameters))
+        scores[y, x] = sums * (picture[y, x] - 3.0 * chance)
+        information += 3.0 * chance * (1.0 - chance) * np.outer(sums, sums)
+    middle = np.zeros((3, 3))
+    for (y, x), score in scores.items():
+        for dy, dx in [(0, 0), *(d for one in offsets for d in one)]:
+            middle += np.outer(score, scores.get(((y + dy) % 16, (x + dx) % 17) if periodic else (y + dy, x + dx), np.zeros(3)))
+    bread = np.linalg.inv(information)
+    np.testing.assert_allclose(found.covariance, bread @ middle @ bread, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(sum(scores.values()), 0.0, atol=1e-5)
+    assert found.log_pseudo_likelihood == pytest.approx(conditional_log_likelihood(picture, found.model, periodic=periodic), rel=1e-12)
+
+
+def test_a_step_of_newton_solves_the_equations_of_the_gap() -> None:
+    gap, root = np.array([3.0, -200.0, 0.5]), np.array([[2.0, 0.0, 0.0], [30.0, 90.0, 0.0], [0.1, 0.2, 0.3]])
+    step, distance = newton(gap, root @ root.T)
+    np.testing.assert_allclose(root @ root.T @ step, gap, rtol=1e-9)
+    assert distance == pytest.approx(np.linalg.norm(np.linalg.solve(root, gap)))
+    for twins in (np.ones((2, 2)), np.diag([1.0, 0.0])):
+        assert newton(np.ones(2), twins)[1] == np.inf
+        assert not newton(np.ones(2), twins)[0].any()
+
+
+def test_the_last_step_finds_weights_under_which_sums_are_the_pictures() -> None:
+    """Of normal differences: shift minus the inverse covariance times the mean, whose weights are those of so many samples."""
+    root = np.array([[2.0, 0.0], [1.0, 0.7]])
+    differences = np.random.default_rng(4).normal(size=(3990, 2)) @ root.T + 0.3 * root.sum(axis=1)
+    shift, covariance, distance, share = _last(differences)
+    weights = np.exp(differences @ shift)
+    weights /= weights.sum()
+    np.testing.assert_allclose(weights @ differences, 0.0, atol=1e-6)
+    assert distance < 1e-6
+    assert share == pytest.approx(1.0 / (3990.0 * np.sum(weights**2)))
+    inverse = np.linalg.inv(np.cov(differences.T, aweights=weights))
+    np.testing.assert_allclose(shift, -np.linalg.inv(root @ root.T) @ differences.mean(axis=0), rtol=0.1)
+    batches = np.array([part.mean(axis=0) for part in np.split(differences, BATCHES)])
+    np.testing.assert_allclose(covariance, inverse + inverse @ np.cov(batches.T) @ inverse / BATCHES, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["usable", "frozen", "molten"])
+@pytest.mark.parametrize("memory", [0.04, 0.06])
+def test_findings_name_the_regime_and_the_remedy(name: str, memory: float) -> None:
+    """What stays apart is told only of a frozen field that remembers its starts; who can use the fit needs no remedy."""
+    found = Regime(name, 0.9, 1, memory, 4.0, 5.0, 1.2, 2.3, (0.4,), (0.6,))  # type: ignore[arg-type]
+    assert ("keep the picture's contrast" in found.finding) is (name == "usable")
+    assert found.finding.startswith(name) is (name != "usable")
+    assert ("apart" in found.finding) is (name == "frozen" and memory > 0.05)
+    assert ("wherever they begin" in found.finding) is (name == "frozen" and memory < 0.05)
+    assert (found.text != found.finding) is (name != "usable")
+
+
+@pytest.mark.parametrize(("ratio", "name"), [(0.68, "molten"), (0.72, "usable"), (1.40, "usable"), (1.45, "molten")])
+@pytest.mark.parametrize("tied", [True, False])
+def test_samples_of_another_correlation_are_molten(monkeypatch: pytest.MonkeyPatch, ratio: float, name: str, tied: bool) -> None:
+    """Where the picture's own is above 0.1: below, chance alone changes it as much."""
+    given = iter([np.array([0.2 if tied else 0.09]), np.array([ratio * (0.2 if tied else 0.09)])])
+    monkeypatch.setattr("seaglint.texture.regime.correlations", lambda *parts: next(given))
+    picture = np.random.default_rng(1).binomial(15, 0.5, (60, 60))
+    monkeypatch.setattr("seaglint.texture.regime.sampler.sample", lambda *parts, **more: picture)
+    assert regime(picture.astype(np.int16), Autobinomial.of(16, 1, 0.0, (0.0,)), seed=1).name == (name if tied else "usable")
+
+
+def test_samples_are_as_large_as_the_picture_up_to_their_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """128 pixels a side, or four times the farthest neighbour and one."""
+    shapes = []
+
+    def sampled(model: Autobinomial, shape: tuple[int, int], *parts: object, **more: object) -> np.ndarray:
+        shapes.append(shape)
+        return picture[: shape[0], : shape[1]]
+
+    monkeypatch.setattr("seaglint.texture.regime.sampler.sample", sampled)
+    picture = np.random.default_rng(1).binomial(15, 0.5, (90, 300)).astype(np.int16)
+    regime(picture, Autobinomial(16, (((0, 40), (1, 0)),), 0.0, (0.0,)), seed=1)
+    assert set(shapes) == {(90, 161)}
+    shapes.clear()
+    regime(picture.T, Autobinomial.of(16, 1, 0.0, (0.0,)), seed=1)
+    assert set(shapes) == {(128, 90)}

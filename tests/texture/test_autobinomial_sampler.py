@@ -274,3 +274,20 @@ def test_chains_that_remember_their_starts_are_found() -> None:
 def test_what_does_not_fit_is_named(arguments: dict, text: str) -> None:
     with pytest.raises(DomainError, match=text):
         sample(Autobinomial.of(4, 1, 0.0, (0.1,)), seed=1, **arguments)
+
+
+@pytest.mark.filterwarnings("ignore:.*encountered in scalar divide:RuntimeWarning")  # chains without any scatter
+def test_energies_and_sums_of_frozen_chains_are_those_of_even_pictures() -> None:
+    """So strong a coupling leaves every chain at its start, 0, 0 and 1: halves are rounded to the even level."""
+    model = Autobinomial(2, (((0, 1), (1, 0)), ((1, 1),)), -240.0, (60.0, 120.0))
+    found = mixing(model, (5, 7), seed=1, chains=3, warm=2, draws=8)
+    np.testing.assert_allclose(found.sums, np.array([0.0, 0.0, 1.0])[:, None, None] * np.ones((3, 8, 3)))
+    np.testing.assert_allclose(found.energy, np.array([0.0, 0.0, 240.0 - 2 * 60.0 - 120.0])[:, None] * np.ones((3, 8)))
+
+
+@pytest.mark.filterwarnings("ignore:.*encountered in scalar divide:RuntimeWarning")  # chains without any scatter
+def test_sums_of_a_bright_field_are_per_pixel_and_per_pair() -> None:
+    model = Autobinomial(6, (((0, 1), (1, 0), (1, -1)), ((1, 1),)), 70.0, (0.2, -0.1))
+    found = mixing(model, (5, 7), seed=1, chains=2, warm=1, draws=8)
+    np.testing.assert_allclose(found.sums, np.array([5.0, 25.0, 25.0]) * np.ones((2, 8, 3)))
+    np.testing.assert_allclose(found.energy, -(70.0 * 5.0 + 0.2 * 3 * 25.0 - 0.1 * 25.0), rtol=1e-12)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -10,7 +12,7 @@ from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture
 from seaglint.texture.marginals import Marginal
-from seaglint.texture.quality import compare, cooccurrence
+from seaglint.texture.quality import Comparison, compare, cooccurrence
 
 FIELD = GaussMarkov(((1, 0, 0), (0, 0, 1), (0, 1, 0)), (0.2, 0.1, 0.1), 1.0)
 FIELD_OF_NOISE = GaussMarkov((), (), 1.0)
@@ -131,3 +133,88 @@ def test_a_spectrum_of_known_gain_is_that_many_decibels_away() -> None:
     # Windows of the periodogram fill the zero at the highest frequency.
     assert found["spectrum_distance_db"] == pytest.approx(expected, rel=0.15)
     assert found["correlation_distance"] == pytest.approx(0.5 / np.sqrt(2.0 * 13.0), abs=0.01)  # 1/2 at one of 13 distances of one axis
+
+
+ONE = compare(frames(1), frames(1)).first
+
+
+def near(**changes: object) -> Comparison:
+    """A texture and itself with some measures changed."""
+    return Comparison(ONE, replace(ONE, **changes))
+
+
+def shifted(share: float) -> np.ndarray:
+    """Values of which a share of the largest are the least one."""
+    kept = ONE.values[: round((1.0 - share) * ONE.values.size)]
+    return np.r_[np.full(ONE.values.size - kept.size, kept[0]), kept]
+
+
+def with_rate(factor: float) -> tuple:
+    return tuple(replace(rate, rate=factor * rate.rate) for rate in ONE.rates)
+
+
+@pytest.mark.parametrize(
+    ("inside", "beyond", "sentence"),
+    [
+        (near(rates=with_rate(1.45)), near(rates=with_rate(1.55)), "filtered picture exceeds 3 sigma 1.6 times"),
+        (near(rates=with_rate(1.0 / 1.45)), near(rates=with_rate(1.0 / 1.55)), "filtered picture exceeds 3.5 sigma 0.65 times"),
+        (near(x=ONE.x + 0.139), near(x=ONE.x + 0.144), "correlations in space differ by 0.1 rms"),  # mean square of two axes
+        (near(y=ONE.y - 0.139), near(y=ONE.y - 0.144), "correlations in space differ by 0.1 rms"),
+        (near(time=ONE.time + 0.098), near(time=ONE.time + 0.103), "correlations in time differ by 0.1 rms"),
+        (
+            near(spectrum=replace(ONE.spectrum, density=10.0**0.29 * ONE.spectrum.density)),
+            near(spectrum=replace(ONE.spectrum, density=10.0**0.31 * ONE.spectrum.density)),
+            "spectra differ by 3.1 dB rms",
+        ),
+        (
+            near(features=ONE.features | {"contrast": ONE.features["contrast"] / 0.76}),
+            near(features=ONE.features | {"contrast": ONE.features["contrast"] / 0.74}),
+            "co-occurring grey levels differ most in contrast",
+        ),
+        (
+            near(features=ONE.features | {"correlation": ONE.features["correlation"] - 0.24}),
+            near(features=ONE.features | {"correlation": ONE.features["correlation"] - 0.26}),
+            "co-occurring grey levels differ most in correlation",
+        ),
+        (near(values=shifted(0.098)), near(values=shifted(0.103)), "distribution functions of the pixels differ by 0.1"),
+    ],
+    ids=["often", "seldom", "columns", "rows", "time", "spectrum", "contrast", "correlation", "values"],
+)
+def test_a_measure_fails_just_beyond_its_limit_alone(inside: Comparison, beyond: Comparison, sentence: str) -> None:
+    assert inside.as_dict()["fails"] == []
+    fails = beyond.as_dict()["fails"]
+    assert any(sentence in one for one in fails)
+    assert len({one.split(" sigma")[0][:20] for one in fails}) == 1
+
+
+def test_pictures_without_times_or_exceedances_are_compared_in_the_rest() -> None:
+    """Frames that do not follow each other have no distance in time, whichever of the two they are."""
+    for pair in (near(time=None), Comparison(replace(ONE, time=None), ONE)):
+        assert pair.as_dict()["time_correlation_distance"] is None
+    none = tuple(replace(rate, exceedances=0, rate=0.0) for rate in ONE.rates)
+    for pair in (near(rates=none), Comparison(replace(ONE, rates=none), ONE)):
+        assert sum("one of the two has no exceedance" in one for one in pair.as_dict()["fails"]) == 2
+
+
+def test_the_distance_of_correlations_leaves_out_what_is_missing() -> None:
+    shorter = np.r_[ONE.x[:5] + 0.3, np.nan]
+    found = near(x=shorter, y=ONE.y[:3] + 0.4).as_dict()["correlation_distance"]
+    assert found == pytest.approx(np.sqrt((0.3**2 + 0.4**2) / 2.0))
+
+
+@pytest.mark.parametrize(
+    ("shape", "side"),
+    [((1, 320, 320), 64), ((1, 319, 320), 32), ((6, 128, 128), 64), ((5, 128, 128), 32), ((40, 64, 128), 64), ((1, 100, 100), 16)],
+)
+def test_squares_of_spectra_are_the_largest_of_which_24_fit(shape: tuple[int, int, int], side: int) -> None:
+    """In up to 12 frames; 16 px where no size has so many."""
+    noise = np.random.default_rng(8).normal(size=shape).astype(np.float32)
+    found = compare(noise, noise)
+    assert len(found.first.spectrum.frequency) == side
+
+
+def test_correlations_in_time_reach_half_of_the_shorter_sequence() -> None:
+    noise = np.random.default_rng(9).normal(size=(80, 24, 24))
+    lags = [compare(noise, noise[:count]).second.time for count in (7, 8, 20, 80)]
+    assert [None if one is None else len(one) - 1 for one in lags] == [None, 4, 10, 25]
+    assert compare(noise, noise, consecutive=False).first.time is None

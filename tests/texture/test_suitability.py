@@ -10,7 +10,16 @@ import pytest
 from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.marginals import Marginal
-from seaglint.texture.suitability import REFUSED, Changes, PixelRegion, examine, parse_region, require_stationary, require_values
+from seaglint.texture.suitability import (
+    REFUSED,
+    Changes,
+    PixelRegion,
+    even_region,
+    examine,
+    parse_region,
+    require_stationary,
+    require_values,
+)
 from seaglint.texture.synthesis import latent
 
 NOISE = np.random.default_rng(3).normal(size=(1, 96, 96)).astype(np.float32)
@@ -141,3 +150,51 @@ def test_the_share_of_a_slope_is_its_share_of_the_variance() -> None:
 
 def test_a_constant_picture_does_not_change() -> None:
     assert examine(np.full((1, 40, 40), 3.0)) == Changes(0.0, 1.0)
+
+
+def test_pixels_of_a_region_are_those_inside() -> None:
+    assert PixelRegion(3, 10, 5, 9).pixels == PixelRegion(3, 10, 5, 9).of(NOISE).size
+
+
+@pytest.mark.parametrize(("least", "share"), [(0.0, 0.75), (30.0, 0.5), (60.0, 0.375), (70.0, 0.25)])
+def test_the_most_even_of_the_largest_regions_is_named(monkeypatch: pytest.MonkeyPatch, least: float, share: float) -> None:
+    """Of five places each way, by the sum of both changes over their limits; columns above ``least`` alone pass."""
+    image = (1000.0 * np.arange(120)[:, None] + np.arange(100))[None]
+
+    def told(frames: np.ndarray) -> Changes:
+        top, left = divmod(frames[0, 0, 0], 1000.0)
+        return (
+            Changes(0.09 if left >= least else 0.11, 1.0)
+            if (top, left) == (0.0, 0.0)
+            else Changes(0.02 + 0.0007 * abs(top - 20.0) + (0.0 if left >= least else 0.2), 1.35 - 0.002 * left - 0.001 * top)
+        )
+
+    monkeypatch.setattr("seaglint.texture.suitability.examine", told)
+    height, width = max(int(120 * share), 24), max(int(100 * share), 24)
+    tops, lefts = (np.linspace(0, size - side, 5).astype(int) for size, side in ((120, height), (100, width)))
+    passing = {}
+    for top in tops:
+        for left in lefts:
+            changes = told(image[:, top:, left:])
+            if changes.mean <= 0.1 and changes.spread <= 1.4:
+                passing[changes.mean * 14.0 + changes.spread] = PixelRegion(top, top + height, left, left + width)
+    assert even_region(image) == passing[min(passing)]
+
+
+def test_no_region_is_named_where_none_is_even_or_large_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert even_region(NOISE[:, :23]) is None
+    monkeypatch.setattr("seaglint.texture.suitability.examine", lambda frames: Changes(0.2, 1.0))
+    assert even_region(NOISE) is None
+
+
+def test_at_most_eight_frames_are_examined_from_the_first_to_the_last() -> None:
+    """A slope in frames that are left out, and one in a frame that is not."""
+    noise = np.random.default_rng(12).normal(size=(40, 36, 48))
+    seen = np.linspace(0, 39, 8).astype(int)
+    left_out = noise.copy()
+    left_out[np.setdiff1d(np.arange(40), seen)] += np.linspace(-9.0, 9.0, 48)
+    assert examine(left_out) == examine(noise)
+    for frame in seen:
+        changed = noise.copy()
+        changed[frame] += np.linspace(-9.0, 9.0, 48)
+        assert examine(changed) != examine(noise)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import chi2, ttest_1samp
 
 from seaglint.base.errors import DomainError
 from seaglint.weather.clouds import clear_line, illuminated
-from seaglint.weather.conditions import GeographicRegion, Times, conditions, draw_pairs, months_of
+from seaglint.weather.conditions import GeographicRegion, Times, _nearest, conditions, draw_pairs, months_of
 from seaglint.weather.draws import SamplingPlan, estimate
 from seaglint.weather.strata import strata
 from seaglint.weather.weather_table import WeatherTable
@@ -165,3 +166,75 @@ def test_hours_of_rows_stand_for_the_hours_around_them():
         assert np.quantile(away, [0.0, 0.25, 0.5, 0.75, 1.0]) == pytest.approx([-3.0, -1.5, 0.0, 1.5, 3.0], abs=0.3)
     days = np.unique(found.time // 86_400.0)
     assert days.size == 31
+
+
+@pytest.mark.parametrize(
+    ("region", "east"),
+    [
+        ((10.0, 60.0, -20.0, 40.0), 40.0),
+        ((10.0, 60.0, 170.0, -150.0), -150.0),
+        ((-90.0, 90.0, -180.0, 180.0), -180.0),
+        ((-5.0, -5.0, 3.0, 3.0), 3.0),
+    ],
+)
+def test_places_go_from_border_to_border(region, east):
+    """First, middle and last: sines of latitude are even, longitudes go on over the date line."""
+    south, north, west, _ = region
+    latitude, longitude = GeographicRegion(*region).draw(np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.5, 1.0]))
+    sines = np.sin(np.radians([south, north]))
+    assert np.sin(np.radians(latitude)) == pytest.approx([sines[0], sines.mean(), sines[1]], abs=1e-12)
+    assert longitude[[0, 2]] == pytest.approx([west, east])
+    half = (region[3] - west) % 360.0 / 2.0 if region[3] - west != 360.0 else 180.0
+    assert np.exp(1j * np.radians(longitude[1])) == pytest.approx(np.exp(1j * np.radians(west + half)))
+    assert -180.0 <= longitude.min() <= longitude.max() < 180.0
+
+
+def test_the_nearest_hour_goes_around_the_day():
+    hours = np.array([1.0, 7.5, 13.0, 22.0])
+    asked = np.linspace(0.0, 23.99, 200)
+    away = np.abs((asked[:, None] - hours + 12.0) % 24.0 - 12.0)
+    assert np.array_equal(_nearest(asked, hours), np.argmin(away, axis=1))
+
+
+def test_few_samples_are_one_point_a_scrambling():
+    assert SamplingPlan.of(5) == SamplingPlan(16, 1)
+    assert SamplingPlan.of(32) == SamplingPlan(16, 2)
+
+
+def test_intervals_are_students_of_the_scramblings():
+    """Means of 16 scramblings, by SciPy's test of one sample; weights that are all the same change nothing, those of 0 leave draws out."""
+    plan = SamplingPlan(16, 64)
+    values = np.random.default_rng(4).gamma(2.0, 1.0, plan.total)
+    low, high = ttest_1samp(values.reshape(16, 64).mean(axis=1), 0.0).confidence_interval(0.95)
+    found = estimate(values, plan, most=np.inf)
+    assert (found.value, found.low, found.high) == pytest.approx((values.mean(), low, high))
+    again = estimate(values, plan, weight=np.full(plan.total, 2.5), most=np.inf)
+    assert (again.value, again.low, again.high) == pytest.approx((found.value, found.low, found.high))
+    half = np.tile([1.0, 0.0], plan.total // 2)
+    some, part = estimate(values, plan, weight=half, most=np.inf), estimate(values[::2], SamplingPlan(16, 32), most=np.inf)
+    assert (some.value, some.low, some.high) == pytest.approx((part.value, part.low, part.high))
+    assert np.isnan(estimate(values, plan, weight=0.0 * half).value)
+
+
+@pytest.mark.parametrize("most", [1.0, 2.5])
+def test_few_hits_or_misses_have_poissons_interval_to_the_outside(most):
+    """Garwood's by chi-square; misses as hits seen from the other end."""
+    plan = SamplingPlan(16, 256)
+    values = np.zeros(plan.total)
+    values[[5, 1000, 2000, 4000]] = most  # in four of the scramblings
+    found, mirrored = estimate(values, plan, most=most), estimate(most - values, plan, most=most)
+    low, high = chi2.ppf(0.025, 8) / 2.0, chi2.ppf(0.975, 10) / 2.0
+    student = ttest_1samp(values.reshape(16, 256).mean(axis=1), 0.0).confidence_interval(0.95)
+    assert found.value == pytest.approx(4.0 * most / plan.total)
+    assert found.low == pytest.approx(max(min(low * most / plan.total, student.low, most / plan.total), 0.0))
+    assert found.high == pytest.approx(max(high * most / plan.total, student.high))
+    assert (mirrored.low, mirrored.high) == pytest.approx((most - found.high, most - found.low))
+
+
+def test_intervals_are_three_draws_wide_at_least():
+    plan = SamplingPlan(16, 256)
+    even = np.tile([0.0, 1.0], plan.total // 2)
+    found = estimate(even, plan)
+    assert (found.value - found.low, found.high - found.value) == pytest.approx((3.0 / plan.total, 3.0 / plan.total))
+    scaled = estimate(4.0 * even, plan, most=4.0)
+    assert (scaled.value, scaled.high - scaled.value) == pytest.approx((2.0, 12.0 / plan.total))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.polynomial.chebyshev import chebval
+from scipy.interpolate import RegularGridInterpolator
 
 from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.table.table_file import BandTable
@@ -14,14 +16,17 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.variance import sea_variance
+from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
 from seaglint.weather.draws import SamplingPlan
-from seaglint.weather.looks import Search, looks
+from seaglint.weather.looks import Search, looks, sea_at
 from seaglint.weather.measures import DetectionCurve, detected, deviation, exceeded_by, passes
 from seaglint.weather.mirrored_sunlight import (
+    MirroredLight,
     between_kernel,
     elevation_kernel,
     height_coordinate,
+    light_of,
     mirrored_light,
     place_even,
     place_in_pieces,
@@ -259,3 +264,45 @@ def test_looks_from_many_heights_equal_the_model(sea):
     bright = exact > 1e-4
     assert bright.sum() > 10
     assert np.quantile(np.abs(found[bright] / exact[bright] - 1.0), 0.95) < STATED
+
+
+def test_light_of_a_place_is_the_product_of_cubics_times_a_chebyshev_series():
+    """Cubics by their weights along each axis, the series by NumPy from coefficients linear along four axes."""
+    rng = np.random.default_rng(3)
+    heights, coarse = np.linspace(-1.0, 2.0, 5), (1.3, 0.4, 2.7, 3.0)
+    table = MirroredLight(
+        np.zeros((2, 6)), np.zeros((2, 2)), heights, np.zeros(2), (0.0, 1.0), 0.0, rng.normal(size=(2, 6, 5, 7, 8)),
+        np.zeros((2, 3)), heights[:2], rng.random((2, 3, 2, 4, 5, 12)),
+    )  # fmt: skip
+    weights, place = rng.normal(size=(4, 4)), (2, 1, 3, 4)
+    part = table.values[1, 2:6, 1:5, 3:7, 4:8]
+    whole = np.einsum("whvs,w,h,v,s->", part, *weights)
+    series = RegularGridInterpolator([np.arange(n) for n in (3, 2, 4, 5)], table.shapes[1])(coarse).ravel()
+    expected = np.exp(whole) * chebval(2.0 * 0.37 - 1.0, series)
+    assert light_of(table, 1, place, weights, 0.37, coarse) == pytest.approx(expected, rel=1e-10)
+    one = table._replace(values=table.values[:, :, :1])
+    alone = np.einsum("wvs,w,v,s->", table.values[1, 2:6, 0, 3:7, 4:8], weights[0], weights[2], weights[3]) * weights[1, 0]
+    assert light_of(one, 1, (2, 0, 3, 4), weights, 0.37, coarse) == pytest.approx(np.exp(alone) * chebval(-0.26, series), rel=1e-10)
+
+
+def test_the_sea_under_a_look_is_between_those_of_the_tables(sea):
+    """Linear in the wind; beyond the tables the nearest. The ratio of visible areas is linear in wind, edge and turn."""
+    table = sea["skewed"]
+    table = table._replace(area=1.0 + np.random.default_rng(4).random((9, 6, 5)))
+    winds = table.first + table.step * np.arange(len(table.slopes))
+    for wind in (-1.0, 0.37 * table.step, winds[3] + 0.2 * table.step, winds[-1] + 4.0):
+        row, coefficients = np.array([0.0, wind, 0.8, 30.0, 1.2, 2.5, 1.0, 2.4, 0.05]), np.empty(5)
+        state = sea_at(table, row, coefficients)
+        between = np.array([np.interp(wind, winds, column) for column in table.slopes.T])
+        assert coefficients == pytest.approx(between[2:7], abs=1e-12)
+        assert (state.density.mss_up, state.density.mss_cross) == pytest.approx(tuple(between[:2]))
+        assert state.wave_azimuth == pytest.approx(0.8 + between[8])
+        assert state.band == pytest.approx((between[7] - table.first_band) / table.band_step)
+        turn = 2.5 - state.wave_azimuth
+        assert state.sun_deviation == pytest.approx(np.linalg.norm(np.sqrt(between[:2]) * [np.cos(turn), np.sin(turn)]))
+        assert (state.density.wind_sine, state.density.wind_cosine) == pytest.approx((np.sin(0.8 + between[8]), np.cos(0.8 + between[8])))
+        edge = 1.0 / (np.tan(1.2) * state.sun_deviation)
+        axes = np.linspace(winds[0], winds[-1], 9), np.linspace(0.0, HIGHEST, 6), np.linspace(0.0, np.pi, 5)
+        folded = abs(np.angle(np.exp(1j * turn)))
+        place = np.clip(wind, winds[0], winds[-1]), np.clip(edge, 0.0, HIGHEST), folded
+        assert state.series == pytest.approx(RegularGridInterpolator(axes, table.area)(place).item(), rel=1e-9)

@@ -203,3 +203,44 @@ def test_the_summary_sums_to_what_is_there() -> None:
         / np.sqrt(np.prod([np.cov(linked[n], aweights=linked.probability) for n in ("wind_speed_m_s", "cloud_cover")])),
         rel=1e-9,
     )
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda: Polygon(((0.0, 0.0), (1.0, 0.0))),
+        lambda: Polygon(((0.0, 0.0), (361.0, 0.0), (1.0, 1.0))),
+        lambda: Polygon(((0.0, 0.0), (1.0, 91.0), (1.0, 1.0))),
+        lambda: Selection(months=()),
+        lambda: Selection(months=(0, 1)),
+        lambda: Selection(months=(12, 13)),
+        lambda: Selection(hours=()),
+        lambda: Selection(hours=(-1, 3)),
+        lambda: Selection(hours=(23, 24)),
+        lambda: GeographicBox(0.0, 10.0, 5.0, 9.0),
+        lambda: GeographicBox(0.0, -91.0, 5.0, 9.0),
+        lambda: GeographicBox(0.0, 0.0, 5.0, 91.0),
+        lambda: GeographicBox(-361.0, 0.0, 5.0, 9.0),
+        lambda: GeographicBox(0.0, 0.0, 361.0, 9.0),
+    ],
+)
+def test_areas_and_times_that_are_none_are_refused(made) -> None:
+    with pytest.raises(DomainError):
+        made()
+
+
+def test_areas_and_times_may_reach_their_limits() -> None:
+    corners = ((0.0, 0.0), (360.0, 90.0), (-360.0, -90.0))
+    assert Polygon(corners).corners == corners
+    whole = Selection(GeographicBox(-360.0, -90.0, 360.0, 90.0), months=(1, 12), hours=(0, 23))
+    assert whole.places(np.array([-90.0, 0.0, 90.0]), np.array([-180.0, 13.0, 360.0])).all()
+    assert whole.times(np.array([1.0, 2.0, 12.0]), np.array([23.99, 0.0, 22.0])).tolist() == [True, False, False]
+
+
+def test_chances_at_their_ends_cannot_be_smoothed() -> None:
+    table = WeatherTable({"wind_speed_m_s": np.array([3.0, 5.0]), "cloud_cover": np.array([0.2, 0.7])})
+    for end in (0.0, 1.0, 1.01, -0.1):
+        with pytest.raises(DomainError, match="inside"):
+            smoothed(table, np.array([0]), np.array([[end]]), {"wind_speed_m_s": 1.0})
+    moved = smoothed(table, np.array([0, 1]), np.array([[0.5], [0.999]]), {"wind_speed_m_s": 1.0})
+    assert moved["wind_speed_m_s"] == pytest.approx([3.0, 5.0 + 3.0902323], rel=1e-6)
