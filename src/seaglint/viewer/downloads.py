@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.base.optional import optional
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
 from seaglint.viewer.scaling import Scaling
@@ -44,7 +45,7 @@ def frame_file(show: Show, index: int, ending: str, scaling: Scaling, colours: C
     elif ending == ".npy":
         np.save(out, image)
     elif ending == ".tif":
-        import tifffile
+        tifffile = optional("tifffile", "TIFF", "recordings")
 
         chosen = show.source.layer(show.layer)
         about_text = json.dumps({"name": chosen.name, "long_name": chosen.label, "units": chosen.unit, "frame": index}, ensure_ascii=True)
