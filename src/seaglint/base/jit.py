@@ -93,7 +93,7 @@ def _take_turns(compiled: Any, folder: Path) -> None:
         try:
             save(*arguments)
         except OSError as error:  # a full disk: the program goes on with what it has in memory
-            _not_kept(folder, error)
+            _not_kept(folder, error.strerror or str(error))
         finally:
             end_turn(folder, name)
 
@@ -101,10 +101,8 @@ def _take_turns(compiled: Any, folder: Path) -> None:
 
 
 @cache
-def _not_kept(folder: Path, error: OSError) -> None:
-    logging.getLogger("seaglint").warning(
-        "compiled kernels cannot be kept in %s (%s); they are compiled again next time", folder, error.strerror
-    )
+def _not_kept(folder: Path, reason: str) -> None:
+    logging.getLogger("seaglint").warning("compiled kernels cannot be kept in %s (%s) and are compiled again next time", folder, reason)
 
 
 def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]) -> None:
