@@ -151,6 +151,21 @@ def test_boxes_cross_where_they_overlap_in_part():
     assert 8 < sum(crossed) < 25
 
 
+def test_a_corner_through_a_face_is_a_crossing_wherever_it_lies():
+    """A small tetrahedron's corner just through, or just short of, a large one's face, turned and moved together."""
+    rng = np.random.default_rng(6)
+    large = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.3, 1.0]])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    tipped = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])  # the tip first
+    for _ in range(200):
+        depth = float(rng.choice([0.01, -0.01]))
+        tip = np.array([*rng.uniform(0.1, 0.4, 2), depth])
+        small = tip + np.array([[0.0, 0.0, 0.0], [0.05, 0.0, -0.1], [-0.05, 0.05, -0.1], [0.0, -0.06, -0.1]])
+        corners = np.concatenate([large, small]) @ rotation(*rng.uniform(-3.0, 3.0, 3)).T + rng.uniform(-2.0, 2.0, 3)
+        with pytest.raises(DomainError, match="crosses itself") if depth > 0.0 else nullcontext():
+            oriented((corners, np.concatenate([triangles, 4 + np.roll(tipped, rng.integers(3), axis=1)])))
+
+
 def test_boxes_that_touch_do_not_cross():
     corners, triangles = primitives.box((1.0, 1.0, 1.0))
     for shift in ((1.0, 0.3, 0.2), (1.0, 1.0, 0.4), (1.0, 0.0, 0.0)):
