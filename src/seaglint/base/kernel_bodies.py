@@ -32,7 +32,7 @@ class _NoEnvironment:
         """Leave it out."""
 
 
-class Body(JITCodeLibrary):  # type: ignore[misc]
+class LinkedBody(JITCodeLibrary):  # type: ignore[misc]
     """Code of a function for its callers to link in and optimise, without machine code."""
 
     @property
@@ -57,7 +57,7 @@ class Body(JITCodeLibrary):  # type: ignore[misc]
         return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
 
     @classmethod
-    def loaded(cls, codegen: Any, name: str, bitcode: bytes) -> Body:
+    def loaded(cls, codegen: Any, name: str, bitcode: bytes) -> LinkedBody:
         """Return the body that was kept."""
         body = cls(codegen, name)
         body._final_module = llvm.parse_bitcode(bitcode)
@@ -66,16 +66,16 @@ class Body(JITCodeLibrary):  # type: ignore[misc]
 
 
 class BodyCompiler(Compiler):  # type: ignore[misc]
-    """Numba's compiler into a :class:`Body`."""
+    """Numba's compiler into a :class:`LinkedBody`."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *others: Any) -> None:
-        super().__init__(typing, target, Body(target.codegen(), "body") if library is None else library, *others)
+        super().__init__(typing, target, LinkedBody(target.codegen(), "body") if library is None else library, *others)
 
 
 def _rebuild(target: Any, payload: Any) -> Any:
     """Return the compiled form of a kept body."""
     (name, _, bitcode), fndesc, env, signature, objectmode, lifted, annotation, reload_init, _ = payload
-    library = Body.loaded(target.codegen(), name, bitcode)
+    library = LinkedBody.loaded(target.codegen(), name, bitcode)
     return CompileResult(
         target_context=target,
         typing_context=target.typing_context,
