@@ -110,7 +110,8 @@ def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]
 
     @cache
     def body() -> Any:
-        other: Any = numba.njit(pipeline_class=BodyCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)(function)
+        without: dict[str, Any] = {"pipeline_class": BodyCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        other: Any = numba.njit(**(options | without))(function)
         _cached(other, function, ".body")
         return other
 

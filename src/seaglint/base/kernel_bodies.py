@@ -6,6 +6,9 @@ compiled functions call needs none of these; they took a third of the time of co
 The names below that begin with ``_`` are Numba's private ones: its version is bounded for them in ``pyproject.toml``.
 """
 
+# Numba has types for its public names alone.
+# mypy: disable-error-code="no-untyped-call, call-arg"
+
 from __future__ import annotations
 
 import sys
@@ -32,7 +35,7 @@ class _NoEnvironment:
         """Leave it out."""
 
 
-class LinkedBody(JITCodeLibrary):  # type: ignore[misc]
+class LinkedBody(JITCodeLibrary):
     """Code of a function for its callers to link in and optimise, without machine code."""
 
     @property
@@ -65,7 +68,7 @@ class LinkedBody(JITCodeLibrary):  # type: ignore[misc]
         return body
 
 
-class BodyCompiler(Compiler):  # type: ignore[misc]
+class BodyCompiler(Compiler):
     """Numba's compiler into a :class:`LinkedBody`."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *others: Any) -> None:
@@ -95,7 +98,7 @@ def _rebuild(target: Any, payload: Any) -> Any:
     )
 
 
-class _Place(caching._CacheLocator):  # type: ignore[misc]
+class _Place(caching._CacheLocator):
     """Where the cache of a function lies: in a folder that stands for all sources."""
 
     def __init__(self, file: str, folder: Path) -> None:
@@ -114,7 +117,7 @@ class _Place(caching._CacheLocator):  # type: ignore[misc]
         self._folder.mkdir(parents=True, exist_ok=True)
 
 
-class KernelCache(caching.FunctionCache):  # type: ignore[misc]
+class KernelCache(caching.FunctionCache):
     """Numba's cache of one function, in files named by its module."""
 
     def __init__(self, function: Callable[..., Any], folder: Path, form: str) -> None:
