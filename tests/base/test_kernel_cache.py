@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import subprocess
@@ -45,7 +46,7 @@ def package(tmp_path: Path) -> Path:
     """A package whose kernel calls one of another file and reads a constant."""
     folder = tmp_path / "src" / "seaglint"
     (folder / "base").mkdir(parents=True)
-    for name in ("__init__.py", "base/__init__.py", "base/jit.py", "base/kernel_cache.py", "base/user_cache.py"):
+    for name in ("__init__.py", "base/__init__.py", "base/jit.py", "base/kernel_bodies.py", "base/kernel_cache.py", "base/user_cache.py"):
         shutil.copy(SOURCE / name, folder / name)
     for name, text in (("inner", INNER), ("outer", OUTER), ("base/constants", "ADDED = 1.0\n"), ("bystander", "x = 1\n")):
         (folder / f"{name}.py").write_text(text)
@@ -83,13 +84,45 @@ def test_a_change_of_what_a_kernel_calls_is_seen(package: Path) -> None:
 @pytest.mark.validation
 def test_unchanged_kernels_are_not_compiled_again(package: Path) -> None:
     assert answer(package) == "7.0 7.0"
-    before = compiled(package)
+    before = compiled(package.parent)
     assert before
     (package / "bystander.py").write_text("x = 2\n")
     assert answer(package) == "7.0 7.0"
-    assert compiled(package) == before
-    (kept,) = (package / "__pycache__").glob(f"{PREFIX}*")
+    assert compiled(package.parent) == before
+    (kept,) = (package.parent / "user" / "kernels").glob(f"{PREFIX}*")
     assert kept.name == PREFIX + sources_digest(package)
+
+
+def test_another_copy_of_the_same_sources_loads_what_one_compiled(package: Path, tmp_path: Path) -> None:
+    user = str(tmp_path / "shared")
+    assert answer(package, SEAGLINT_CACHE=user) == "7.0 7.0"
+    before = compiled(tmp_path / "shared")
+    other = shutil.copytree(package, tmp_path / "other" / "seaglint", ignore=shutil.ignore_patterns("__pycache__"))
+    (other / "outer.py").touch()
+    assert answer(other, SEAGLINT_CACHE=user) == "7.0 7.0"
+    assert compiled(tmp_path / "shared") == before
+
+
+def test_a_kernel_has_no_machine_code_of_its_own_for_its_callers(package: Path) -> None:
+    code = (
+        "from seaglint.outer import outer; from seaglint.inner import inner; outer(3.0); print(len(inner.overloads), end=' ');"
+        "print(inner(3.0), len(inner.overloads))"
+    )
+    assert answer(package, code) == "0 6.0 1"
+    assert answer(package, code) == "0 6.0 1"
+
+
+def test_a_full_disk_costs_the_kept_code_alone(package: Path) -> None:
+    code = (
+        "import errno, os, logging; from seaglint.outer import outer\n"
+        "def full(*_): raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))\n"
+        "logging.getLogger('seaglint').warning = lambda text, *parts: print(text % parts)\n"
+        "outer._cache._cache_file.save = full; print(outer(3.0), outer(3))"
+    )
+    *warned, numbers = answer(package, code).splitlines()
+    assert numbers == "7.0 7.0"
+    assert len(warned) == 1
+    assert os.strerror(errno.ENOSPC) in warned[0]
 
 
 WHERE = RUN + "; from seaglint.base.kernel_cache import kernel_folder; print(kernel_folder())"
@@ -137,7 +170,7 @@ def test_processes_that_start_at_once_do_not_disturb_each_other(package: Path) -
     orders = [RUN, RUN.replace("outer(3.0), outer(3)", "outer(3), outer(3.0)")] * 2
     processes = [start(package, code) for code in orders]
     assert [process.communicate()[0].strip() for process in processes] == ["7.0 7.0"] * 4
-    (folder,) = (package / "__pycache__").glob(f"{PREFIX}*")
+    (folder,) = (package.parent / "user" / "kernels").glob(f"{PREFIX}*")
     assert {path.suffix for path in folder.rglob("*") if path.is_file()} == {".nbi", ".nbc"}
     assert answer(package) == "7.0 7.0"
 
@@ -146,7 +179,7 @@ def test_forms_compiled_at_once_do_not_take_the_same_name(package: Path) -> None
     """Each process sees an index without the other's entry; here one process sees it empty twice."""
     code = "from seaglint.outer import outer; outer._cache._cache_file._load_index = dict; print(outer(3.0), outer(3))"
     assert answer(package, code) == "7.0 7.0"
-    assert len([name for name in compiled(package) if "outer.outer" in name]) == 2
+    assert len([name for name in compiled(package.parent) if "outer.outer" in name]) == 2
 
 
 def test_folders_of_other_sources_go_when_they_are_old_and_many(tmp_path: Path) -> None:
@@ -211,7 +244,7 @@ def test_of_processes_that_begin_together_one_compiles_each_function(package: Pa
     ready.mkdir()
     processes = [start(package, TOGETHER, READY=str(ready)) for _ in range(3)]
     assert [process.communicate()[0].strip() for process in processes] == ["7.0"] * 3
-    assert len(compiled(package)) == 2
+    assert len(compiled(package.parent)) == 2
 
 
 def test_nobody_waits_for_a_process_that_was_killed_while_it_compiled(package: Path) -> None:

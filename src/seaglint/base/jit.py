@@ -5,17 +5,18 @@
 
 from __future__ import annotations
 
-import os
-import threading
+import logging
 import uuid
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 
-from seaglint.base.kernel_cache import end_turn, kernel_folder, take_turn
+from seaglint.base.kernel_bodies import BodyCompiler, KernelCache
+from seaglint.base.kernel_cache import PACKAGE, end_turn, kernel_folder, take_turn
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -26,26 +27,34 @@ UNCOUNTED: dict[str, Any] = COUNTED | {"fastmath": {"contract"}, "forceinline": 
 
 
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
-_decorating = threading.Lock()
 
 
 def _compiled(function: F, **options: Any) -> F:
     """Compile a function with Numba on its first call, or load it from :func:`kernel_folder`."""
+    made: Any = numba.njit(**options)(function)
     if _settings.DISABLE_JIT:
-        return cast(F, numba.njit(**options)(function))
-    with _decorating:
-        users = _settings.CACHE_DIR
-        folder = kernel_folder(users)
-        if folder is None:
-            return cast(F, numba.njit(**options)(function))
-        _settings.CACHE_DIR = str(folder)  # read while a function is decorated; kernels of other packages use their usual folder
-        try:
-            made = numba.njit(cache=True, **options)(function)
-        finally:
-            _settings.CACHE_DIR = users
+        return cast(F, made)
+    _cached(made, function, "")
+    return cast(F, made)
+
+
+def _cached(made: Any, function: Callable[..., Any], form: str) -> bool:
+    """Give a function a cache in the folder of this state of the sources; return whether there is one.
+
+    That folder's name stands for all sources of the package. So its files are named by module, and programs of other copies of the same
+    sources share them, while Numba's own names and stamps contain where a source lies and when it was written.
+    """
+    if not Path(function.__code__.co_filename).is_relative_to(PACKAGE):
+        if not form:
+            made.enable_caching()  # Numba's own rules
+        return False
+    folder = kernel_folder(_settings.CACHE_DIR)
+    if folder is None:
+        return False
+    made._cache = KernelCache(function, folder, form)
     _name_apart(made)
     _take_turns(made, folder)
-    return cast(F, made)
+    return True
 
 
 def _name_apart(compiled: Any) -> None:
@@ -69,7 +78,7 @@ def _take_turns(compiled: Any, folder: Path) -> None:
     A function is compiled after those that it calls, and calls lead round in no circle: nobody waits for ever.
     """
     cache = compiled._cache
-    load, save, name = cache.load_overload, cache.save_overload, os.path.relpath(cache._cache_file._index_path, folder)
+    load, save, name = cache.load_overload, cache.save_overload, cache._cache_file._index_name
 
     def load_or_wait(*arguments: Any) -> Any:
         overload = load(*arguments)
@@ -83,10 +92,31 @@ def _take_turns(compiled: Any, folder: Path) -> None:
     def save_and_end_turn(*arguments: Any) -> None:
         try:
             save(*arguments)
+        except OSError as error:  # a full disk: the program goes on with what it has in memory
+            _not_kept(folder, error.strerror or str(error))
         finally:
             end_turn(folder, name)
 
     cache.load_overload, cache.save_overload = load_or_wait, save_and_end_turn
+
+
+@cache
+def _not_kept(folder: Path, reason: str) -> None:
+    logging.getLogger("seaglint").warning("compiled kernels cannot be kept in %s (%s) and are compiled again next time", folder, reason)
+
+
+def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]) -> None:
+    """Give compiled callers a body to link in; the whole program that Numba makes is for calls from Python alone."""
+
+    @cache
+    def body() -> Any:
+        without: dict[str, Any] = {"pipeline_class": BodyCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        other: Any = numba.njit(**(options | without))(function)
+        _cached(other, function, ".body")
+        return other
+
+    made.get_call_template = lambda args, kws: body().get_call_template(args, kws)
+    made.get_overload = lambda signature: body().get_overload(signature)
 
 
 def kernel(function: F) -> F:
@@ -95,12 +125,18 @@ def kernel(function: F) -> F:
     It counts no references to the arrays it is handed: in a call every few nanoseconds, with arrays in its arguments, counting them costs
     more than the arithmetic. Products are fused with sums where the processor can: bytes are the same on one type of processor.
     """
-    return _compiled(function, **UNCOUNTED)
+    made: Any = _compiled(function, **UNCOUNTED)
+    if not _settings.DISABLE_JIT:
+        _in_callers(made, function, UNCOUNTED)
+    return cast(F, made)
 
 
 def njit(function: F) -> F:
     """Compile a function; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
-    return _compiled(function, **COUNTED)
+    made: Any = _compiled(function, **COUNTED)
+    if not _settings.DISABLE_JIT:
+        _in_callers(made, function, COUNTED)
+    return cast(F, made)
 
 
 def njit_parallel(function: F) -> F:

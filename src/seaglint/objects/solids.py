@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.optional import optional
 from seaglint.objects.body import GasPlume, Solid
 from seaglint.objects.primitives import Mesh
 
@@ -66,7 +67,7 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
         raise DomainError(f"shape.parts: a {operation} of no parts; give two or more")
     if len(parts) == 1:
         return parts[0]
-    import manifold3d
+    manifold3d = optional("manifold3d", "a solid of several parts", "objects")
 
     kind = manifold3d.OpType
     match operation:
@@ -89,13 +90,13 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
 
 def common_volume(one: Solid, other: Solid) -> float:
     """Common volume of two solids [m3]."""
-    import manifold3d
+    manifold3d = optional("manifold3d", "a solid of several parts", "objects")
 
     return float(manifold3d.Manifold.batch_boolean([_manifold(one), _manifold(other)], manifold3d.OpType.Intersect).volume())
 
 
 def _manifold(part: Solid) -> Any:
-    import manifold3d
+    manifold3d = optional("manifold3d", "a solid of several parts", "objects")
 
     values = np.column_stack([part.vertices, part.temperature, part.emissivity])
     same = merged(part.vertices)

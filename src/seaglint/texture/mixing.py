@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.optional import optional
 from seaglint.texture import autobinomial_sampler as sampler
 from seaglint.texture.autobinomial import Autobinomial
 
@@ -61,9 +62,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     ----------
     A. Vehtari et al., "Rank-normalization, folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021), 667-718.
     """
-    from arviz_stats.base import array as arviz
-
-    judge: Any = arviz.array_stats  # no types of its own
+    judge = optional("arviz_stats.base.array", "the judgement of chains", "textures").array_stats
 
     if chains < 2 or draws < 8:
         raise DomainError(f"chains = {chains}, draws = {draws}: R-hat compares 2 chains or more of 8 draws or more")

@@ -14,6 +14,7 @@ import numpy as np
 from seaglint.base.brightness import Scale
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.optional import optional
 from seaglint.files.tables.table_text import csv_text
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
@@ -45,7 +46,7 @@ def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Col
     elif ending == ".npy":
         np.save(out, image)
     elif ending == ".tif":
-        import tifffile
+        tifffile = optional("tifffile", "TIFF", "recordings")
 
         chosen = show.source.layer(show.layer)
         about_text = json.dumps({"name": chosen.name, "long_name": chosen.label, "units": chosen.unit, "frame": index}, ensure_ascii=True)

@@ -10,7 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.errors import DataError
+from seaglint.base.errors import BackendError, DataError
+from seaglint.base.optional import optional
 from seaglint.files.outputs import moved_when_whole
 
 ImageKind = Literal["png", "tiff"]
@@ -34,7 +35,7 @@ def write_picture(path: Path, levels: NDArray[Any], about: Mapping[str, Any]) ->
                 text.add_text(name, repr(value) if isinstance(value, float) else str(value))
             Image.fromarray(levels).save(partial, format="PNG", pnginfo=text, compress_level=6)
         else:
-            import tifffile
+            tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
 
             with tifffile.TiffWriter(partial) as file:
                 # no date and no program: the same picture is the same file
@@ -57,10 +58,12 @@ def read_picture(path: Path) -> NDArray[Any]:
                 grey = image.mode in ("L", "I;16")
                 levels = np.asarray(image)
         else:
-            import tifffile
+            tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
 
             levels = tifffile.imread(path)
             grey = levels.ndim == 2
+    except BackendError:
+        raise
     except Exception as error:  # whatever a reader finds wrong with it
         raise DataError(f"{path}: cannot be read as a picture ({type(error).__name__}: {error})") from error
     if not grey:
@@ -76,7 +79,7 @@ def read_about(path: Path) -> dict[str, str]:
         with Image.open(path) as image:
             image.load()
             return {str(name): str(value) for name, value in image.info.items()}
-    import tifffile
+    tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
 
     with tifffile.TiffFile(path) as file:
         return {name: str(value) for name, value in json.loads(file.pages.first.description).items()}

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
+from seaglint.base.optional import optional
 from seaglint.files.export.export_format import ExportFormat
 from seaglint.version import __version__
 
@@ -33,7 +34,7 @@ class Tiff(ExportFormat):
 
 
 def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    import tifffile
+    tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
 
     count, rows, columns = stack.shape
     text = json.dumps({**stack.metadata(), **numbers.attributes}, allow_nan=False)

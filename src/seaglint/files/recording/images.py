@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import BackendError, DataError
+from seaglint.base.optional import optional
 from seaglint.files.recording.stored import full_scale, grey
 
 ENDINGS = (".png", ".tif", ".tiff")
@@ -47,7 +48,7 @@ class _File:
         """Return frames as stored, shape (stop - start, rows, columns[, channels])."""
         if self.path.suffix.lower() == ".png":
             return _decode_png(self.path)[np.newaxis]
-        import tifffile
+        tifffile = optional("tifffile", f"{self.path}: TIFF", "recordings")
 
         try:
             # ImageJ's large stacks are one page that a header calls many: mapped, and unmapped when the block is copied.
@@ -170,12 +171,7 @@ def _decode_png(path: Path) -> NDArray[Any]:
 
 def _decode_deep_png(path: Path) -> NDArray[Any]:
     """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
-    try:
-        import png
-    except ImportError as error:
-        raise BackendError(
-            f"{path}: colour of 16 bits needs pypng, which is not installed; pip install pypng, or write grey PNG"
-        ) from error
+    png = optional("png", f"{path}: colour of 16 bits", "recordings")
     with path.open("rb") as file:
         columns, rows, lines, facts = png.Reader(file=file).read()
         stored = np.array([np.asarray(line, np.uint16) for line in lines])
@@ -183,7 +179,7 @@ def _decode_deep_png(path: Path) -> NDArray[Any]:
 
 
 def _look_tiff(path: Path) -> _File:
-    import tifffile
+    tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
 
     try:
         with tifffile.TiffFile(path) as file:

@@ -1,0 +1,135 @@
+"""Compiled functions as their callers see them: code to be linked in, of which no machine code of its own is made.
+
+Numba compiles each function as a whole program: optimised, with machine code, a wrapper for Python and one for C. A function that other
+compiled functions call needs none of these; they took a third of the time of compiling all.
+
+The names below that begin with ``_`` are Numba's private ones: its version is bounded for them in ``pyproject.toml``.
+"""
+
+# Numba has types for its public names alone.
+# mypy: disable-error-code="no-untyped-call, call-arg"
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core import caching
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult
+
+
+class _NoEnvironment:
+    """Code generator that sets no environment: the body has no address."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, name: str, env: Any) -> None:
+        """Leave it out."""
+
+
+class LinkedBody(JITCodeLibrary):
+    """Code of a function for its callers to link in and optimise, without machine code."""
+
+    @property
+    def codegen(self) -> Any:
+        """Code generator of the library."""
+        return _NoEnvironment(self._codegen)
+
+    def _optimize_final_module(self) -> None:
+        """Leave it to the callers, whose optimisation begins with what they inline."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return no address."""
+        return 0
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """Return the code as LLVM's bitcode."""
+        return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
+
+    @classmethod
+    def loaded(cls, codegen: Any, name: str, bitcode: bytes) -> LinkedBody:
+        """Return the body that was kept."""
+        body = cls(codegen, name)
+        body._final_module = llvm.parse_bitcode(bitcode)
+        body._finalized = True
+        return body
+
+
+class BodyCompiler(Compiler):
+    """Numba's compiler into a :class:`LinkedBody`."""
+
+    def __init__(self, typing: Any, target: Any, library: Any, *others: Any) -> None:
+        super().__init__(typing, target, LinkedBody(target.codegen(), "body") if library is None else library, *others)
+
+
+def _rebuild(target: Any, payload: Any) -> Any:
+    """Return the compiled form of a kept body."""
+    (name, _, bitcode), fndesc, env, signature, objectmode, lifted, annotation, reload_init, _ = payload
+    library = LinkedBody.loaded(target.codegen(), name, bitcode)
+    return CompileResult(
+        target_context=target,
+        typing_context=target.typing_context,
+        library=library,
+        environment=env,
+        entry_point=target.get_executable(library, fndesc, env),
+        fndesc=fndesc,
+        type_annotation=annotation,
+        signature=signature,
+        objectmode=objectmode,
+        lifted=lifted,
+        typing_error=None,
+        call_helper=None,
+        metadata=None,
+        reload_init=reload_init,
+        referenced_envs=[],
+    )
+
+
+class _Place(caching._CacheLocator):
+    """Where the cache of a function lies: in a folder that stands for all sources."""
+
+    def __init__(self, file: str, folder: Path) -> None:
+        self._py_file, self._folder = file, folder
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return self._folder.name
+
+    def get_disambiguator(self) -> None:
+        return None
+
+    def ensure_cache_path(self) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+
+class KernelCache(caching.FunctionCache):
+    """Numba's cache of one function, in files named by its module."""
+
+    def __init__(self, function: Callable[..., Any], folder: Path, form: str) -> None:
+        place = _Place(function.__code__.co_filename, folder)
+        name = function.__qualname__.translate({ord(sign): None for sign in "<>"})
+        module, line = function.__module__.removeprefix("seaglint."), function.__code__.co_firstlineno
+        stem = f"{module}.{name}-{line}{form}.{sys.implementation.cache_tag}"
+        self._name, self._py_func = repr(function), function
+        self._impl = self._impl_class.__new__(self._impl_class)
+        self._impl._lineno, self._impl._locator, self._impl._filename_base = line, place, stem
+        if form:
+            self._impl.rebuild = _rebuild
+        self._cache_path = place.get_cache_path()
+        self._cache_file = caching.IndexDataCacheFile(self._cache_path, stem, place.get_source_stamp())
+        self.enable()
