@@ -10,6 +10,7 @@ round; whole numbers grow by one, others by 7 %. Texts, annotations and what is 
 import argparse
 import ast
 import os
+import pickle
 import random
 import re
 import shutil
@@ -132,12 +133,16 @@ class Copy:
 
     def share(self, old: str, new: str, near: dict[Path, int]) -> None:
         """Share kernels that the change cannot reach: those of files that do not import it, however indirectly."""
-        same = {(path.parent.name, path.stem) for path in self.source.rglob("*.py") if path not in near}
-        for file in (self.folder / "kernels" / old).glob("*/*.nb?"):
-            target = self.folder / "kernels" / new / file.parent.name / file.name
-            if not target.exists() and (file.parent.name.rsplit("_", 1)[0], file.name.split(".")[0]) in same:
+        same = {".".join(path.relative_to(self.source).with_suffix("").parts) for path in self.source.rglob("*.py") if path not in near}
+        for file in (self.folder / "kernels" / old).glob("*.nb?"):
+            words, target = file.name.split("-")[0].split("."), self.folder / "kernels" / new / file.name
+            if not target.exists() and any(".".join(words[:n]) in same for n in range(1, len(words))):
                 target.parent.mkdir(parents=True, exist_ok=True)
-                os.link(file, target)
+                if file.suffix == ".nbc":
+                    os.link(file, target)
+                else:  # an index names the folder that it lies in
+                    version, (_, known) = [pickle.load(index) for index in [file.open("rb")] for _ in range(2)]
+                    target.write_bytes(pickle.dumps(version) + pickle.dumps((new, known)))
 
     def verdict(self, mutant: Mutant, mark: str, seconds: float) -> str:
         """Which test notices a change, and after how many seconds."""
