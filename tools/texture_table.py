@@ -21,7 +21,8 @@ from seaglint.files.recording import open_recording
 from seaglint.plot.texture_report import draw_measures, draw_pictures
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import render
-from seaglint.studies.texture.texture_sequences import STILL, FitOptions, Fitted, detrended, fit, frames_of, sample_like
+from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.texture.texture_sequences import STILL, Fitted, detrended, fit, frames_of, sample_like
 from seaglint.texture.gaussian_texture import fit_texture
 from seaglint.texture.quality import compare
 from seaglint.texture.suitability import parse_region
@@ -61,7 +62,7 @@ def rendered(folder: Path) -> Recording:
 
 def judged(recording: Recording, region: str | None, *, detrend: bool = False) -> Fitted:
     """A gamma texture, of the picture as it is or with slow changes taken off."""
-    return fit(recording, FitOptions(tails="gamma", region=region, any_region=True, detrend=detrend))
+    return fit(recording, FitRequest(tails="gamma", region=region, any_region=True, detrend=detrend))
 
 
 def held_out(recording: Recording, region: str | None, *, detrend: bool = False) -> list[tuple[float | None, float | None]]:

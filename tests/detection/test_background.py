@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from scipy.stats import norm
+from stored_frames import StoredFrames
 
 from seaglint.detection.background import Background, Windows, blocks_of, count_false_alarms, curve_density
 from seaglint.detection.moving import FrameDifference
 from seaglint.detection.spatial import FilterThreshold
 
 
-def source_of(frames: np.ndarray, **more: object) -> SimpleNamespace:
-    count, rows, columns = frames.shape
-    return SimpleNamespace(
-        frames=count, rows=rows, columns=columns, saturation=None, read=lambda start, stop: frames[start:stop].copy(), **more
-    )
+def source_of(frames: np.ndarray, sequence_length: int = 0) -> StoredFrames:
+    return StoredFrames(frames, sequence_length=sequence_length)
 
 
 @pytest.mark.parametrize(("frames", "length", "lead"), [(20, 5, 2), (23, 7, 0), (9, 9, 3), (8, 4, 4)])

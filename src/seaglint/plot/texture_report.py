@@ -40,7 +40,7 @@ def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figu
     figure = _figure(12.0, 8.0)
     axes = figure.subplots(2, 2)
     images = [frames[len(frames) // 2] for frames in (first, second)]
-    low, high = scale_limits(np.stack(images))
+    low, high = scale_limits(np.concatenate([image.ravel() for image in images]))
     for column, (image, one) in enumerate(zip(images, (comparison.first, comparison.second), strict=True)):
         shown = axes[0, column].imshow(image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
         figure.colorbar(shown, ax=axes[0, column], shrink=0.8, label="value")

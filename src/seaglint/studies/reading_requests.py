@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class WeightsFile(NamedTuple):
-    """Numbers of a small file, with its place."""
+    """Numbers of a small file, with its place; ``values`` may be a function that reads them when they are needed."""
 
     path: Path
     values: Any
@@ -25,7 +25,9 @@ class WeightsFile(NamedTuple):
 
 def values_of(given: Any) -> Any:
     """Return the numbers of a file or an array."""
-    return given.values if isinstance(given, WeightsFile) else given
+    if not isinstance(given, WeightsFile):
+        return given
+    return given.values() if callable(given.values) else given.values
 
 
 def filter_of(name: str, kernel: Any, signature: Any) -> Filter:

@@ -6,7 +6,7 @@ import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -147,7 +147,7 @@ def _mask(path: Path, option: str) -> Any:
     from seaglint.cli.terminal.small_files import read_mask
     from seaglint.studies.reading_requests import WeightsFile
 
-    return WeightsFile(path, read_mask(path))
+    return WeightsFile(path, partial(read_mask, path))
 
 
 def _shares(text: str, option: str) -> tuple[float, float]:
