@@ -164,13 +164,13 @@ def pictures(parts: Parts) -> None:
         DetectionOptions(template, detector="ca-cfar", threshold=3.0), strength=Strength((10.0, 15.0, 20.0, 30.0, 40.0)), seas=3 * SEAS
     )
     case = run_scene(scene(SUN + 5.0, (96, 64), PIXEL_DEG, elevation=-2.5, sensor=True), wanted, parts)
-    chips = draw_chips(case["chips"], case["result"]["threshold_sigma"])
+    chips = draw_chips(case.chips, case.result["threshold_sigma"])
     assert chips is not None
     chips.savefig(IMAGES / "detection_chips.png", dpi=110)
-    draw_characteristic(case["roc"], case["rows"], "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
+    draw_characteristic(case.roc, case.rows, "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
     wide = scene(SUN + 8.0, (160, 48), 0.15, elevation=-5.0)
     wanted = SceneOptions(DetectionOptions(template, detector="top-hat", threshold=3.0), seas=SEAS)
-    draw_map(run_scene(wide, wanted, parts)["map"]).savefig(IMAGES / "detection_map.png", dpi=110)
+    draw_map(run_scene(wide, wanted, parts).map).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
 def range_of(wind: float, bearing: float, parts: Parts) -> dict[str, Any]:
