@@ -42,3 +42,13 @@ autodoc_typehints = "none"  # numpydoc's Parameters sections name types, units a
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
+
+
+def no_signature(app, what, *others):
+    """Data have no signature: numpydoc reads one from the docstring of the type that an alias stands for."""
+    return () if what == "data" else None
+
+
+def setup(app):
+    """Connect before numpydoc."""
+    app.connect("autodoc-process-signature", no_signature, priority=400)
