@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import angular_frequency
@@ -20,6 +21,19 @@ def test_elfouhaily_integrals(wind, height, mss, mss_long):
     assert sea.significant_height() == pytest.approx(height, abs=0.005)  # printed digits
     assert sum(sea.mss()) == pytest.approx(mss, abs=5e-5)
     assert sum(sea.mss(2 * np.pi)) == pytest.approx(mss_long, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "level"), [(0.8, 1 + np.log(0.8)), (0.98, 1 + np.log(0.98)), (1.02, 1 + 3 * np.log(1.02)), (2.0, 1 + 3 * np.log(2.0))]
+)
+def test_elfouhaily_short_waves_rise_three_times_as_fast_above_the_slowest_wave(ratio, level):
+    """At k_m the curvature is alpha_m/2 above that of the long waves, alpha_m = 0.01 [1 + (1 or 3) ln(u*/c_m)] on both sides of c_m."""
+    wind = brentq(lambda u10: ElfouhailySpectrum(u10).friction_velocity - 0.23 * ratio, 2.0, 19.0)
+    sea, k = ElfouhailySpectrum(wind), 370.0
+    root = np.sqrt(k / sea.peak_wavenumber)
+    long = 0.5 * 0.006 * np.sqrt(0.84) * (wind / 0.84) / 0.23 * np.exp(-0.84 / np.sqrt(10.0) * (root - 1.0))
+    speed = np.sqrt(2.0 * 9.81 / k) / 0.23  # the paper's c_m is rounded
+    assert float(k**3 * sea.omnidirectional(k)) * speed == pytest.approx(0.5 * 0.01 * level + long, rel=1e-3)
 
 
 def test_elfouhaily_is_rougher_along_the_wind():
