@@ -34,7 +34,7 @@ class Parameter(NamedTuple):
         where the type says it.
     metavar : str
         Stand-in for the value on a help page; the type's own where empty.
-    least : int, optional
+    least : float, optional
         Smallest value allowed.
     option : str
         Option that sets it, where that is not the parameter's own name.
@@ -42,16 +42,19 @@ class Parameter(NamedTuple):
         Words that documentation has before the help, where a help page has the option's name for them.
     detail : str
         Sentences that documentation adds to the help.
+    python : str
+        Sentences that documentation has instead of the help, for what is an object in Python and a file or a text on a command line.
     """
 
     help: str
     group: str = ""
     form: str = ""
     metavar: str = ""
-    least: int | None = None
+    least: float | None = None
     option: str = ""
     subject: str = ""
     detail: str = ""
+    python: str = ""
 
 
 def described(record: type) -> dict[str, Parameter]:
@@ -61,15 +64,17 @@ def described(record: type) -> dict[str, Parameter]:
     return {name: extras[0] for name, extras in found.items() if extras}
 
 
-def documented(record: type, **words: str) -> Callable[[Function], Function]:
-    """Return a decorator that writes the parameters of a request into a function's docstring, at a line ``{request}``.
+def documented(*records: type, **words: str) -> Callable[[Function], Function]:
+    """Return a decorator that writes the parameters of requests into a function's docstring, at a line ``{request}``.
 
-    Names and defaults stay in the function's own signature, from which types are taken; ``words`` replace ``{name}`` and ``NAME``.
+    Names and defaults stay in the function's own signature, from which types are taken; of a parameter that several records have, the
+    first one's text is taken. ``words`` replace ``{name}`` and ``NAME``.
     """
 
     def document(function: Function) -> Function:
         if function.__doc__:  # none under python -OO
-            signature, texts = inspect.signature(function), described(record)
+            signature = inspect.signature(function)
+            texts = {name: text for record in reversed(records) for name, text in described(record).items()}
             entries = [
                 f"{name} : {_type(str(signature.parameters[name].annotation))}\n{_sentences(name, texts[name], words)}"
                 for name in signature.parameters
@@ -85,6 +90,8 @@ def documented(record: type, **words: str) -> Callable[[Function], Function]:
 
 def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
     """Return help and detail as sentences, indented as the text of a parameter."""
+    if parameter.python:
+        return textwrap.indent("\n".join(textwrap.wrap(parameter.python, 130, break_long_words=False)), "    ")
     text = re.sub(r"`(\w+)`", r"``\1``", parameter.help)
     text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), text)
     text = text.removesuffix("; repeatable")

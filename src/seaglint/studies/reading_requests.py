@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from seaglint.clutter.filters import Filter
 
 
+Overwrite = Annotated[bool, Parameter("replace what stands at the output", "Run")]
+"""Whether files that are there already are replaced."""
+
+
 class WeightsFile(NamedTuple):
     """Numbers of a small file, with its place; ``values`` may be a function that reads them when they are needed."""
 
@@ -102,4 +106,4 @@ class WorkRequest:
         ),
     ] = None
     resume: Annotated[bool, Parameter("go on with an unfinished sequence", "Run")] = False
-    overwrite: Annotated[bool, Parameter("replace what stands at the output", "Run")] = False
+    overwrite: Overwrite = False
