@@ -21,3 +21,28 @@ class MeanRequest:
         Path, Parameter("scenario file; 'seaglint init my.toml' writes one", metavar="SCENARIO.toml", python="See :func:`load`.")
     ]
     overwrite: Overwrite = False
+
+
+@dataclass(frozen=True)
+class EvaluationRequest:
+    """Request to evaluate a table of cases row by row."""
+
+    extrapolate: Annotated[bool, Parameter("take winds and heights that are not covered, and name them in the column 'extrapolated'")] = (
+        False
+    )
+    overwrite: Overwrite = False
+
+
+@dataclass(frozen=True)
+class BandsRequest(EvaluationRequest):
+    """Request to evaluate a table of cases in some spectral bands."""
+
+    bands: Annotated[
+        tuple[str, ...],
+        Parameter(
+            "wavelengths in um, e.g. 3.0-5.0; may be repeated",
+            metavar="A-B",
+            option="--band",
+            python="Bands inside the tables, as :func:`parse_bands` gives them.",
+        ),
+    ] = ()
