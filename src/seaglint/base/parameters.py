@@ -29,9 +29,9 @@ class Parameter(NamedTuple):
         Heading under which a help page has it, one of :data:`GROUPS`.
     form : str
         Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
-        (``NEAR:FAR``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of numbers), "mask" (image),
-        "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may be objects in Python); empty
-        where the type says it.
+        (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
+        numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may
+        be objects in Python); empty where the type says it.
     metavar : str
         Stand-in for the value on a help page; the type's own where empty.
     least : float, optional
