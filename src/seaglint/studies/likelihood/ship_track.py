@@ -10,10 +10,12 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, ScenarioError
+from seaglint.base.parameters import documented
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
+from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 from seaglint.weather.conditions import conditions
 from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.ephemeris import Ephemeris
@@ -26,6 +28,7 @@ _NEEDED: Final = ("time_utc", "latitude_deg", "longitude_deg")
 _BEARING: Final = "bearing_deg"
 
 
+@documented(LikelihoodRequest)
 def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> dict[str, Any]:
     """Chances at the times of a way, with durations and returns of each threshold.
 
@@ -33,9 +36,7 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     ----------
     scenario : Scenario
         With ``[likelihood]``; its own Sun, time and place are not asked.
-    track : Path
-        CSV of ``time_utc``, ``latitude_deg``, ``longitude_deg`` and, for a sensor that looks one way, ``bearing_deg`` clockwise from north;
-        without it azimuths from the Sun are those of the scenario.
+    {request}
     samples : int
         Draws at each time.
     weather : WeatherTable, optional
