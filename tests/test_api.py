@@ -27,6 +27,7 @@ from seaglint.files.recording import open_recording
 from seaglint.optics.band import Band
 from seaglint.plot.video_formats import VIDEO_ENDINGS
 from seaglint.studies.analysis_requests import AnalysisRequest
+from seaglint.studies.detect.requests import DesignRequest, RecordingRequest, SceneRequest
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean
 from seaglint.studies.mean.mean_requests import MeanRequest
@@ -124,6 +125,7 @@ REQUESTS = {
     "ensemble": EnsembleRequest,
     "dataset": DatasetRequest,
     "analyze": AnalysisRequest,
+    "detect": (RecordingRequest, DesignRequest),
 }
 """Records from which commands make their options and functions their documentation."""
 
@@ -135,14 +137,23 @@ NAMED = {
     "ensemble": ("workers", "threads", "resume", "overwrite", "draw_only"),
     "dataset": ("format", "bits", "image", "workers", "threads", "resume", "overwrite"),
     "analyze": ("frame_rate", "units", "variable", "filter", "thresholds", "scope", "rows", "mask", "border", "detectors", "seed"),
+    "detect": (
+        *("source", "contrast", "detector", "filter", "threshold", "threshold_law", "injections", "object_sigma_px", "psf", "objects"),
+        *("frames", "precision", "time_budget", "p_fa", "frame_rate", "units", "variable", "placement", "match_radius", "velocity"),
+        *("pointing", "duration", "seed"),
+    ),
 }
 """Parameters of functions that their requests describe."""
+
+RESOLVED = {"detect": {"frames": 32, "objects": "point"}}
+"""Defaults that a signature states, and a request finds where nothing is said."""
 
 
 @pytest.mark.parametrize("name", REQUESTS)
 def test_a_function_takes_what_its_request_describes(name: str) -> None:
     parameters = inspect.signature(getattr(sg, name)).parameters
-    defaults = {field.name: field.default for field in fields(REQUESTS[name])}
+    records = REQUESTS[name] if isinstance(REQUESTS[name], tuple) else (REQUESTS[name],)
+    defaults = {field.name: field.default for record in reversed(records) for field in fields(record)} | RESOLVED.get(name, {})
     shared = parameters.keys() & defaults.keys()
     for key in shared:
         assert parameters[key].default == (inspect.Parameter.empty if defaults[key] is MISSING else defaults[key])
@@ -151,6 +162,10 @@ def test_a_function_takes_what_its_request_describes(name: str) -> None:
     assert "    {request}\n" in written
     assert [key for key in shared if re.search(rf"^    ([a-z_, ]*, )?{key}( :|, )", written, flags=re.MULTILINE)] == []
     assert shared >= set(NAMED[name])
+
+
+def test_a_scene_is_judged_alike_where_nothing_is_said_and_where_the_defaults_are() -> None:
+    assert SceneRequest("my.toml").scene_options() == SceneRequest("my.toml", **RESOLVED["detect"]).scene_options()
 
 
 def test_documentation_lists_the_formats_that_there_are() -> None:

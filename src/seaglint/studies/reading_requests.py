@@ -49,7 +49,9 @@ def filter_of(name: str, kernel: Any, signature: Any) -> Filter:
         return Kernel(values_of(kernel), name=kernel.path.stem if isinstance(kernel, WeightsFile) else "kernel")
     if name == "matched":
         if signature is None:
-            raise DataError("filter = matched needs the target's signature: give signature=ARRAY, or a file (CSV or .npy)")
+            raise DataError(
+                "filter = matched needs the target's signature: give signature=ARRAY, or a file (CSV or .npy); or another filter"
+            )
         return MatchedFilter(values_of(signature))
     return named(name)
 
