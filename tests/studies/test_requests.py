@@ -16,6 +16,7 @@ from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 from seaglint.studies.likelihood.ship_track import along_track
 from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere, evaluate_emissivity, evaluate_mean, evaluate_scattered
 from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
+from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
 
 FUNCTIONS: list[tuple[Callable[..., Any], type, set[str]]] = [
     (evaluate_atmosphere, BandsRequest, {"bands", "extrapolate"}),
@@ -64,3 +65,14 @@ def test_documentation_takes_the_text_of_the_first_request_and_the_words_of_pyth
         *("height : float", "Height of the sensor [m]; see ``distance``."),
         *("picture : Any", "Array of radiance."),
     ]
+
+
+@pytest.mark.parametrize("request_type", [FitRequest, CompareRequest, SampleRequest, PlaceRequest])
+def test_a_request_that_a_function_takes_describes_its_own_fields(request_type: type) -> None:
+    entries = re.findall(r"^    (\w+) : ", request_type.__doc__ or "", flags=re.MULTILINE)
+    assert entries == [field.name for field in fields(request_type)]
+
+
+def test_a_request_is_described_in_the_words_of_python() -> None:
+    assert "    size : (int, int)\n        Columns and rows of the picture.\n" in (SampleRequest.__doc__ or "")
+    assert "    regions : tuple of str\n" in (CompareRequest.__doc__ or "")

@@ -68,16 +68,16 @@ def documented(*records: type, **words: str) -> Callable[[Function], Function]:
     """Return a decorator that writes the parameters of requests into a function's docstring, at a line ``{request}``.
 
     Names and defaults stay in the function's own signature, from which types are taken; of a parameter that several records have, the
-    first one's text is taken. ``words`` replace ``{name}`` and ``NAME``.
+    first one's text is taken. ``words`` replace ``{name}`` and ``NAME``. Without records the parameters of a request are written into its
+    own docstring.
     """
 
     def document(function: Function) -> Function:
         if function.__doc__:  # none under python -OO
-            signature = inspect.signature(function)
-            texts = {name: text for record in reversed(records) for name, text in described(record).items()}
+            texts = {name: text for record in reversed(records or (function,)) for name, text in described(record).items()}
             entries = [
-                f"{name} : {_type(str(signature.parameters[name].annotation))}\n{_sentences(name, texts[name], words)}"
-                for name in signature.parameters
+                f"{name} : {_type(annotation)}\n{_sentences(name, texts[name], words)}"
+                for name, annotation in _annotations(function).items()
                 if name in texts
             ]
             indent = re.search(rf"^([ \t]*){re.escape(LINE)}", function.__doc__, flags=re.MULTILINE)
@@ -86,6 +86,13 @@ def documented(*records: type, **words: str) -> Callable[[Function], Function]:
         return function
 
     return document
+
+
+def _annotations(function: Callable[..., Any]) -> dict[str, str]:
+    """Return the types of parameters as they are written; those of a record's fields without their descriptions."""
+    if isinstance(function, type):
+        return {name: inspect.formatannotation(hint) for name, hint in get_type_hints(function).items()}
+    return {name: str(parameter.annotation) for name, parameter in inspect.signature(function).parameters.items()}
 
 
 def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
@@ -106,11 +113,12 @@ def _type(annotation: str) -> str:
 
     >>> _type("int | Workers | None"), _type("Literal['uint16', 'float32'] | None"), _type("tuple[float, float]")
     ('int or Workers, optional', "{'uint16', 'float32'}, optional", '(float, float)')
-    >>> _type("Sequence[float]"), _type("str | Filter"), _type("ArrayLike | None")
-    ('sequence of float', 'str or Filter', 'array_like, optional')
+    >>> _type("Sequence[float]"), _type("tuple[str, ...]"), _type("str | Filter"), _type("ArrayLike | None")
+    ('sequence of float', 'tuple of str', 'str or Filter', 'array_like, optional')
     """
     text, optional = annotation.removesuffix(" | None"), annotation.endswith(" | None")
     text = re.sub(r"Literal\[([^\]]*)\]", r"{\1}", text)
+    text = re.sub(r"tuple\[(\w+), \.\.\.\]", r"tuple of \1", text)
     text = re.sub(r"tuple\[([^\]]*)\]", r"(\1)", text)
     text = re.sub(r"Sequence\[([^\]]*)\]", r"sequence of \1", text)
     return text.replace(" | ", " or ").replace("ArrayLike", "array_like") + (", optional" if optional else "")
