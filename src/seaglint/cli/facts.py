@@ -18,7 +18,9 @@ def info(
 ) -> None:
     """Say what a sequence or map holds and how it was made."""
     from seaglint.cli.info import describe, lines
+    from seaglint.cli.terminal.start import only_numpy
 
+    only_numpy()
     facts = describe(place_given(path))
     if as_json:
         print_json(facts)

@@ -53,8 +53,8 @@ def render(
     from seaglint.cli.terminal.finish import finish_store, require_one_way, tell_share
     from seaglint.cli.terminal.frame_numbers import parse_frames
     from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.start import only_numpy
     from seaglint.cli.terminal.progress import progress
+    from seaglint.cli.terminal.start import only_numpy
     from seaglint.files.store.share import Share
     from seaglint.files.store.store import check_output
     from seaglint.scenario.load import load_scenario

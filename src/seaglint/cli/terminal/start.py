@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any, Final
 
 OBJECTS: Final = 600_000
-"""Containers made before memory is first searched for circles: a command makes 250,000 to 450,000 by its first frame, nearly all of which stay."""
+"""Containers made before memory is first searched for circles: a command's imports make 250,000 to 450,000, nearly all of which stay."""
 
 
 def collect_later() -> None:
@@ -18,7 +18,7 @@ def collect_later() -> None:
     """
     before = gc.get_threshold()
 
-    def restore(phase: str, info: dict[str, int]) -> None:
+    def restore(*_: object) -> None:
         gc.callbacks.remove(restore)
         gc.set_threshold(*before)
 
