@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import sys
 from contextlib import suppress
 from typing import Any, Final
 
@@ -17,6 +18,8 @@ def collect_later() -> None:
     The first search puts back what was set before. At the end of the program none is made.
     """
     before = gc.get_threshold()
+    if before[0] == OBJECTS:  # put off already
+        return
 
     def restore(*_: object) -> None:
         gc.callbacks.remove(restore)
@@ -35,7 +38,7 @@ def only_numpy() -> None:
     with suppress(ImportError, AttributeError, TypeError):
         from xarray.namedarray import pycompat
 
-        for name in ("dask", "pint", "sparse", "cupy"):
+        for name in {"dask", "pint", "sparse", "cupy"} - set(sys.modules):
             absent: Any = object.__new__(pycompat.DuckArrayModule)
             absent.module, absent.version, absent.type, absent.available = None, pycompat.Version("0.0.0"), (), False
             pycompat._cached_duck_array_modules.setdefault(name, absent)  # type: ignore[call-overload]
