@@ -18,6 +18,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from measure_performance import processor as processor_name
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "performance.md"
 
@@ -98,7 +100,7 @@ def main() -> None:
             print(name, *(f"{label} {best[name, label][0]:.2f} {best[name, label][1]:.2f}" for label in checkouts), flush=True)
     heading = ["command", *(f"{label}: {kind}" for label in checkouts for kind in ("wall", "processor"))]
     lines = [
-        f"{datetime.date.today()}; {os.cpu_count()} processors, load {load:.1f} at the start; Python {platform.python_version()}; "
+        f"{datetime.date.today()}; {processor_name()}, {os.cpu_count()} processors, load {load:.1f} at the start; Python {platform.python_version()}; "
         f"least of {given.runs} runs by turns.",
         "",
         f"| {' | '.join(heading)} |",

@@ -71,7 +71,7 @@ def _made(name: str, entry: CommandEntry) -> Any:
     if isinstance(what, typer.Typer):
         program.add_typer(what, name=name)
     else:
-        program.command(name, cls=entry.made_by and getattr(defined, entry.made_by))(what)
+        program.command(name, cls=getattr(defined, entry.made_by) if entry.made_by else None)(what)
     add_examples(program)
     commands: dict[str, Any] = get_command(program).commands  # type: ignore[attr-defined]
     return commands[name]

@@ -38,7 +38,7 @@ def only_numpy() -> None:
     with suppress(ImportError, AttributeError, TypeError):
         from xarray.namedarray import pycompat
 
-        for name in {"dask", "pint", "sparse", "cupy"} - set(sys.modules):
-            absent: Any = object.__new__(pycompat.DuckArrayModule)
-            absent.module, absent.version, absent.type, absent.available = None, pycompat.Version("0.0.0"), (), False
-            pycompat._cached_duck_array_modules.setdefault(name, absent)  # type: ignore[call-overload]
+        names: Any = {"dask", "pint", "sparse", "cupy"} - set(sys.modules)
+        for name in names:
+            absent = pycompat.DuckArrayModule("seaglint.absent")  # type: ignore[arg-type]
+            pycompat._cached_duck_array_modules.setdefault(name, absent)
