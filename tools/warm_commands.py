@@ -100,8 +100,8 @@ def main() -> None:
             print(name, *(f"{label} {best[name, label][0]:.2f} {best[name, label][1]:.2f}" for label in checkouts), flush=True)
     heading = ["command", *(f"{label}: {kind}" for label in checkouts for kind in ("wall", "processor"))]
     lines = [
-        f"{datetime.date.today()}; {processor_name()}, {os.cpu_count()} processors, load {load:.1f} at the start; Python {platform.python_version()}; "
-        f"least of {given.runs} runs by turns.",
+        f"{datetime.date.today()}; {processor_name()}, {os.cpu_count()} processors, load {load:.1f} at the start; "
+        f"Python {platform.python_version()}; least of {given.runs} runs by turns.",
         "",
         f"| {' | '.join(heading)} |",
         f"| {' | '.join('---' for _ in heading)} |",
