@@ -8,6 +8,7 @@ import sys
 import types
 
 import numpy as np
+import pytest
 import xarray as xr
 from xarray.namedarray import pycompat
 
@@ -19,6 +20,12 @@ from seaglint.files.netcdf import labelled, write_netcdf
 def python(code: str) -> list[str]:
     """Words that a fresh interpreter prints."""
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+
+
+@pytest.fixture(autouse=True)
+def settled() -> None:
+    """End what a command in this process may have put off."""
+    gc.collect()
 
 
 def test_the_first_search_puts_the_settings_back() -> None:
