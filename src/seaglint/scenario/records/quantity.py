@@ -32,7 +32,7 @@ _SPELLINGS = {
 
 _EXAMPLES = {"m": "30 ft", "deg": "0.1 rad", "m/s": "12 kn", "K": "15 degC", "um": "4000 nm", "Hz": "25 Hz", "1/km": "0.1 / km"}
 
-# Units that scenarios are written in, with pint's factors to the last bit (0.3048 is one unit there), because pint takes 0.7 s of
+# Units that scenarios are written in, with pint's factors to the last bit (0.3048 is one unit there), because pint takes 0.4 s of
 # processor time to start, more than what else there is to read. Any other pair of units is converted by pint.
 FACTORS: Final = {
     "m": {"m": 1.0, "km": 1000.0, "cm": 0.01, "mm": 0.001, "ft": 0.30479999999999996, "nmi": 1852.0},

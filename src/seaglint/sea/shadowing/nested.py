@@ -149,7 +149,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
 
 @kept
 def _ratios(bands: int) -> FloatArray:
-    """Table for two or more bands, 0.07 s of processor time each; a scene asks for four."""
+    """Table for two or more bands, 0.1 s of processor time each; a scene asks for four."""
     t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - REACH, dtype=np.float64)
     return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
 
