@@ -64,7 +64,10 @@ with contextlib.suppress(SystemExit):
 """
 
 
-@pytest.mark.parametrize("code", ["import seaglint", "import seaglint.cli.app", HELP], ids=["package", "command-line", "help"])
+COMMANDS = "from seaglint.cli.commands import Commands; dict(Commands())"
+
+
+@pytest.mark.parametrize("code", ["import seaglint", COMMANDS, HELP], ids=["package", "commands", "help"])
 def test_start_imports_nothing_heavy(code: str) -> None:
     printed = python(f"{code}\nimport sys; print('\\nLOADED', *(name for name in {HEAVY!r} if name in sys.modules))")
     assert printed.splitlines()[-1].split()[1:] == []
@@ -76,6 +79,13 @@ def test_start_imports_little(code: str, allowed: set[str]) -> None:
     ours = "{name.partition('.')[0] for name in sys.modules} - before - set(sys.stdlib_module_names) - {'seaglint'}"
     printed = python(f"import sys; before = {{name.partition('.')[0] for name in sys.modules}}\n{code}\nprint('\\nLOADED', *({ours}))")
     assert set(printed.splitlines()[-1].split()[1:]) <= allowed
+
+
+def test_the_list_of_commands_imports_no_command() -> None:
+    names = "{entry.place.split('.')[0] for members in GROUPS.values() for entry in members.values()}"
+    loaded = f"print('\\nLOADED', *({names} & {{name.removeprefix('seaglint.cli.') for name in sys.modules}}))"
+    printed = python(f"{HELP}\nfrom seaglint.cli.commands import GROUPS\n{loaded}")
+    assert printed.splitlines()[-1].split()[1:] == []
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -117,7 +127,7 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
     files = {path: path.relative_to(SOURCE).with_suffix("").parts for path in SOURCE.rglob("*.py")}
     names = {path: ".".join(("seaglint", *parts)).removesuffix(".__init__") for path, parts in files.items()}
     imports = {name: modules_imported(path, known) - {name} for path, name in names.items()}
-    assert imports["seaglint.cli.app"] >= {
+    assert imports["seaglint.cli.render"] >= {
         "seaglint.cli.terminal.messages",
         "seaglint.studies.sequence.render_sequence",
     }  # at the top and inside a command

@@ -10,7 +10,7 @@ import pytest
 from typer.main import get_command
 
 from seaglint.cli.app import app
-from seaglint.cli.terminal.groups import GROUPS, OTHER
+from seaglint.cli.commands import GROUPS
 
 ROOT = get_command(app)
 GROUPED = ("", *(name for name, command in ROOT.commands.items() if hasattr(command, "commands")))  # type: ignore[attr-defined]
@@ -19,13 +19,18 @@ GROUPED = ("", *(name for name, command in ROOT.commands.items() if hasattr(comm
 def test_every_command_is_in_one_group(seaglint) -> None:
     named = [name for members in GROUPS.values() for name in members]
     assert len(named) == len(set(named))
-    assert set(ROOT.commands) <= set(named)  # type: ignore[attr-defined]
+    assert set(ROOT.commands) == set(named)  # type: ignore[attr-defined]
     told = seaglint("--help").out
     places = [told.index(f"\n{heading}:\n") for heading in GROUPS]
     assert places == sorted(places)
-    assert f"{OTHER}:" not in told
-    for name in ROOT.commands:  # type: ignore[attr-defined]
+    for name in named:
         assert f"\n  {name} " in told
+
+
+def test_the_list_of_commands_says_what_their_own_help_begins_with() -> None:
+    said = {name: entry.summary for members in GROUPS.values() for name, entry in members.items()}
+    assert {name: command.get_short_help_str(1000) for name, command in ROOT.commands.items()} == said  # type: ignore[attr-defined]
+    assert [name for name, command in ROOT.commands.items() if command.hidden] == []  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("name", GROUPED)

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.quantity import convert
+from seaglint.scenario.records.quantity import CELSIUS, FACTORS, by_pint, convert
 from seaglint.scenario.records.sensor_table import SQUARE_PIXEL_TOLERANCE
 
 ROUNDING = 1e-12  # relative; unit conversions are one multiplication
@@ -60,6 +60,14 @@ def test_json_gives_the_same_scenario_back():
 )
 def test_text_with_units(text, unit, value):
     assert convert(text, unit) == pytest.approx(value, rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit"), [*((written, unit) for unit in FACTORS for written in FACTORS[unit]), *((c, "K") for c in CELSIUS)]
+)
+def test_common_units_are_converted_as_pint_does_to_the_last_bit(written: str, unit: str) -> None:
+    values = [*(0.1 * number for number in range(-400, 400, 7)), 1e-7, 12345.678]
+    assert [convert(f"{value!r} {written}", unit) for value in values] == [by_pint(value, written, unit) for value in values]
 
 
 @given(st.floats(2.0, 5000, allow_nan=False))

@@ -50,10 +50,12 @@ def export(
     """Write frames of a run for another program."""
     from seaglint.cli.terminal.frame_numbers import parse_frames
     from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.cli.terminal.start import only_numpy
     from seaglint.files.export.stack import held_frames
     from seaglint.files.store.store import open_sequence
     from seaglint.plot.run_export import export_run
 
+    only_numpy()
     with open_sequence(run) as dataset:
         numbers = parse_frames(request.frames, held_frames(dataset), steps=True)
         with patient_progress(show, "frames") as report:

@@ -51,6 +51,7 @@ def sense(
     """Put a sensor on recorded radiance: counts of its detector."""
     from seaglint.cli.terminal.finish import tell_share
     from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.cli.terminal.start import only_numpy
     from seaglint.files.recording.image_attributes import source_of
     from seaglint.files.store.share import Share
     from seaglint.files.store.store import check_output, open_sequence
@@ -58,6 +59,7 @@ def sense(
     from seaglint.studies.sequence.sense import Reopen
     from seaglint.studies.sequence.sense import sense as sensed
 
+    only_numpy()
     loaded = load_scenario(scenario, sensor=sensor_preset)
     store, share = place_given(output), None if shard is None else Share.parse(shard)
     check_output(
@@ -115,10 +117,12 @@ def sensor(
 ) -> None:
     """Figures of merit of a sensor: NETD, MTF, noise budget."""
     from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.start import only_numpy
     from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
+    only_numpy()
     loaded = load_scenario(scenario, sensor=sensor_preset)
     if plot is not None:
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):

@@ -11,7 +11,7 @@ from typer.core import TyperCommand, TyperOption
 def derived_help(**texts: Callable[[], str]) -> type[TyperCommand]:
     """Return a class of commands whose options may have ``{NAME}`` in their help, for which ``texts[NAME]()`` is printed.
 
-    Command modules are imported to print ``seaglint --help`` and to complete words, where no library may be loaded.
+    Command modules are imported to complete words, where no library may be loaded.
     """
 
     class DerivedHelp(TyperCommand):

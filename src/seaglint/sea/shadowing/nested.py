@@ -44,6 +44,7 @@ from scipy.special import erf
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit
+from seaglint.base.kept_tables import kept
 from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -143,6 +144,12 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
         )
     if bands == 1:
         return np.zeros((0, 0))
+    return _ratios(bands)
+
+
+@kept
+def _ratios(bands: int) -> FloatArray:
+    """Table for two or more bands, 0.1 s of processor time each; a scene asks for four."""
     t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - REACH, dtype=np.float64)
     return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
 

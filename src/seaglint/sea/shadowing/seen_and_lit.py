@@ -13,6 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
+from seaglint.base.kept_tables import kept
 from seaglint.sea.shadowing.nested import HIGHEST, REACH, between_bands, nested_ratio_kernel, ratio_table
 
 _COUPLING: Final = 0.55
@@ -93,6 +94,7 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
 
 
 @lru_cache(maxsize=8)
+@kept
 def _pair_table(bands: int) -> FloatArray:
     """Table of the coupling for a whole number of bands."""
     if bands == 1:

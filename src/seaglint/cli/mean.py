@@ -1,0 +1,55 @@
+"""The command ``seaglint mean``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import files_read, log, naming_file
+from seaglint.cli.terminal.options import PreviewScale
+from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
+from seaglint.cli.terminal.records import takes_records
+from seaglint.studies.mean.mean_requests import MeanRequest
+
+_NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
+"""Endings that say another kind of file is meant than a mean map."""
+
+
+@takes_records(order="scenario output overwrite preview scale")
+def mean(
+    request: MeanRequest,
+    output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
+    preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
+    scale: ScaleOption = PreviewScale.AUTO,
+) -> None:
+    """Map mean radiance and apparent temperature over the view."""
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.start import only_numpy
+    from seaglint.files.netcdf import write_netcdf
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.scenario.load import load_scenario
+
+    only_numpy()
+    show_logs()
+    if output.suffix.lower() in _NO_MAPS:
+        sequence = "; 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""
+        raise DataError(f"{output}: a mean map is a NetCDF file; give a name that ends in .nc{sequence}")
+    loaded = load_scenario(request.scenario)
+    picture, inputs = output.with_suffix(".png"), files_read(request.scenario, loaded)
+    refuse_existing(output, overwrite=request.overwrite, inputs=inputs)
+    if preview:
+        refuse_preview(picture, request.overwrite, inputs)
+    from seaglint.studies.mean.mean_map import mean as mean_map
+
+    with naming_file(request.scenario, loaded):
+        dataset = mean_map(loaded)
+    write_netcdf(dataset, output, overwrite=request.overwrite)
+    log(f"{output} written")
+    if preview:
+        from seaglint.plot.preview import write_picture
+
+        write_picture(dataset, picture, scale.value)
+        log(f"{picture} written")

@@ -1,0 +1,151 @@
+"""The command ``seaglint render``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from seaglint.base.errors import DataError
+from seaglint.cli.sensor import SensorPreset
+from seaglint.cli.sensor import line as counts_line
+from seaglint.cli.terminal.messages import files_read, log, naming_file
+from seaglint.cli.terminal.options import PreviewScale, ShardOption, place_given
+from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.records import takes_records
+from seaglint.cli.terminal.run_options import RunOptions
+from seaglint.studies.sequence.sequence_requests import RenderRequest
+
+if TYPE_CHECKING:
+    from seaglint.files.store.share import Share
+
+RenderedFile = Annotated[
+    str, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one (with --finish alone: the store)")
+]
+
+
+@takes_records(
+    order="scenario output frames threads resume overwrite preview scale show sensor_preset electrons radiance workers dask dask_slurm"
+)
+def render(
+    scenario: RenderedFile,
+    request: RenderRequest,
+    run: RunOptions,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")
+    ] = None,
+    preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
+    scale: ScaleOption = PreviewScale.AUTO,
+    sensor_preset: SensorPreset = None,
+    shard: ShardOption = None,
+    finish: Annotated[
+        bool, typer.Option("--finish", help="check that all frames of a store are there, and name it: --finish RUN.zarr")
+    ] = False,
+) -> None:
+    """Render the sequence: radiance, or counts of a detector.
+
+    Radiance is at the aperture; where the scenario has a detector, frames are its counts. Any frame alone is the same as in the sequence.
+    """
+    from seaglint.cli.terminal.finish import finish_store, require_one_way, tell_share
+    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.cli.terminal.start import only_numpy
+    from seaglint.files.store.share import Share
+    from seaglint.files.store.store import check_output
+    from seaglint.scenario.load import load_scenario
+
+    only_numpy()
+    show_logs(quiet=run.show is ProgressMode.NONE)
+    if finish:
+        require_one_way(shard=shard, overwrite=request.overwrite)
+        if preview:
+            _beside(place_given(output or scenario), None)  # before anything is done
+        finished = finish_store(scenario, output, sensor_preset)
+        if preview:
+            _preview(finished, scale)
+        return
+    if output is None:
+        raise typer.BadParameter("Missing option '-o' / '--output'.")
+    share = None if shard is None else Share.parse(shard)
+    file = Path(scenario)
+    loaded = load_scenario(file, sensor=sensor_preset)
+    numbers = parse_frames(request.frames, loaded.sensor.frames)
+    store = place_given(output)
+    inputs = files_read(file, loaded)
+    check_output(store, resume=request.resume, overwrite=request.overwrite, inputs=inputs, share=share)
+    pictures = _Pictures(_beside(store, share), inputs, replace=request.overwrite or request.resume) if preview else None
+    render_sequence: Callable[..., Path | str]
+    if loaded.sensor.senses or request.electrons or request.radiance:
+        from seaglint.studies.sequence.sensed import render as render_counts
+
+        render_sequence = partial(render_counts, electrons=request.electrons, radiance=request.radiance)
+    else:
+        from seaglint.studies.sequence.render_sequence import render as render_radiance
+
+        render_sequence = render_radiance
+    with naming_file(file, loaded), run.chosen() as others, progress(run.show, "frames") as report:
+        more: dict[str, Any] = {"share": share} if share is not None else {}
+        more |= {"workers": others} if others is not None else {}
+        alone = None if others is not None else request.threads
+        more |= {"resume": request.resume, "overwrite": request.overwrite}
+        render_sequence(loaded, store, frames=numbers, threads=alone, progress=report, **more)
+    if share is not None:
+        tell_share(store, share)
+        return
+    from seaglint.files.store.store import open_sequence
+    from seaglint.plot.sequence_summary import summarise
+
+    with open_sequence(store) as dataset:
+        if pictures is not None:
+            pictures.write(dataset, scale)
+        log(f"{store}: {summarise(dataset).line}")
+        if "signal" in dataset:
+            log(f"{store}: {counts_line(dataset)}")
+
+
+def _preview(store: Path | str, scale: PreviewScale) -> None:
+    """Write pictures of a finished store; older ones are replaced, as by --resume."""
+    from seaglint.files.store.store import open_sequence
+
+    with open_sequence(store) as dataset:
+        _Pictures(_beside(store, None), [], replace=True).write(dataset, scale)
+
+
+def _beside(store: Path | str, share: Share | None) -> Path:
+    """Where pictures of a store go."""
+    if share is not None:
+        raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out, and give it with --finish")
+    if not isinstance(store, Path):
+        raise DataError(f"--preview writes pictures beside a folder, and {store} is none; leave it out")
+    return store
+
+
+class _Pictures:
+    """Previews beside a store, refused before the work rather than after it."""
+
+    def __init__(self, output: Path, inputs: list[Path], *, replace: bool) -> None:
+        from seaglint.plot.video import video_available
+
+        self.picture, self.video = output.with_suffix(".png"), output.with_suffix(".mp4")
+        self.with_video = video_available()
+        refuse_preview(self.picture, replace, inputs)
+        if self.with_video:
+            refuse_preview(self.video, replace, inputs)
+        else:
+            log(f"no {self.video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
+
+    def write(self, dataset: Any, scale: PreviewScale) -> None:
+        """Write the picture, and the video where PyAV is installed."""
+        from seaglint.plot.preview import write_picture
+        from seaglint.plot.video import write_video
+
+        write_picture(dataset, self.picture, scale.value)
+        log(f"{self.picture} written")
+        if self.with_video:
+            write_video(dataset, self.video, scale.value, remedy="make room and run the same command with --resume")
+            log(f"{self.video} written")

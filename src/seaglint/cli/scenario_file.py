@@ -1,0 +1,42 @@
+"""The commands ``seaglint init`` and ``seaglint schema``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from seaglint.cli.terminal.messages import log, print_json
+from seaglint.cli.terminal.options import Overwrite
+
+
+def _list_presets(requested: bool) -> None:
+    if requested:
+        from seaglint.scenario.presets.scene_presets import PRESETS
+
+        for name, preset in PRESETS.items():
+            typer.echo(f"{name:16} {preset.title}")
+        raise typer.Exit
+
+
+def init(
+    output: Annotated[Path, typer.Argument(metavar="OUTPUT.toml", help="file to write")],
+    preset: Annotated[str, typer.Option("--preset", help="scene to begin with")] = "glint",
+    overwrite: Overwrite = False,
+    presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list the presets and leave")] = False,
+) -> None:
+    """Write a commented scenario file."""
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.scenario.text.template import write_template
+
+    refuse_existing(output, overwrite=overwrite)
+    write_template(output, preset, overwrite=overwrite)
+    log(f"{output} written; next: seaglint render {output} -o {output.with_suffix('.zarr')} --preview")
+
+
+def schema() -> None:
+    """Print the JSON Schema of scenario files."""
+    from seaglint.scenario.text.template import json_schema
+
+    print_json(json_schema())
