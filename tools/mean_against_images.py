@@ -20,7 +20,7 @@ from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.scene import image
 from seaglint.imaging.swept import SweptScene
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare
 

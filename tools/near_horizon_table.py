@@ -31,7 +31,7 @@ from seaglint.imaging.scene import image
 from seaglint.imaging.swept import SweptScene
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.smith import smith_lambda, smith_nu
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic

@@ -20,7 +20,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare
 

@@ -22,7 +22,7 @@ import seaglint as sg
 from seaglint.base.conventions import FloatArray
 from seaglint.files.tables.cases import Cases
 from seaglint.optics.band import ApparentTemperature
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.studies.mean.evaluate_cases import NamedBand, evaluate_scattered, parse_bands

@@ -26,7 +26,7 @@ from seaglint.facet.emissivity import emissivity
 from seaglint.files.tables.cases import read_cases
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic

@@ -11,7 +11,7 @@ from seaglint.facet.sky import mirrored_sky, thermal_at, thermal_sky
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.radiance.mean import MeanModel, mean_radiance
+from seaglint.radiance.mean_radiance import MeanModel, mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 
 HEIGHT = 30.0

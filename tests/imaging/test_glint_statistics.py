@@ -5,7 +5,7 @@ import pytest
 
 from seaglint.clutter.fits import fit
 from seaglint.clutter.goodness import distances
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare

@@ -12,7 +12,7 @@ from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.scene import image
 from seaglint.imaging.sparkle import Sparkles
 from seaglint.imaging.swept import composed
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 
 WIND = 7.0

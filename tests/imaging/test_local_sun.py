@@ -14,7 +14,7 @@ from seaglint.facet.roughness import line_of_sight, roughness_of
 from seaglint.facet.sunlight import sunlight, sunlight_at
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 
 

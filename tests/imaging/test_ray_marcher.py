@@ -16,7 +16,7 @@ from seaglint.base.conventions import horizon_depression, surface_range, view_ze
 from seaglint.facet.legs import BOTH
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.mean import mean_radiance as model_radiance
+from seaglint.radiance.mean_radiance import mean_radiance as model_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 from visibility_ratio import power_law_sea, ratios
 

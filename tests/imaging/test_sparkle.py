@@ -33,7 +33,7 @@ from seaglint.imaging.sparkle import (
     sparkle_of,
     sparkle_rows,
 )
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import glint_variance, sea_variance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare

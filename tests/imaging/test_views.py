@@ -11,7 +11,7 @@ from seaglint.facet.legs import Shadowing
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.camera.imager import cells_of, inside, quads
 from seaglint.imaging.launch import weights_of
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 
 
 @pytest.fixture(scope="module")

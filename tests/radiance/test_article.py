@@ -11,7 +11,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 
 BAND = Band.rectangular(3.5, 5.0)

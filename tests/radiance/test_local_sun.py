@@ -16,7 +16,7 @@ from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 

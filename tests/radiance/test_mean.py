@@ -15,7 +15,7 @@ from seaglint.optics import sea_water
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.mean import MeanModel, mean_radiance
+from seaglint.radiance.mean_radiance import MeanModel, mean_radiance
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.slope_statistics import flat

@@ -15,7 +15,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.mean import MeanModel, mean_radiance
+from seaglint.radiance.mean_radiance import MeanModel, mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
 
 AZIMUTHS = np.radians([0.0, 12.0, -40.0, 180.0])

@@ -9,7 +9,7 @@ from seaglint.air.table.profiles import PROFILES
 from seaglint.api import image
 from seaglint.base.conventions import horizon_depression
 from seaglint.optics.band import apparent_temperature
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare
 

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from seaglint.base.errors import ScenarioError, SeaglintError
 from seaglint.cli.app import app
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.likelihood.chance_map import likelihood_map

@@ -12,7 +12,7 @@ from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.optics.band import Band
 from seaglint.plot.preview import draw
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean import MeanModel
+from seaglint.radiance.mean_radiance import MeanModel
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.mean import mean_pixels
 from seaglint.studies.mean.mean_map import mean

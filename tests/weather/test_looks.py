@@ -14,7 +14,7 @@ from seaglint.facet.legs import NESTED
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier

@@ -26,7 +26,7 @@ from seaglint.facet.sea_view import BandSum, SeaView
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
-from seaglint.radiance.mean import SeaRadiance
+from seaglint.radiance.mean_radiance import SeaRadiance
 
 _RANGES: Final = 40
 _ZENITHS: Final = np.radians([0, 10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 74, 77, 80, 82, 84, 85, 86, 87, 88, 88.5, 89, 89.5, 90])
@@ -103,8 +103,8 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
         sea with its mirrored sky for a blackbody. Give :func:`seaglint.optics.sea_water.article` as water and
         ``cox_munk_isotropic(W, height=12.5)`` as slopes for its own case.
     elevation, azimuth : array_like
-        Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean.mean_radiance`; azimuths of each row its
-        own are (rows, columns).
+        Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean_radiance.mean_radiance`; azimuths of each
+        row its own are (rows, columns).
 
     Returns
     -------

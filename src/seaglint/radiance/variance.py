@@ -29,7 +29,7 @@ from seaglint.base.conventions import view_zenith as view_zenith_of
 from seaglint.base.errors import DomainError
 from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.sea_view import SeaView
-from seaglint.radiance.mean import SeaRadiance
+from seaglint.radiance.mean_radiance import SeaRadiance
 
 
 def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:
@@ -140,7 +140,7 @@ def glint_variance(
     Parameters
     ----------
     sun_mean : array_like
-        Mean radiance of the mirrored Sun [W m-2 sr-1], as :attr:`seaglint.radiance.mean.SeaRadiance.sun`.
+        Mean radiance of the mirrored Sun [W m-2 sr-1], as :attr:`seaglint.radiance.mean_radiance.SeaRadiance.sun`.
     chance : array_like
         P, share of the viewed area that mirrors the Sun, shadowing included [1].
     cos_incidence, view_zenith, solar_zenith, slant_range, solid_angle, correlation_length
@@ -186,7 +186,7 @@ def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_a
     view : SeaView
         Sensor, sea, air and Sun that ``mean`` was computed with.
     mean : SeaRadiance
-        Mean radiance, from :func:`seaglint.radiance.mean.mean_radiance` or :func:`seaglint.radiance.article.article_radiance`.
+        Mean radiance, from :func:`seaglint.radiance.mean_radiance.mean_radiance` or :func:`seaglint.radiance.article.article_radiance`.
     elevation : array_like
         Its elevations [rad, (rows,)].
     solid_angle : array_like

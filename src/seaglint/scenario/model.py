@@ -24,7 +24,7 @@ from seaglint.scenario.records.place import Place, Sun, Time
 from seaglint.scenario.records.platform import Platform
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import YEARS, Record, rule
-from seaglint.scenario.records.render import Render
+from seaglint.scenario.records.render_table import Render
 from seaglint.scenario.records.sea import Sea
 from seaglint.scenario.records.sea_slopes import FlatSlopes, SpectrumSlopes
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR, Sensor

@@ -24,7 +24,7 @@ from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.glint_correlation import capillary_length
-from seaglint.radiance.mean import SeaRadiance, mean_radiance
+from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.studies.article.fig10 import figure_10

@@ -21,7 +21,7 @@ from seaglint.optics import sea_water
 from seaglint.optics.band import ARTICLE_UNIT, ApparentTemperature, Band
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.glint_correlation import capillary_length
-from seaglint.radiance.mean import SeaRadiance, mean_radiance
+from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 
 _MODEL: Final = "midlatitude-summer"
@@ -62,7 +62,7 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
     sensor_height : float
         Height of the sensor [m].
     radiance : callable
-        :func:`seaglint.radiance.mean.mean_radiance` (per wavenumber) or :func:`seaglint.radiance.article.article_radiance`.
+        :func:`seaglint.radiance.mean_radiance.mean_radiance` (per wavenumber) or :func:`seaglint.radiance.article.article_radiance`.
 
     Returns
     -------

@@ -241,7 +241,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     from seaglint.facet.sea_view import BandSum, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
     from seaglint.radiance.glint_correlation import correlation_length
-    from seaglint.radiance.mean import mean_radiance
+    from seaglint.radiance.mean_radiance import mean_radiance
     from seaglint.radiance.variance import sea_variance
 
     cases.require(MEAN_INPUTS)

@@ -17,7 +17,7 @@ from seaglint.files.provenance import band_attributes, provenance
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean import MeanModel, SeaRadiance, mean_radiance
+from seaglint.radiance.mean_radiance import MeanModel, SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
 from seaglint.studies.mean.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
