@@ -7,6 +7,7 @@ The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` says how
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
+from seaglint.analysis.summary import AlarmSummary
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.facet.sea_view import SeaView
@@ -127,25 +129,26 @@ class Table1:
         out: dict[str, dict[str, Any]] = {}
         for region, threshold, alarm in self._alarms():
             rate, time = ARTICLE[region][threshold]
-            ratio = None if rate is None else rate / alarm["gaussian_rate"]
+            ratio = None if rate is None else rate / alarm.gaussian_rate
             name = f"{region}_{threshold:g}_sigma"
-            known = alarm["rate_low"] is not None
-            interval = {"interval_95": [alarm["rate_low"], alarm["rate_high"]] if known else None, "note": alarm["note"]}
-            out[f"rate_{name}"] = {"article": rate, "ours": alarm["rate"], "unit": "1", "settings": interval}
-            out[f"times_gaussian_{name}"] = {"article": ratio, "ours": alarm["ratio"], "unit": "1", "settings": {}}
-            out[f"correlation_time_{name}"] = {"article": time, "ours": alarm["correlation_time_s"], "unit": "s", "settings": {}}
+            known = alarm.rate_low is not None
+            interval = {"interval_95": [alarm.rate_low, alarm.rate_high] if known else None, "note": alarm.note}
+            out[f"rate_{name}"] = {"article": rate, "ours": alarm.rate, "unit": "1", "settings": interval}
+            out[f"times_gaussian_{name}"] = {"article": ratio, "ours": alarm.ratio, "unit": "1", "settings": {}}
+            out[f"correlation_time_{name}"] = {"article": time, "ours": alarm.correlation_time_s, "unit": "s", "settings": {}}
         return out
 
     def columns(self) -> dict[str, FloatArray]:
         """Return the rows as columns of a CSV file, one row for each threshold."""
         thresholds = sorted(ARTICLE["glint"])
         alarms = {(region, threshold): alarm for region, threshold, alarm in self._alarms()}
-        columns = {"threshold_sigma": thresholds, "gaussian_rate": [alarms["glint", m]["gaussian_rate"] for m in thresholds]}
+        columns: dict[str, Sequence[float | None]]
+        columns = {"threshold_sigma": thresholds, "gaussian_rate": [alarms["glint", m].gaussian_rate for m in thresholds]}
         for region, article in ARTICLE.items():
             columns[f"{region}_article_rate"] = [article[m][0] for m in thresholds]
             columns[f"{region}_article_correlation_time_s"] = [article[m][1] for m in thresholds]
             for key in ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s"):
-                columns[f"{region}_{key}"] = [alarms[region, m][key] for m in thresholds]
+                columns[f"{region}_{key}"] = [getattr(alarms[region, m], key) for m in thresholds]
         return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}  # None becomes NaN
 
     def settings(self) -> JsonObject:
@@ -168,13 +171,13 @@ class Table1:
             "regions": f"glint: mean mirrored Sun at least {CORRIDOR_SHARE:g} of its row's largest; background: the rest of the sea",
         }
 
-    def _alarms(self) -> list[tuple[str, float, dict[str, Any]]]:
-        regions = self.analysis.as_dict()["regions"]
+    def _alarms(self) -> list[tuple[str, float, AlarmSummary]]:
+        regions = self.analysis.summary().present
         return [
-            (name, alarm["threshold_sigma"], alarm)
+            (name, alarm.threshold_sigma, alarm)
             for name in ARTICLE
-            for alarm in regions[name]["false_alarms"]
-            if alarm["threshold_sigma"] in ARTICLE[name]
+            for alarm in regions[name].false_alarms
+            if alarm.threshold_sigma in ARTICLE[name]
         ]
 
 
