@@ -18,6 +18,7 @@ from seaglint.analysis.summary import (
     SpectrumSummary,
     StationaritySummary,
     TailSummary,
+    number,
 )
 from seaglint.base import random
 from seaglint.base.errors import DataError
@@ -158,11 +159,6 @@ class Region:
             return None
         frequency, density = self.spectrum.radial()
         return SpectrumSummary([number(f) for f in frequency], [number(d) for d in density])
-
-
-def number(value: float) -> float | None:
-    """Finite number, or None: JSON has no NaN."""
-    return float(value) if math.isfinite(value) else None
 
 
 def _pair(interval: tuple[float, float] | None) -> Ends | None:

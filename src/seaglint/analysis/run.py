@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
-from seaglint.analysis.region import Gatherer, Region, number, region
+from seaglint.analysis.region import Gatherer, Region, region
 from seaglint.analysis.summary import AnalysisSummary, SegmentationSummary
 from seaglint.analysis.survey import Passes, Survey, ahead, survey
 from seaglint.base.conventions import Progress
@@ -117,7 +117,6 @@ class Analysis:
 
     def summary(self) -> AnalysisSummary:
         """Return plain numbers and text of all results; absent regions are None."""
-        segmentation = self.segmentation
         rate = self.recording.frame_rate
         return AnalysisSummary(
             source=self.recording.source,
@@ -129,16 +128,7 @@ class Analysis:
             filter=self.options.filter.name,
             sigma_of=self.options.scope,
             border="kept" if self.border_kept else "dropped",
-            segmentation=SegmentationSummary(
-                found="glint" in self.regions,
-                method="mask given" if segmentation is None else segmentation.method,
-                separability=None if segmentation is None else number(segmentation.separability),
-                contrast=None if segmentation is None else number(segmentation.contrast),
-                border_step=None if segmentation is None else number(segmentation.border_step),
-                reason=None if segmentation is None else segmentation.reason or None,
-                doubt=None if segmentation is None else segmentation.doubt or None,
-                sky_pixels=0 if segmentation is None else int(segmentation.sky.sum()),
-            ),
+            segmentation=SegmentationSummary.of(self.segmentation, found="glint" in self.regions),
             regions={name: self.regions[name].summary(rate) if name in self.regions else None for name in REGIONS},
             notes=list(self.notes),
         )

@@ -5,12 +5,20 @@ Numbers that do not exist are None, with the reason beside them. Units are in th
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
+from typing import Self
 
 from seaglint.base.free_form import JsonObject
+from seaglint.clutter.segmentation import Segmentation
 
 Ends = list[float | None]
 """Lower and upper end of an interval."""
+
+
+def number(value: float) -> float | None:
+    """Finite number, or None: JSON has no NaN."""
+    return float(value) if math.isfinite(value) else None
 
 
 @dataclass(frozen=True)
@@ -266,6 +274,22 @@ class SegmentationSummary:
     reason: str | None
     doubt: str | None
     sky_pixels: int
+
+    @classmethod
+    def of(cls, segmentation: Segmentation | None, *, found: bool) -> Self:
+        """Return plain numbers of a segmentation; None stands for a mask that was given."""
+        if segmentation is None:
+            return cls(found, "mask given", None, None, None, None, None, 0)
+        return cls(
+            found,
+            segmentation.method,
+            number(segmentation.separability),
+            number(segmentation.contrast),
+            number(segmentation.border_step),
+            segmentation.reason or None,
+            segmentation.doubt or None,
+            int(segmentation.sky.sum()),
+        )
 
 
 @dataclass(frozen=True)
