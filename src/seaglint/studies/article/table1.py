@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from seaglint.imaging.scene import Scene, image
 from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
+from seaglint.studies.article.article_row import ArticleRow
 from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -124,18 +125,18 @@ class Table1:
     scenario: Scenario
     analysis: Analysis
 
-    def rows(self) -> dict[str, dict[str, Any]]:
-        """Article's value and ours by region, threshold and quantity, plain numbers and text, ready for JSON; absent ones are None."""
-        out: dict[str, dict[str, Any]] = {}
+    def rows(self) -> dict[str, ArticleRow]:
+        """Article's value and ours by region, threshold and quantity; absent ones are None."""
+        out: dict[str, ArticleRow] = {}
         for region, threshold, alarm in self._alarms():
             rate, time = ARTICLE[region][threshold]
             ratio = None if rate is None else rate / alarm.gaussian_rate
             name = f"{region}_{threshold:g}_sigma"
             known = alarm.rate_low is not None
             interval = {"interval_95": [alarm.rate_low, alarm.rate_high] if known else None, "note": alarm.note}
-            out[f"rate_{name}"] = {"article": rate, "ours": alarm.rate, "unit": "1", "settings": interval}
-            out[f"times_gaussian_{name}"] = {"article": ratio, "ours": alarm.ratio, "unit": "1", "settings": {}}
-            out[f"correlation_time_{name}"] = {"article": time, "ours": alarm.correlation_time_s, "unit": "s", "settings": {}}
+            out[f"rate_{name}"] = ArticleRow(rate, alarm.rate, "1", interval)
+            out[f"times_gaussian_{name}"] = ArticleRow(ratio, alarm.ratio, "1")
+            out[f"correlation_time_{name}"] = ArticleRow(time, alarm.correlation_time_s, "s")
         return out
 
     def columns(self) -> dict[str, FloatArray]:
