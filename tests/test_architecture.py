@@ -34,6 +34,11 @@ LIGHT = {"typer", "click", "rich", "shellingham", "annotated_doc", "annotationli
 """Packages from elsewhere that a help page may load: what a user at a prompt takes for immediate is a matter of these."""
 
 
+def tree_of(path: Path) -> ast.Module:
+    """Syntax tree of a file of the package, parsed once for all tests."""
+    return trees(SOURCE)[path.relative_to(SOURCE)]
+
+
 def python(code: str) -> str:
     """Standard output of a fresh interpreter."""
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
@@ -82,7 +87,7 @@ def test_module_examples_are_true(name: str) -> None:
 def modules_imported(path: Path, known: set[str]) -> set[str]:
     """Modules of the package that a file imports anywhere, also inside functions and for types alone."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -137,7 +142,7 @@ def public_definitions(tree: ast.Module) -> list[ast.FunctionDef | ast.ClassDef]
 
 @pytest.mark.parametrize("path", sorted(SOURCE.rglob("*.py")), ids=lambda p: str(p.relative_to(SOURCE)))
 def test_everything_public_is_documented(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
+    tree = tree_of(path)
     missing = [d.name for d in public_definitions(tree) if not ast.get_docstring(d)]
     assert missing == []
     assert ast.get_docstring(tree), "the module says in its first line what it holds"
@@ -151,7 +156,7 @@ def test_physics_says_its_units(room: str) -> None:
     """A public array function of physics names a unit in brackets somewhere in its docstring."""
     silent = []
     for path in sorted((SOURCE / room).rglob("*.py")):
-        for d in public_definitions(ast.parse(path.read_text(encoding="utf-8"))):
+        for d in public_definitions(tree_of(path)):
             if isinstance(d, ast.FunctionDef) and returns_number(d) and not is_kernel(d) and "[" not in (ast.get_docstring(d) or ""):
                 silent.append(f"{path.relative_to(SOURCE)}: {d.name}")
     assert silent == []
@@ -180,7 +185,7 @@ def test_kernels_that_count_no_references_return_no_arrays() -> None:
     """A returned view would be freed once too often."""
     found = []
     for path in sorted(SOURCE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = tree_of(path)
         named = [f.name for f in tree.body if isinstance(f, ast.FunctionDef) and "kernel" in map(ast.unparse, f.decorator_list)]
         if named:
             module = importlib.import_module("seaglint." + ".".join(path.relative_to(SOURCE).with_suffix("").parts))
@@ -195,7 +200,7 @@ def test_kernels_that_count_no_references_make_no_arrays() -> None:
     """Nor call anything compiled that does: nobody would free it."""
     compiled: dict[str, ast.FunctionDef] = {}
     for path in sorted(SOURCE.rglob("*.py")):
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in tree_of(path).body:
             if isinstance(node, ast.FunctionDef) and is_kernel(node):
                 compiled[node.name] = compiled.get(node.name, node)
     counted = {name for name, node in compiled.items() if "kernel" not in map(ast.unparse, node.decorator_list)}
@@ -208,17 +213,17 @@ def test_kernels_that_count_no_references_make_no_arrays() -> None:
 
 def test_kernels_are_made_of_what_their_cache_is_named_by() -> None:
     """Functions and tuples that kernels use come from files that are in the digest, constants from ``constants``: all else goes unseen."""
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(SOURCE.rglob("*.py"))}
-    module = {path: "seaglint." + ".".join(path.relative_to(SOURCE).with_suffix("").parts) for path in trees}
-    texts = {path: path.read_text(encoding="utf-8") for path in trees}
-    rooms = {module[path] for path in trees if path.relative_to(SOURCE).parts[0] in ROOMS}
+    parsed = {path: tree_of(path) for path in sorted(SOURCE.rglob("*.py"))}
+    module = {path: "seaglint." + ".".join(path.relative_to(SOURCE).with_suffix("").parts) for path in parsed}
+    texts = {path: path.read_text(encoding="utf-8") for path in parsed}
+    rooms = {module[path] for path in parsed if path.relative_to(SOURCE).parts[0] in ROOMS}
     seen = (
         rooms
-        | {module[path] for path in trees if "base.jit import" in texts[path] or "(NamedTuple)" in texts[path]}
+        | {module[path] for path in parsed if "base.jit import" in texts[path] or "(NamedTuple)" in texts[path]}
         | {"seaglint.base.constants"}
     )
     unseen = []
-    for path, tree in trees.items():
+    for path, tree in parsed.items():
         origin = {
             alias.asname or alias.name: node.module
             for node in ast.walk(tree)
@@ -287,7 +292,7 @@ def test_rooms_are_not_crowded() -> None:
         text = path.read_text(encoding="utf-8")
         if text.count("\n") > 450:
             long.append(f"{path.name}: {text.count(chr(10))} lines")
-        for node in ast.walk(ast.parse(text)):
+        for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.FunctionDef) and is_kernel(node) and len(node.args.args) > 10:
                 wide.append(f"{path.name}: {node.name}")
     assert long == []

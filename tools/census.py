@@ -12,6 +12,7 @@ import ast
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[1] / "src" / "seaglint"
@@ -26,8 +27,9 @@ Trees = dict[Path, ast.Module]
 Definition = ast.Module | ast.ClassDef | ast.FunctionDef
 
 
+@cache
 def trees(folder: Path) -> Trees:
-    """Return the syntax tree of each Python file of a folder, by its path in the folder."""
+    """Return the syntax tree of each Python file of a folder, by its path in the folder, as it was when first asked for."""
     return {path.relative_to(folder): ast.parse(path.read_text(encoding="utf-8")) for path in sorted(folder.rglob("*.py"))}
 
 

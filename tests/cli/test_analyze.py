@@ -84,6 +84,7 @@ def test_text_tells_saturation_of_the_region_and_no_fit_of_few_values(seaglint, 
     assert "best fit" not in answer.out
 
 
+@pytest.mark.validation
 def test_warnings_of_numbers_that_do_not_exist_are_not_shown(tmp_path, monkeypatch):
     """In a process of its own: Python prints warnings past the command's own error output."""
     import subprocess

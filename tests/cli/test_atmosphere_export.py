@@ -46,6 +46,7 @@ def test_the_table_as_a_file_gives_equal_maps(seaglint, tmp_path, ending, height
         np.testing.assert_allclose(b[name], a[name], rtol=2e-4, atol=1e-6 * float(a.radiance.max()), err_msg=name)
 
 
+@pytest.mark.validation
 def test_the_table_as_a_file_gives_equal_pictures(seaglint, tmp_path):
     ours = write_scenario(tmp_path, rows=32, more=WAVES + THERMAL)
     assert seaglint("atmosphere", "export", ours, "-o", tmp_path / "air.nc").code == 0
@@ -78,6 +79,7 @@ def test_ranges_outside_the_picture_are_not_asked_for(seaglint, tmp_path):
         read_atmosphere(tmp_path / "part.nc", 30.0).transmittance(30.0, 0.0)
 
 
+@pytest.mark.validation
 def test_scattered_sunlight_goes_with_the_file(seaglint, tmp_path):
     """Fourteen azimuths and the nodes of the thermal air leave 2 % of what is scattered; another Sun is refused."""
     sun = "[sun]\nzenith_deg = 76\nazimuth_deg = 4\n"

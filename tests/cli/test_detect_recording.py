@@ -32,6 +32,7 @@ def test_a_report_of_a_recording(seaglint, clip: Path, tmp_path: Path) -> None:
     assert "--overwrite" in again.err
 
 
+@pytest.mark.validation
 def test_settings_of_the_detector_are_varied_on_a_recording(seaglint, clip: Path, tmp_path: Path) -> None:
     vary = ("--vary", "detector=threshold,matched", "--vary", "threshold=3,4")
     answer = seaglint("detect", clip, *COMMON, *vary, "-o", tmp_path / "found", "--report", tmp_path / "r.html")

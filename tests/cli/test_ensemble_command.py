@@ -23,6 +23,7 @@ max = 9
 """
 
 
+@pytest.mark.validation
 def test_scenes_are_drawn_and_rendered_later(seaglint, tmp_path: Path) -> None:
     (tmp_path / "e.toml").write_text(TEXT)
     answer = seaglint("ensemble", tmp_path / "e.toml", "-o", tmp_path / "out", "--draw-only")

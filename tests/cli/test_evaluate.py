@@ -186,6 +186,7 @@ def test_mean_with_a_wind_that_has_a_direction(cases):
         assert abs(values[2] / values[0] - 1.0) > 0.01
 
 
+@pytest.mark.validation
 def test_slopes_of_a_row_are_those_of_the_scenarios_model(cases):
     """Gram and Charlier's series tells upwind from downwind, Gaussian slopes do not; one row has no direction."""
     from seaglint.files.tables.cases import read_cases

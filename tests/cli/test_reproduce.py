@@ -93,6 +93,7 @@ def small_table1(monkeypatch):
     monkeypatch.setattr(table1, "table1", lambda report: whole(report, frames=2))
 
 
+@pytest.mark.validation
 def test_table_1_is_printed_and_written_once(seaglint, small_table1, tmp_path):
     answer = seaglint("reproduce", "table1", "-o", tmp_path)
     assert answer.code == 0

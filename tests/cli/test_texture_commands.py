@@ -73,6 +73,7 @@ def test_fit_sample_compare(seaglint, recording, tmp_path) -> None:
     assert "log pseudo-likelihood per pixel of the data" in answer.out
 
 
+@pytest.mark.validation
 def test_loops_are_exported_and_told(seaglint, model, tmp_path) -> None:
     loop = tmp_path / "loop.zarr"
     assert seaglint("texture", "sample", model, "--size", "32x32", "--frames", 8, "-o", loop).code == 0
@@ -88,6 +89,7 @@ def test_loops_are_exported_and_told(seaglint, model, tmp_path) -> None:
     assert (tmp_path / "loop.mp4").stat().st_size > 1000
 
 
+@pytest.mark.validation
 def test_an_autobinomial_texture_keeps_the_histogram(seaglint, recording, tmp_path) -> None:
     image = tmp_path / "image.npy"
     np.save(image, np.load(recording)[0])
@@ -189,6 +191,7 @@ def test_stored_textures_are_read_back(model, tmp_path) -> None:
     assert read_texture(tmp_path / "again.json") == stored
 
 
+@pytest.mark.validation
 def test_the_report_says_what_was_fitted_and_how(seaglint, recording, tmp_path) -> None:
     image = tmp_path / "image.npy"
     np.save(image, np.load(recording)[0])

@@ -130,6 +130,7 @@ def test_a_region_of_a_table_is_selected_and_one_without_data_is_named(tmp_path,
     assert "region 'west' has no rows; the file has north, south" in none.err
 
 
+@pytest.mark.validation
 def test_polygons_of_files(tmp_path, seaglint) -> None:
     made.write_era5_new(tmp_path / "era5.nc", made.era5_fields())
     corners = [[-0.3, 49.9], [0.1, 49.9], [0.1, 50.1], [-0.3, 50.1], [-0.3, 49.9]]

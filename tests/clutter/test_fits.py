@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 from scipy.ndimage import gaussian_filter
-from scipy.special import digamma, kv
+from scipy.special import digamma, gammaln, kv, logsumexp
 
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import block_labels, effective_count
@@ -238,3 +238,15 @@ def test_many_values_are_condensed_to_means_of_as_many_neighbours():
     order = np.argsort(x).reshape(100, 10)
     np.testing.assert_allclose(weights, p[order].sum(axis=1))
     np.testing.assert_allclose(means, (p * x)[order].sum(axis=1) / p[order].sum(axis=1))
+
+
+@pytest.mark.parametrize("order", [0.5, 7.5, 60.5])
+@pytest.mark.parametrize("x", [1e-14, 1e-6, 0.3, 40.0])
+def test_density_of_the_k_law_where_its_bessel_function_is_a_finite_sum(order, x):
+    """K_(n+1/2)(z) = sqrt(pi/(2z)) e^-z sum of (n+k)!/(k! (n-k)! (2z)^k), by logarithms: beyond 1e308 for large orders and small z."""
+    shape, z = order + 1.0, 2.0 * np.sqrt(x / 1.3)
+    n, k = order - 0.5, np.arange(round(order + 0.5))
+    bessel = 0.5 * np.log(np.pi / (2 * z)) - z + logsumexp(gammaln(n + k + 1) - gammaln(k + 1) - gammaln(n - k + 1) - k * np.log(2 * z))
+    # f(x) = 2/(b Gamma(a)) (x/b)^((a - 1)/2) K_(a-1)(2 sqrt(x/b))
+    expected = np.log(2.0 / 1.3) - gammaln(shape) + 0.5 * order * np.log(x / 1.3) + bessel
+    assert log_density("k", np.asarray(x), (shape, 1.3)) == pytest.approx(expected, rel=1e-9, abs=1e-6)

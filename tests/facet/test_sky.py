@@ -61,7 +61,7 @@ def test_upright_pictures_show_the_sky_of_each_column(top, bottom, azimuth):
     np.testing.assert_allclose(image.radiance[sky], expected(view, eye.elevations[sky, None], eye.azimuths), rtol=LINEAR)
 
 
-@pytest.mark.parametrize("elevation", [40.0, 0.5], ids=["rays", "resampled"])
+@pytest.mark.parametrize("elevation", [pytest.param(40.0, marks=pytest.mark.validation), 0.5], ids=["rays", "resampled"])
 def test_turned_pictures_show_the_sky_of_each_pixel(elevation):
     imager, attitude = Imager("pinhole", np.radians(8.0), np.radians(4.0), 32, 16), Attitude(np.radians(350.0), np.radians(elevation), 0.3)
     scene = turned_scene(lambda height: night(height=height), imager, Track.standing(HEIGHT, attitude))

@@ -91,7 +91,10 @@ def test_mirror_sea_shows_the_solar_disc(depression):
         pytest.param(15.0, cox_munk_anisotropic(15.0, 2.0), id="directional 15 m/s"),
     ],
 )
-@pytest.mark.parametrize(("top", "rows"), [(-0.5, 120), (-4.0, 280)], ids=["near the horizon", "down to 60 deg"])
+@pytest.mark.parametrize(
+    ("top", "rows"),
+    [pytest.param(-0.5, 120, id="near the horizon"), pytest.param(-4.0, 280, id="down to 60 deg", marks=pytest.mark.validation)],
+)
 def test_without_resolved_waves_the_image_is_the_mean(wind, slopes, sun_zenith, top, rows):
     """Two routes to the same average: path basis and facet tables here, spectral sums over facets per row there."""
     bottom = top - 0.03 * rows if top > -1.0 else -60.0

@@ -136,8 +136,12 @@ def test_a_calm_sea_has_no_slope_and_its_glint_a_share(clear_air):
 
 @pytest.mark.parametrize(
     "cuts",
-    [np.array([300.0]), np.array([50.0, 400.0, 401.0, 3000.0]), np.linspace(200.0, 2000.0, 48).reshape(24, 2), np.array([1e9])],
-    ids=["one", "several", "by column", "beyond"],
+    [
+        pytest.param(np.array([300.0]), id="one"),
+        pytest.param(np.array([50.0, 400.0, 401.0, 3000.0]), id="several"),
+        pytest.param(np.linspace(200.0, 2000.0, 48).reshape(24, 2), id="by column", marks=pytest.mark.validation),
+        pytest.param(np.array([1e9]), id="beyond"),
+    ],
 )
 def test_cuts_in_range_compose_to_the_whole_image(swept, cuts):
     whole, parts = shown(swept, 1.0), swept.intervals(swept.pose, 1.0, cuts)
@@ -194,6 +198,7 @@ def test_realisations_share_nothing_but_the_sea_state(swept):
     assert abs(np.corrcoef(one[lit] / mean[lit], two[lit] / mean[lit])[0, 1]) < 0.2
 
 
+@pytest.mark.validation
 def test_a_reseeded_scene_is_the_scene_of_that_seed(clear_air):
     eye = camera(30.0, 0.5, -6.0, 32, width=8.0, columns=8)
     view = sea_view(clear_air, SLOPES, 30.0, 70.0)
@@ -267,6 +272,7 @@ def test_cuts_that_are_none_are_refused(swept, cuts):
         swept.intervals(swept.pose, 0.0, cuts)
 
 
+@pytest.mark.validation
 def test_a_panorama_can_be_cut_into_looks(clear_air):
     eye = camera(30.0, -1.0, -6.0, 20, width=360.0, columns=72)
     whole = swept_scene(sea_view(clear_air, SLOPES, 30.0, 70.0), eye, elfouhaily(WIND))

@@ -217,6 +217,13 @@ def sparkle_image(sparkle, camera: Camera, sun, variance: np.ndarray, time: floa
     return np.ascontiguousarray(images[:, 0, SUN_CHANNEL].T)
 
 
+@pytest.mark.parametrize(("chance", "left"), [(0.25, 3.0), (0.97, 1 / 0.97 - 1), (1.0, 0.0), (1.03, 0.0), (4.0, 0.0)])
+def test_facets_that_all_mirror_the_sun_do_not_sparkle(chance: float, left: float) -> None:
+    """A patch is bright with probability P: variance L^2 (1/P - 1)/M, which never falls below zero where P is rounded above one."""
+    patches = 50.0 * 2.0 / (2.0 * 0.8**2 * 0.1**2)
+    assert piece_variance(NO_SPARKLE._replace(cell=0.1), 7.0, chance, 0.8, 2.0, 50.0) == pytest.approx(49.0 * left / patches, rel=1e-12)
+
+
 @pytest.mark.parametrize("cell", [0.002, 0.02])
 def test_images_of_a_camera(cell: float) -> None:
     fine_camera = Camera(25.0, 1.1, -0.09, 0.012, 0.006, 8 * 48, 4 * 24)

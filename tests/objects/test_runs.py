@@ -124,6 +124,20 @@ def test_a_ball_on_the_seam_of_a_panorama_is_whole(across):
     assert (one["bbox_left_px"][0], one["bbox_width_px"][0]) == ((other["bbox_left_px"][0] + 45.0) % 180.0, other["bbox_width_px"][0])
 
 
+@pytest.mark.parametrize("azimuth", [0.7, 90.7, 178.7, 180.7, 183.0, 269.3, 359.3])
+def test_a_point_has_its_pixel_wherever_a_panorama_begins(azimuth):
+    sensor = {"pixels": [180, 6], "fov_deg": [360.0, 12.0], "elevation_deg": 0.0, "height_m": 20.0}
+    east, north = (float(250.0 * f(math.radians(azimuth))) for f in (math.sin, math.cos))
+    item = {"name": "lamp", "shape": {"kind": "point", "intensity_w_sr": 1e4}, "east_m": east, "north_m": north, "height_m": 18.0}
+    one, other = (
+        prepare_sequence(parse_scenario({**CALM, "sensor": {**sensor, "azimuth_deg": a}, "objects": [item]})).images(0) for a in (0.0, 90.0)
+    )
+    column = math.floor((azimuth + 180.0) / 2.0) % 180  # of 2 deg, the first at the camera's back
+    assert int(np.argmax(one["radiance"].max(axis=0))) == column
+    np.testing.assert_allclose(one["radiance"], np.roll(other["radiance"], 45, axis=1), rtol=1e-5)
+    assert one["irradiance_W_m2"][0] == pytest.approx(other["irradiance_W_m2"][0], rel=1e-6)
+
+
 @pytest.mark.parametrize(("projection", "roll"), [("equal-angle", 20.0), ("pinhole", -33.0)])
 def test_a_turned_camera_sees_a_ball_where_geometry_puts_it(projection, roll):
     sensor = {"pixels": [64, 48], "fov_deg": [4.0, 3.0], "elevation_deg": -0.7, "azimuth_deg": 10.0, "height_m": 20.0, "roll_deg": roll}

@@ -401,7 +401,11 @@ def test_command_writes_tidy_tables_pictures_and_a_report(path: Path, tmp_path: 
     [
         ("scene", ("--objects", "gaussian", "--contrast", "4,8", "--vary", "wind.speed_m_s=4,8")),
         ("design", ("--design", "--objects", "gaussian", "--p-fa", "1e-2")),
-        ("range", ("--range", "--object", "boat", "--p-fa", "1e-2", "--bearings", "0,90", "--range-limits", "500:20000")),
+        pytest.param(
+            "range",
+            ("--range", "--object", "boat", "--p-fa", "1e-2", "--bearings", "0,90", "--range-limits", "500:20000"),
+            marks=pytest.mark.validation,
+        ),
     ],
 )
 @pytest.mark.parametrize("form", [(), ("--json",)])

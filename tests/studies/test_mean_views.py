@@ -150,6 +150,7 @@ def test_a_moving_sensor_is_mapped_where_it_begins():
     xr.testing.assert_equal(upright.radiance.variable, mean(scenario_with_sensor({})).radiance.variable)
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("view", ["pinhole", "straight down, seam in view", "platform"])
 def test_a_map_with_directions_of_pixels_is_read_again(tmp_path, view):
     sensor, more = VIEWS[view]
@@ -170,6 +171,7 @@ def test_a_map_with_directions_of_pixels_is_read_again(tmp_path, view):
     assert any("azimuth" in line for line in lines(facts))
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("sensor", "lines_of_azimuth"), [(DOWN, 8), ({"roll_deg": 5, "fov_deg": [200, 20], "pixels": [100, 10]}, 5)])
 def test_pictures_round_the_nadir_have_lines_of_azimuth(sensor, lines_of_azimuth):
     figure = draw(mean(scenario_with_sensor(sensor)))
@@ -177,6 +179,7 @@ def test_pictures_round_the_nadir_have_lines_of_azimuth(sensor, lines_of_azimuth
     assert sum(label.endswith("° az") for label in labels) == lines_of_azimuth
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("sensor", "sun"), [({"elevation_deg": -7}, 75), (DOWN, 20)])
 def test_the_middle_of_a_small_pixel_serves(monkeypatch, sensor, sun):
     """A pixel of 1.7 mrad, in the glint of a Sun that is low and of one near the nadir: the middle against nine lines of sight."""

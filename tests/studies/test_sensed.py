@@ -150,6 +150,7 @@ def test_a_scanner_on_a_turning_platform_looks_where_it_was_turned_to() -> None:
     np.testing.assert_allclose(picture[:, 0], staring[:, 0], rtol=1e-6)
 
 
+@pytest.mark.validation
 def test_a_scanner_that_rises_sees_from_its_columns_height() -> None:
     way = {"keyframes": [{"time_s": 0.0, "height_m": 30.0}, {"time_s": 0.4, "height_m": 32.0}]}
     rising = {**SMALL, "platform": way, "sea": {"resolve_waves": False}, "render": {"oversampling": 1, "layers": ["range"]}}

@@ -144,6 +144,7 @@ def test_couplings_come_back_from_a_picture_of_any_histogram() -> None:
     assert np.isnan(found.standard_errors[0])
 
 
+@pytest.mark.validation
 def test_a_samples_own_fit_is_usable(texture: np.ndarray) -> None:
     found = regime(texture, KNOWN, seed=1, sweeps=100)
     assert found.name == "usable"

@@ -59,8 +59,8 @@ class GaussianSpot:
 
     @property
     def half(self) -> int:
-        """Half size of the stamp: four standard deviations and half a pixel, at least 1 [px]."""
-        return max(int(np.ceil(4.0 * self.sigma + 0.5)), 1)
+        """Half size of the stamp: four standard deviations and half a pixel, rounded up [px]."""
+        return int(np.ceil(4.0 * self.sigma + 0.5))
 
     def stamps(self, offsets: FloatArray) -> FloatArray:
         """Displaced spots, shape (n, 2 half + 1, 2 half + 1) [1]."""
