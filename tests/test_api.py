@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 from contextlib import nullcontext
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from functools import partial
 
 import numpy as np
@@ -27,8 +27,10 @@ from seaglint.files.recording import open_recording
 from seaglint.optics.band import Band
 from seaglint.plot.video_formats import VIDEO_ENDINGS
 from seaglint.studies.analysis_requests import AnalysisRequest
+from seaglint.studies.detect.requests import DesignRequest, RecordingRequest, SceneRequest
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean
+from seaglint.studies.mean.mean_requests import MeanRequest
 from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
 
 RATE = 20.0
@@ -116,37 +118,54 @@ def test_every_name_is_there_and_documented() -> None:
 
 
 REQUESTS = {
+    "mean": MeanRequest,
     "render": RenderRequest,
     "sense": SenseRequest,
     "export": ExportRequest,
     "ensemble": EnsembleRequest,
     "dataset": DatasetRequest,
     "analyze": AnalysisRequest,
+    "detect": (RecordingRequest, DesignRequest),
 }
 """Records from which commands make their options and functions their documentation."""
 
 NAMED = {
+    "mean": ("scenario",),
     "render": ("frames", "electrons", "radiance", "threads", "workers", "resume", "overwrite"),
     "sense": ("seed", "oversampling", "electrons", "frame_rate", "overwrite"),
     "export": ("variable", "frames", "dtype", "limits", "colours", "rate", "scale", "overwrite"),
     "ensemble": ("workers", "threads", "resume", "overwrite", "draw_only"),
     "dataset": ("format", "bits", "image", "workers", "threads", "resume", "overwrite"),
     "analyze": ("frame_rate", "units", "variable", "filter", "thresholds", "scope", "rows", "mask", "border", "detectors", "seed"),
+    "detect": (
+        *("source", "contrast", "detector", "filter", "threshold", "threshold_law", "injections", "object_sigma_px", "psf", "objects"),
+        *("frames", "precision", "time_budget", "p_fa", "frame_rate", "units", "variable", "placement", "match_radius", "velocity"),
+        *("pointing", "duration", "seed"),
+    ),
 }
 """Parameters of functions that their requests describe."""
+
+RESOLVED = {"detect": {"frames": 32, "objects": "point"}}
+"""Defaults that a signature states, and a request finds where nothing is said."""
 
 
 @pytest.mark.parametrize("name", REQUESTS)
 def test_a_function_takes_what_its_request_describes(name: str) -> None:
     parameters = inspect.signature(getattr(sg, name)).parameters
-    defaults = {field.name: field.default for field in fields(REQUESTS[name])}
+    records = REQUESTS[name] if isinstance(REQUESTS[name], tuple) else (REQUESTS[name],)
+    defaults = {field.name: field.default for record in reversed(records) for field in fields(record)} | RESOLVED.get(name, {})
     shared = parameters.keys() & defaults.keys()
-    assert {key: parameters[key].default for key in shared} == {key: defaults[key] for key in shared}
+    for key in shared:
+        assert parameters[key].default == (inspect.Parameter.empty if defaults[key] is MISSING else defaults[key])
     # what is said of a parameter is said once, in the request
     written = inspect.getsource(getattr(sg, name)).partition('"""')[2].partition("    Returns\n")[0]
     assert "    {request}\n" in written
     assert [key for key in shared if re.search(rf"^    ([a-z_, ]*, )?{key}( :|, )", written, flags=re.MULTILINE)] == []
     assert shared >= set(NAMED[name])
+
+
+def test_a_scene_is_judged_alike_where_nothing_is_said_and_where_the_defaults_are() -> None:
+    assert SceneRequest("my.toml").scene_options() == SceneRequest("my.toml", **RESOLVED["detect"]).scene_options()
 
 
 def test_documentation_lists_the_formats_that_there_are() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import seaglint
-from census import census, options_below, repeated_classes, riddles, trees
+from census import census, options_below, repeated_classes, repeated_stems, riddles, trees
 from seaglint.base.kernel_cache import ROOMS, sources_digest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -301,6 +301,10 @@ def test_rooms_are_not_crowded() -> None:
 
 def test_class_names_mean_one_thing() -> None:
     assert repeated_classes(trees(SOURCE)) == {}
+
+
+def test_file_names_mean_one_thing() -> None:
+    assert repeated_stems(trees(SOURCE)) == {}
 
 
 def test_errors_below_the_command_line_speak_of_parameters() -> None:

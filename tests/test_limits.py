@@ -13,7 +13,7 @@ from seaglint.air.table.table_file import models, read_table
 from seaglint.base import limits
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.files.lowtran.deck import Aerosol
-from seaglint.imaging.camera.view import Imager
+from seaglint.imaging.camera.imager import Imager
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.records.sea_slopes import Slopes
 from seaglint.sea.slopes.breon_henriot import breon_henriot

@@ -10,7 +10,7 @@ import numpy as np
 
 import seaglint as sg
 from seaglint.analysis import Recording
-from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.texture.texture_requests import FitRequest, SampleRequest
 from seaglint.studies.texture.texture_sequences import fit, loop
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
@@ -26,7 +26,7 @@ scene = sg.load(
 frames = sg.image(scene).radiance.values[np.newaxis]
 recording = Recording("sea", *frames.shape, read_block=lambda start, stop: frames[start:stop])
 fitted = fit(recording, FitRequest(tails="gamma", any_region=True))
-sample = loop(fitted.stored, size=(SIZE, SIZE), frames=1, seed=1).texture
+sample = loop(fitted.stored, SampleRequest((SIZE, SIZE), seed=1)).texture
 figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.4), sharey=True, layout="constrained")
 low, high = np.percentile(frames, [1, 99])
 for axes, picture, title in zip(panels, (frames[0], sample[0]), ("rendered", "sample of its texture"), strict=True):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import inspect
+import json
 from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import seaglint as sg
 from seaglint.studies.detect.requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
 
 REQUESTS = {"recording": RecordingRequest, "scene": SceneRequest, "design": DesignRequest, "range": RangeRequest}
@@ -50,6 +52,12 @@ def test_the_files_of_both_spellings_are_the_same(seaglint, clip: Path, tmp_path
     assert seaglint("detect", clip, *common, "-o", tmp_path / "bare").code == 0
     for ending in (".json", ".csv", "_roc.csv", "_roc.png"):
         assert (tmp_path / f"named{ending}").read_bytes() == (tmp_path / f"bare{ending}").read_bytes()
+
+
+def test_python_gives_what_the_command_prints(seaglint, clip: Path) -> None:
+    answer = seaglint("detect", "recording", clip, "--contrast", "4,8", "--threshold", "3", "--velocity", "0.5,0", "--json")
+    found = sg.detect(clip, [4.0, 8.0], threshold=3.0, velocity=(0.0, 0.5))
+    assert json.loads(answer.out) == json.loads(json.dumps(found))
 
 
 def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:

@@ -8,8 +8,8 @@ from render_scenes import BAND, camera, sea_view, shown, swept_scene, turned_sce
 
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.facet.sky import mirrored_sky, thermal_at, thermal_sky
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.radiance.mean import MeanModel, mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic

@@ -6,8 +6,8 @@ import numpy as np
 from render_scenes import sea_view, turned_scene
 
 from seaglint.facet.legs import Shadowing
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 
 WIND = 5.0

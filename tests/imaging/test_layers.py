@@ -7,8 +7,8 @@ from render_scenes import camera, elfouhaily, sea_view, shown, swept_scene, tabl
 from seaglint.base.conventions import surface_range
 from seaglint.base.errors import DomainError
 from seaglint.base.schema import LAYERS
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose, Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.scene import image
 from seaglint.imaging.sparkle import Sparkles
 from seaglint.imaging.swept import composed

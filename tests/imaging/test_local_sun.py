@@ -12,8 +12,8 @@ from seaglint.facet.legs import Shadowing
 from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.roughness import line_of_sight, roughness_of
 from seaglint.facet.sunlight import sunlight, sunlight_at
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.radiance.mean import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 

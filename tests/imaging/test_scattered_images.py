@@ -18,8 +18,8 @@ from seaglint.facet.legs import NESTED, VIEWER
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import line_of_sight
 from seaglint.facet.thermal import azimuth_node, azimuth_of, facet_thermal, thermal_along, thermal_axes
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.optics.band import Band
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes

@@ -9,8 +9,8 @@ from render_scenes import BAND, camera, elfouhaily, sea_view, shown, swept_scene
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import horizon_depression
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.sun_in_sky import sun_in_sky
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import flat

@@ -17,8 +17,8 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.threads import thread_limit
 from seaglint.files.store.object_labels import Labels, run_lengths, write_labels
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.launch import surface_of
 from seaglint.objects import primitives

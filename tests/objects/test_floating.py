@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from seaglint.imaging.camera.imager import Attitude
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude
 from seaglint.objects.attitude import heading_of, rotation
 from seaglint.objects.body import Placement
 from seaglint.objects.floating import Afloat, Swell

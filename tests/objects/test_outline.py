@@ -10,8 +10,8 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.objects import primitives
 from seaglint.objects.body import Placement
 from seaglint.objects.drawing.crests import calm, in_sight

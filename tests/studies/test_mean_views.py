@@ -8,7 +8,7 @@ import seaglint as sg
 from seaglint.base.conventions import horizon_depression
 from seaglint.cli.info import describe, lines
 from seaglint.files.netcdf import open_netcdf, write_netcdf
-from seaglint.imaging.camera.view import Attitude, Imager
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.optics.band import Band
 from seaglint.plot.preview import draw
 from seaglint.radiance.article import article_radiance

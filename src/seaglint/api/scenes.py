@@ -6,6 +6,9 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from seaglint.base.parameters import documented
+from seaglint.studies.mean.mean_requests import MeanRequest
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -41,13 +44,13 @@ def load(source: str | Path | Mapping[str, Any]) -> Scenario:
     return parse_scenario(source) if isinstance(source, Mapping) else load_scenario(source)
 
 
+@documented(MeanRequest)
 def mean(scenario: Scenario) -> xr.Dataset:
     """Mean radiance over the field of view, its parts, apparent temperature and the standard deviation of glint.
 
     Parameters
     ----------
-    scenario : Scenario
-        See :func:`load`.
+    {request}
 
     Returns
     -------

@@ -29,12 +29,12 @@ class Parameter(NamedTuple):
         Heading under which a help page has it, one of :data:`GROUPS`.
     form : str
         Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
-        (``NEAR:FAR``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of numbers), "mask" (image),
-        "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may be objects in Python); empty
-        where the type says it.
+        (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
+        numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may
+        be objects in Python); empty where the type says it.
     metavar : str
         Stand-in for the value on a help page; the type's own where empty.
-    least : int, optional
+    least : float, optional
         Smallest value allowed.
     option : str
         Option that sets it, where that is not the parameter's own name.
@@ -42,16 +42,19 @@ class Parameter(NamedTuple):
         Words that documentation has before the help, where a help page has the option's name for them.
     detail : str
         Sentences that documentation adds to the help.
+    python : str
+        Sentences that documentation has instead of the help, for what is an object in Python and a file or a text on a command line.
     """
 
     help: str
     group: str = ""
     form: str = ""
     metavar: str = ""
-    least: int | None = None
+    least: float | None = None
     option: str = ""
     subject: str = ""
     detail: str = ""
+    python: str = ""
 
 
 def described(record: type) -> dict[str, Parameter]:
@@ -61,18 +64,20 @@ def described(record: type) -> dict[str, Parameter]:
     return {name: extras[0] for name, extras in found.items() if extras}
 
 
-def documented(record: type, **words: str) -> Callable[[Function], Function]:
-    """Return a decorator that writes the parameters of a request into a function's docstring, at a line ``{request}``.
+def documented(*records: type, **words: str) -> Callable[[Function], Function]:
+    """Return a decorator that writes the parameters of requests into a function's docstring, at a line ``{request}``.
 
-    Names and defaults stay in the function's own signature, from which types are taken; ``words`` replace ``{name}`` and ``NAME``.
+    Names and defaults stay in the function's own signature, from which types are taken; of a parameter that several records have, the
+    first one's text is taken. ``words`` replace ``{name}`` and ``NAME``. Without records the parameters of a request are written into its
+    own docstring.
     """
 
     def document(function: Function) -> Function:
         if function.__doc__:  # none under python -OO
-            signature, texts = inspect.signature(function), described(record)
+            texts = {name: text for record in reversed(records or (function,)) for name, text in described(record).items()}
             entries = [
-                f"{name} : {_type(str(signature.parameters[name].annotation))}\n{_sentences(name, texts[name], words)}"
-                for name in signature.parameters
+                f"{name} : {_type(annotation)}\n{_sentences(name, texts[name], words)}"
+                for name, annotation in _annotations(function).items()
                 if name in texts
             ]
             indent = re.search(rf"^([ \t]*){re.escape(LINE)}", function.__doc__, flags=re.MULTILINE)
@@ -83,8 +88,17 @@ def documented(record: type, **words: str) -> Callable[[Function], Function]:
     return document
 
 
+def _annotations(function: Callable[..., Any]) -> dict[str, str]:
+    """Return the types of parameters as they are written; those of a record's fields without their descriptions."""
+    if isinstance(function, type):
+        return {name: inspect.formatannotation(hint) for name, hint in get_type_hints(function).items()}
+    return {name: str(parameter.annotation) for name, parameter in inspect.signature(function).parameters.items()}
+
+
 def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
     """Return help and detail as sentences, indented as the text of a parameter."""
+    if parameter.python:
+        return textwrap.indent("\n".join(textwrap.wrap(parameter.python, 130, break_long_words=False)), "    ")
     text = re.sub(r"`(\w+)`", r"``\1``", parameter.help)
     text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), text)
     text = text.removesuffix("; repeatable")
@@ -99,11 +113,12 @@ def _type(annotation: str) -> str:
 
     >>> _type("int | Workers | None"), _type("Literal['uint16', 'float32'] | None"), _type("tuple[float, float]")
     ('int or Workers, optional', "{'uint16', 'float32'}, optional", '(float, float)')
-    >>> _type("Sequence[float]"), _type("str | Filter"), _type("ArrayLike | None")
-    ('sequence of float', 'str or Filter', 'array_like, optional')
+    >>> _type("Sequence[float]"), _type("tuple[str, ...]"), _type("str | Filter"), _type("ArrayLike | None")
+    ('sequence of float', 'tuple of str', 'str or Filter', 'array_like, optional')
     """
     text, optional = annotation.removesuffix(" | None"), annotation.endswith(" | None")
     text = re.sub(r"Literal\[([^\]]*)\]", r"{\1}", text)
+    text = re.sub(r"tuple\[(\w+), \.\.\.\]", r"tuple of \1", text)
     text = re.sub(r"tuple\[([^\]]*)\]", r"(\1)", text)
     text = re.sub(r"Sequence\[([^\]]*)\]", r"sequence of \1", text)
     return text.replace(" | ", " or ").replace("ArrayLike", "array_like") + (", optional" if optional else "")

@@ -45,6 +45,7 @@ from seaglint.cli.terminal.run_options import RunOptions
 from seaglint.cli.texture import texture
 from seaglint.cli.view import view
 from seaglint.cli.weather import weather
+from seaglint.studies.mean.mean_requests import MeanRequest
 from seaglint.studies.sequence.sequence_requests import RenderRequest
 
 if TYPE_CHECKING:
@@ -135,7 +136,6 @@ _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply",
 RenderedFile = Annotated[
     str, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one (with --finish alone: the store)")
 ]
-ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 ScaleOption = Annotated[
     PreviewScale, typer.Option("--scale", help="brightness of previews; auto is log where glint would leave the sea black")
@@ -193,10 +193,10 @@ def schema() -> None:
 
 
 @app.command()
+@takes_records(order="scenario output overwrite preview scale")
 def mean(
-    scenario: ScenarioFile,
+    request: MeanRequest,
     output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
-    overwrite: Overwrite = False,
     preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
 ) -> None:
@@ -210,16 +210,16 @@ def mean(
     if output.suffix.lower() in _NO_MAPS:
         sequence = "; 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""
         raise DataError(f"{output}: a mean map is a NetCDF file; give a name that ends in .nc{sequence}")
-    loaded = load_scenario(scenario)
-    picture, inputs = output.with_suffix(".png"), files_read(scenario, loaded)
-    refuse_existing(output, overwrite=overwrite, inputs=inputs)
+    loaded = load_scenario(request.scenario)
+    picture, inputs = output.with_suffix(".png"), files_read(request.scenario, loaded)
+    refuse_existing(output, overwrite=request.overwrite, inputs=inputs)
     if preview:
-        _refuse_preview(picture, overwrite, inputs)
+        _refuse_preview(picture, request.overwrite, inputs)
     from seaglint.studies.mean.mean_map import mean as mean_map
 
-    with naming_file(scenario, loaded):
+    with naming_file(request.scenario, loaded):
         dataset = mean_map(loaded)
-    write_netcdf(dataset, output, overwrite=overwrite)
+    write_netcdf(dataset, output, overwrite=request.overwrite)
     log(f"{output} written")
     if preview:
         from seaglint.plot.preview import write_picture

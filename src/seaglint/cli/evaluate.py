@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
+from seaglint.cli.terminal.records import takes_records
+from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
 
 if TYPE_CHECKING:
-    from seaglint.base.conventions import Progress
-    from seaglint.files.tables.cases import Cases
     from seaglint.studies.mean.evaluate_cases import Columns
 
 evaluate = typer.Typer(
@@ -23,11 +24,6 @@ evaluate = typer.Typer(
 
 CasesFile = Annotated[Path, typer.Argument(metavar="CASES.csv", help="one case a row; the first line names the columns")]
 Output = Annotated[Path, typer.Option("-o", "--output", help="CSV file to write")]
-Bands = Annotated[list[str] | None, typer.Option("--band", metavar="A-B", help="wavelengths in um, e.g. 3.0-5.0; may be repeated")]
-Extrapolate = Annotated[
-    bool, typer.Option("--extrapolate", help="take winds and heights that are not covered, and name them in the column 'extrapolated'")
-]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
 ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")]
 
 
@@ -40,31 +36,25 @@ def _one_thread() -> None:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
-def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Progress], Columns]) -> None:
+def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMode, compute: Callable[..., Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.tables.cases import read_cases, write_cases
 
     # The cases themselves may be the output: all their rows and columns are in it.
-    refuse_existing(output, overwrite=overwrite)
+    refuse_existing(output, overwrite=request.overwrite)
     cases = read_cases(path)
     with patient_progress(show, "rows x bands") as report:
-        columns = compute(cases, report)
-    replaced = write_cases(cases, columns, output, overwrite=overwrite)
+        columns = compute(cases, extrapolate=request.extrapolate, progress=report)
+    replaced = write_cases(cases, columns, output, overwrite=request.overwrite)
     more = ", ..." if len(replaced) > 3 else ""
     note = f"; {len(replaced)} columns of {path} computed anew: {', '.join(replaced[:3])}{more}" if replaced else ""
     print(f"{output}: {len(cases)} rows written{note}", file=sys.stderr, flush=True)
 
 
 @evaluate.command()
-def atmosphere(
-    cases: CasesFile,
-    output: Output,
-    band: Bands = None,
-    extrapolate: Extrapolate = False,
-    overwrite: Overwrite = False,
-    show: ProgressOption = ProgressMode.AUTO,
-) -> None:
+@takes_records(order="cases output bands")
+def atmosphere(cases: CasesFile, output: Output, request: BandsRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Transmittance, path, sunlight and sky of the LOWTRAN7 tables.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s, sensor_height_m, depression_deg (of the refracted ray at the sensor; it
@@ -74,18 +64,12 @@ def atmosphere(
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere, parse_bands
 
-    bands = parse_bands(band or [])
-    _run(cases, output, overwrite, show, lambda rows, report: evaluate_atmosphere(rows, bands, extrapolate=extrapolate, progress=report))
+    _run(cases, output, request, show, partial(evaluate_atmosphere, bands=parse_bands(request.bands)))
 
 
 @evaluate.command()
-def emissivity(
-    cases: CasesFile,
-    output: Output,
-    extrapolate: Extrapolate = False,
-    overwrite: Overwrite = False,
-    show: ProgressOption = ProgressMode.AUTO,
-) -> None:
+@takes_records()
+def emissivity(cases: CasesFile, output: Output, request: EvaluationRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Emissivity of the wind-roughened sea.
 
     Isotropic Cox-Munk slopes, salt water, sea-to-sea reflection on.
@@ -95,18 +79,12 @@ def emissivity(
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_emissivity
 
-    _run(cases, output, overwrite, show, lambda rows, report: evaluate_emissivity(rows, extrapolate=extrapolate, progress=report))
+    _run(cases, output, request, show, evaluate_emissivity)
 
 
 @evaluate.command()
-def mean(
-    cases: CasesFile,
-    output: Output,
-    band: Bands = None,
-    extrapolate: Extrapolate = False,
-    overwrite: Overwrite = False,
-    show: ProgressOption = ProgressMode.AUTO,
-) -> None:
+@takes_records(order="cases output bands")
+def mean(cases: CasesFile, output: Output, request: BandsRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Mean radiance of the sea, and standard deviation of glint.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
@@ -118,19 +96,12 @@ def mean(
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands
 
-    bands = parse_bands(band or [])
-    _run(cases, output, overwrite, show, lambda rows, report: evaluate_mean(rows, bands, extrapolate=extrapolate, progress=report))
+    _run(cases, output, request, show, partial(evaluate_mean, bands=parse_bands(request.bands)))
 
 
 @evaluate.command()
-def scattered(
-    cases: CasesFile,
-    output: Output,
-    band: Bands = None,
-    extrapolate: Extrapolate = False,
-    overwrite: Overwrite = False,
-    show: ProgressOption = ProgressMode.AUTO,
-) -> None:
+@takes_records(order="cases output bands")
+def scattered(cases: CasesFile, output: Output, request: BandsRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Sunlight scattered into paths to the sea and the clear sky.
 
     Columns needed: kind (path or sky), atmosphere (a model's name), wind_speed_m_s, sensor_height_m (0 for sky seen from the sea),
@@ -141,5 +112,4 @@ def scattered(
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
-    bands = parse_bands(band or [])
-    _run(cases, output, overwrite, show, lambda rows, report: evaluate_scattered(rows, bands, extrapolate=extrapolate, progress=report))
+    _run(cases, output, request, show, partial(evaluate_scattered, bands=parse_bands(request.bands)))

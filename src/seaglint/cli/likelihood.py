@@ -11,6 +11,7 @@ from seaglint.cli.terminal.messages import files_read, log, naming_file, print_j
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import Without, takes_records
 from seaglint.cli.terminal.run_options import RunOptions
+from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import FloatArray
@@ -24,18 +25,13 @@ _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
 @takes_records(order="scenario output as_json by_month step track overwrite show workers dask dask_slurm")
 def likelihood(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],
+    request: LikelihoodRequest,
     run: Annotated[RunOptions, Without(("threads", "resume"))],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="OUT", help="folder for JSON, CSV and charts, or one file: .json, .csv, .png, .nc (map)"),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
-    by_month: Annotated[bool, typer.Option("--map", help="map the region of [likelihood] by month: OUT.nc or a folder")] = False,
-    step: Annotated[float, typer.Option("--step", min=0.05, help="step of the map [deg]")] = 1.0,
-    track: Annotated[
-        Path | None,
-        typer.Option("--track", help="CSV of a ship's way: time_utc, latitude_deg, longitude_deg and, if it looks one way, bearing_deg"),
-    ] = None,
 ) -> None:
     """Tell how often glint is brighter than thresholds.
 
@@ -46,13 +42,13 @@ def likelihood(
 
     loaded = load_scenario(scenario)
     inputs = files_read(scenario, loaded)
-    if by_month:
+    if request.by_month:
         with run.chosen() as team:
-            _mapped(scenario, loaded, output, step, run.overwrite, run.show, inputs, team)
+            _mapped(scenario, loaded, output, request.step, run.overwrite, run.show, inputs, team)
         return
     run.done_here("all but maps is computed")
-    if track is not None:
-        _along(scenario, loaded, track, output, as_json, run.overwrite, [*inputs, track])
+    if request.track is not None:
+        _along(scenario, loaded, request.track, output, as_json, run.overwrite, [*inputs, request.track])
         return
     files = _files(output, run.overwrite, inputs)
     from seaglint.studies.likelihood.glint_chance import likelihood as compute

@@ -8,13 +8,12 @@ from typing import Annotated
 import typer
 
 from seaglint.cli.terminal.messages import log, print_json
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 
 reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
 
 Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the picture and the numbers; the current one")]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
-ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
 
 
 @reproduce.command()

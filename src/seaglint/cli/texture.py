@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite, ProgressOption
+from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import Without, takes_records
 from seaglint.studies.reading_requests import ReadingRequest
-from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
 
 if TYPE_CHECKING:
     from seaglint.base.free_form import JsonObject
@@ -24,17 +23,8 @@ if TYPE_CHECKING:
 texture = typer.Typer(rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample, compare, lay on the sea.")
 
 
-class Contrast(StrEnum):
-    """Sources of the standard deviation of a pixel."""
-
-    AUTO = "auto"
-    GLINT = "glint"
-    MODEL = "model"
-
-
 Input = Annotated[str, typer.Argument(metavar="INPUT", help="what 'seaglint analyze' reads: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, video")]
 Reading = Annotated[ReadingRequest, Without(("saturation",))]
-Seed = Annotated[int, typer.Option("--seed", min=0, help="of the random numbers: the same seed gives the same bytes")]
 
 
 @texture.command()
@@ -49,7 +39,6 @@ def fit(
     reading: Reading,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
-    overwrite: Overwrite = False,
 ) -> None:
     """Fit a texture to a recording, and say how good it is."""
     from seaglint.base.errors import DataError
@@ -57,19 +46,21 @@ def fit(
     from seaglint.files.texture_file import check_name, write_texture
     from seaglint.studies.texture.texture_sequences import fit as fitted
 
-    refuse_existing(check_name(output), overwrite=overwrite, inputs=[recording])
+    refuse_existing(check_name(output), overwrite=request.overwrite, inputs=[recording])
     if report is not None:
-        _refuse_report(report, overwrite, [recording, output])
+        _refuse_report(report, request.overwrite, [recording, output])
     if request.model == "autobinomial" and request.tails != "gaussian":
         raise DataError(f"--tails {request.tails}: an autobinomial texture has the histogram of its picture; leave --tails out")
     result = fitted(reading.opened(recording), request)
-    write_texture(result.stored, output, overwrite=overwrite)
+    write_texture(result.stored, output, overwrite=request.overwrite)
     log(f"{output} written")
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
         about = [*model_lines(result.stored.to_dict()), *result.stored.notes]
-        write_comparison(result.comparison, result.data, result.sample, report, gaussian=result.gaussian, about=about, overwrite=overwrite)
+        write_comparison(
+            result.comparison, result.data, result.sample, report, gaussian=result.gaussian, about=about, overwrite=request.overwrite
+        )
         log(f"{report} written")
     if as_json:
         print_json(result.stored.to_dict())
@@ -78,50 +69,42 @@ def fit(
 
 
 @texture.command()
+@takes_records(order="model output")
 def sample(
     model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="texture of 'seaglint texture fit'")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store or video to write, e.g. loop.zarr or loop.mp4")],
-    size: Annotated[str, typer.Option("--size", metavar="COLUMNSxROWS", help="of the picture, e.g. 512x512")] = "512x512",
-    frames: Annotated[int, typer.Option("--frames", min=1, help="of the loop: the frame after the last is the first")] = 1,
-    seed: Seed = 0,
-    overwrite: Overwrite = False,
+    request: SampleRequest,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Draw a sample, periodic in rows, columns and time."""
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.texture_file import read_texture
-    from seaglint.studies.texture import texture_sequences as pipeline
+    from seaglint.studies.texture.texture_sequences import loop
+    from seaglint.studies.texture.texture_sequences import sample as sampled
 
-    columns, rows = _size(size)
     stored = read_texture(model)
     with patient_progress(show, "frames") as report:
         if output.suffix.lower() in (".mp4", ".gif"):
             from seaglint.files.outputs import refuse_existing
             from seaglint.plot.run_export import export_run
 
-            refuse_existing(output, overwrite=overwrite, inputs=[model])
-            dataset = pipeline.loop(stored, size=(columns, rows), frames=frames, seed=seed)
-            export_run(dataset, output, overwrite=overwrite, progress=report)
+            refuse_existing(output, overwrite=request.overwrite, inputs=[model])
+            export_run(loop(stored, request), output, overwrite=request.overwrite, progress=report)
         else:
-            pipeline.sample(stored, output, size=(columns, rows), frames=frames, seed=seed, overwrite=overwrite, progress=report)
-    what = f"a loop of {frames} frames" if frames > 1 else "1 frame"
-    log(f"{output}: {what} of {columns} x {rows} pixels, periodic along every axis")
+            sampled(stored, output, request, progress=report)
+    what = f"a loop of {request.frames} frames" if request.frames > 1 else "1 frame"
+    log(f"{output}: {what} of {request.size[0]} x {request.size[1]} pixels, periodic along every axis")
 
 
 @texture.command()
-@takes_records(order="first second region report as_json")
+@takes_records(order="first second regions report as_json")
 def compare(
     first: Annotated[str, typer.Argument(metavar="A", help="the data: a recording")],
     second: Annotated[str, typer.Argument(metavar="B", help="what is judged: a recording, or a texture .json, of which a sample is drawn")],
     reading: Reading,
-    region: Annotated[
-        list[str] | None,
-        typer.Option("--region", metavar="ROWS,COLUMNS", help="part of A; given twice, of A and of B"),
-    ] = None,
+    request: CompareRequest,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write both side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
-    seed: Seed = 0,
-    overwrite: Overwrite = False,
 ) -> None:
     """Compare two textures in numbers.
 
@@ -130,18 +113,16 @@ def compare(
     from seaglint.base.errors import DataError
     from seaglint.studies.texture.texture_sequences import compare_files
 
-    parts: list[str | None] = list(region or [])
-    if len(parts) > 2:
-        raise DataError(f"--region is given {len(parts)} times; give one for A and one for B")
-    parts += [None] * (2 - len(parts))
+    if len(request.regions) > 2:
+        raise DataError(f"--region is given {len(request.regions)} times; give one for A and one for B")
     if report is not None:
-        _refuse_report(report, overwrite, [first, second])
+        _refuse_report(report, request.overwrite, [first, second])
 
-    comparison, one, other, likelihood = compare_files(first, second, reading.opened, regions=parts, seed=seed)
+    comparison, one, other, likelihood = compare_files(first, second, reading.opened, request)
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
-        write_comparison(comparison, one, other, report, overwrite=overwrite)
+        write_comparison(comparison, one, other, report, overwrite=request.overwrite)
         log(f"{report} written")
     if as_json:
         print_json({**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood)})
@@ -150,25 +131,17 @@ def compare(
 
 
 @texture.command()
+@takes_records(order="model scenario output")
 def place(
     model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="Gauss-Markov texture of 'seaglint texture fit'")],
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file: camera, horizon, mean and contrast")],
     output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store to write")],
-    frames: Annotated[str | None, typer.Option("--frames", help="frames to write: 37, 37:38 (end not included), 10:")] = None,
-    size: Annotated[str, typer.Option("--size", metavar="COLUMNSxROWS", help="of the periodic field on the sea")] = "512x512",
-    cell: Annotated[
-        tuple[float, float] | None,
-        typer.Option("--cell", metavar="LENGTH WIDTH", help="of its pixels along and across the range in metres; nearest footprint"),
-    ] = None,
-    contrast: Annotated[
-        Contrast,
-        typer.Option("--contrast", help="standard deviation of glint in the mean map, or of the model; auto: glint where there is any"),
-    ] = Contrast.AUTO,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the field; the scenario's where nothing is said")] = None,
-    overwrite: Overwrite = False,
+    request: PlaceRequest,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Lay a texture on the sea of a scenario, instead of rendering."""
+    from dataclasses import replace
+
     from seaglint.cli.terminal.frame_numbers import parse_frames
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.store.store import check_output, open_sequence
@@ -177,23 +150,11 @@ def place(
     from seaglint.scenario.load import load_scenario
     from seaglint.studies.texture.perspective import place as placed
 
-    columns, rows = _size(size)
     stored, loaded = read_texture(model), load_scenario(scenario)
-    check_output(output, overwrite=overwrite, inputs=[*files_read(scenario, loaded), model])
-    numbers = parse_frames(frames, loaded.sensor.frames)
+    check_output(output, overwrite=request.overwrite, inputs=[*files_read(scenario, loaded), model])
+    numbered = replace(request, frames=parse_frames(request.frames, loaded.sensor.frames))
     with naming_file(scenario, loaded), patient_progress(show, "frames") as report:
-        placed(
-            stored,
-            loaded,
-            output,
-            frames=numbers,
-            size=(columns, rows),
-            cell=cell,
-            contrast=contrast.value,
-            seed=seed,
-            overwrite=overwrite,
-            progress=report,
-        )
+        placed(stored, loaded, output, numbered, progress=report)
     with open_sequence(output) as dataset:
         log(f"{output}: {summarise(dataset).line}")
         if dataset.attrs["texture_contrast"] == "model":
@@ -207,16 +168,6 @@ def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
     if report.suffix.lower() not in (".html", ".htm"):
         raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
     refuse_existing(report, overwrite=overwrite, inputs=inputs)
-
-
-def _size(text: str) -> tuple[int, int]:
-    """Columns and rows of ``512x512``."""
-    from seaglint.base.errors import DataError
-
-    parts = text.lower().split("x")
-    if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):
-        raise DataError(f"--size {text}: give columns and rows above 0 as COLUMNSxROWS, e.g. 512x512")
-    return int(parts[0]), int(parts[1])
 
 
 def fit_lines(result: Fitted) -> list[str]:

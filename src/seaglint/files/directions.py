@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.imaging.camera.view import Attitude, Imager
+from seaglint.imaging.camera.imager import Attitude, Imager
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,7 +13,7 @@ from numpy.typing import DTypeLike, NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads
-from seaglint.imaging.camera.view import Quads, Resampling, SweepGrid, apply_weights, fill_weights, resample_at_once
+from seaglint.imaging.camera.imager import Quads, Resampling, SweepGrid, apply_weights, fill_weights, resample_at_once
 from seaglint.imaging.layers import CHANNELS, upright
 from seaglint.imaging.rays import RayTables, walk_pixels
 from seaglint.imaging.sparkle import SparkleRows, sparkle_columns

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.wave_surface import Surface

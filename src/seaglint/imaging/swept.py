@@ -20,8 +20,8 @@ from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging import launch
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import Instant, joined, require_columns

@@ -20,8 +20,7 @@ from seaglint.imaging import launch
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.attitude_coverage import AngleSurvey, corners_of, covers
 from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.camera.pose import Pose, Track
-from seaglint.imaging.camera.view import (
+from seaglint.imaging.camera.imager import (
     Attitude,
     Imager,
     Quads,
@@ -33,6 +32,7 @@ from seaglint.imaging.camera.view import (
     pixel_pitch,
     quads,
 )
+from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
 from seaglint.imaging.rays import RayTables, ray_tables, rays_per_side

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from seaglint.base.conventions import FloatArray, wrap_angle
+from seaglint.imaging.camera.imager import Attitude
 from seaglint.imaging.camera.pose import Pose, Track
-from seaglint.imaging.camera.view import Attitude
 from seaglint.objects.attitude import tilt
 from seaglint.objects.floating import Swell
 

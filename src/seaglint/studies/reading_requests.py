@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from seaglint.clutter.filters import Filter
 
 
+Overwrite = Annotated[bool, Parameter("replace what stands at the output", "Run")]
+"""Whether files that are there already are replaced."""
+
+
 class WeightsFile(NamedTuple):
     """Numbers of a small file, with its place; ``values`` may be a function that reads them when they are needed."""
 
@@ -45,7 +49,9 @@ def filter_of(name: str, kernel: Any, signature: Any) -> Filter:
         return Kernel(values_of(kernel), name=kernel.path.stem if isinstance(kernel, WeightsFile) else "kernel")
     if name == "matched":
         if signature is None:
-            raise DataError("filter = matched needs the target's signature: give signature=ARRAY, or a file (CSV or .npy)")
+            raise DataError(
+                "filter = matched needs the target's signature: give signature=ARRAY, or a file (CSV or .npy); or another filter"
+            )
         return MatchedFilter(values_of(signature))
     return named(name)
 
@@ -102,4 +108,4 @@ class WorkRequest:
         ),
     ] = None
     resume: Annotated[bool, Parameter("go on with an unfinished sequence", "Run")] = False
-    overwrite: Annotated[bool, Parameter("replace what stands at the output", "Run")] = False
+    overwrite: Overwrite = False

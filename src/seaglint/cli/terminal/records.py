@@ -180,6 +180,16 @@ def _pair(text: str, option: str) -> tuple[float, float]:
     return down, right
 
 
+def _size(text: str, option: str) -> tuple[int, int]:
+    """Return columns and rows of COLUMNSxROWS."""
+    from seaglint.base.errors import DataError
+
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):
+        raise DataError(f"{option} {text}: give columns and rows above 0 as COLUMNSxROWS, e.g. 512x512")
+    return int(parts[0]), int(parts[1])
+
+
 def _limits(text: str, option: str) -> tuple[float, float]:
     from seaglint.base.errors import DataError
 
@@ -196,6 +206,7 @@ SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never
 READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "numbers": contrasts_of,
     "pair": _pair,
+    "size": _size,
     "limits": _limits,
     "shares": _shares,
     "weights": _weights,
@@ -212,5 +223,8 @@ SPELLED: Final[Mapping[str, str]] = {
 }
 """Ends of help texts by the form of a parameter: how a value is written on the command line."""
 
-WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {"shares": lambda ends: ":" if ends == (0.0, 1.0) else f"{ends[0]:g}:{ends[1]:g}"}
+WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {
+    "shares": lambda ends: ":" if ends == (0.0, 1.0) else f"{ends[0]:g}:{ends[1]:g}",
+    "size": lambda sides: f"{sides[0]}x{sides[1]}",
+}
 """Texts of defaults by the form of a parameter; numbers with commas between them for other forms."""

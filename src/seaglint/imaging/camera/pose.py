@@ -10,7 +10,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray, wrap_angle
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import MOST_SPEED, MOST_TURN
-from seaglint.imaging.camera.view import Attitude
+from seaglint.imaging.camera.imager import Attitude
 
 COLUMNS = ("time", "east", "north", "height", "azimuth", "elevation", "roll")
 """Quantities of a track, in this order."""

@@ -15,8 +15,8 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.wave_surface import Surface
 from seaglint.objects.body import Body, GasPlume, PointSource

@@ -20,8 +20,8 @@ import numpy as np
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.objects.body import Placement
 
 

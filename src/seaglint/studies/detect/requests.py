@@ -38,30 +38,47 @@ class DetectorRequest:
             "threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, os-cfar, "
             "os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or package.module:function",
             "Detector",
+            subject="detector:",
         ),
     ] = "threshold"
     filter: Annotated[
-        str, Parameter("before the detector: laplacian, difference-of-gaussians, median-subtraction, top-hat, matched, none", "Detector")
+        str,
+        Parameter(
+            "before the detector: laplacian, difference-of-gaussians, median-subtraction, top-hat, matched, none",
+            "Detector",
+            python="Filter before the detector: laplacian, difference-of-gaussians, median-subtraction, top-hat or none.",
+        ),
     ] = "none"
     kernel: Annotated[Any, Parameter("CSV or .npy of filter weights of your own, instead of `filter`", "Detector", "weights")] = None
     signature: Annotated[Any, Parameter("CSV or .npy of the target for `filter` matched", "Detector", "weights")] = None
-    threshold: Annotated[float, Parameter("in the unit of `threshold_law`", "Detector")] = 4.0
+    threshold: Annotated[float, Parameter("in the unit of `threshold_law`", "Detector", subject="threshold")] = 4.0
     threshold_law: Annotated[
         Literal["sigma", "frame", "fixed", "design"],
         Parameter(
             "'sigma': standard deviations above the mean of all frames; 'frame': of each frame; 'fixed': the statistic's unit; "
             "'design': rate of false alarms for which the detector is designed",
             "Detector",
+            subject="unit of the threshold.",
         ),
     ] = "sigma"
     time_limit: Annotated[float, Parameter("longest time of a call of your own detector [s]", "Detector")] = 60.0
     level: Annotated[float, Parameter("of the intervals", "Detector")] = 0.95
     injections: Annotated[int, Parameter("objects of each contrast", "Object", least=1)] = 2000
-    placement: Annotated[Literal["random", "centre"], Parameter("'random' within pixels, or at the 'centre' of pixels", "Object")] = (
-        "random"
-    )
+    placement: Annotated[
+        Literal["random", "centre"],
+        Parameter("'random' within pixels, or at the 'centre' of pixels", "Object", subject="places of the objects:"),
+    ] = "random"
     match_radius: Annotated[float, Parameter("largest distance of a detection from the object's pixel [px]", "Object")] = 1.0
-    velocity: Annotated[tuple[float, float], Parameter("motion to the right and down [px a frame]", "Object", "pair", "X,Y")] = (0.0, 0.0)
+    velocity: Annotated[
+        tuple[float, float],
+        Parameter(
+            "motion to the right and down [px a frame]",
+            "Object",
+            "pair",
+            "X,Y",
+            python="Motion of the objects down and to the right [px a frame].",
+        ),
+    ] = (0.0, 0.0)
     duration: Annotated[
         int, Parameter("frames for which the object is there, up to the one judged; 0: all the detector sees", "Object", least=0)
     ] = 0
@@ -96,9 +113,18 @@ class DetectorRequest:
     def detection(
         self, contrasts: tuple[float, ...], frame_rate: float | None = None, pixel_deg: tuple[float, float] | None = None
     ) -> DetectionOptions:
-        """Return detector, filter, threshold and objects, for frames at that rate [Hz] with pixels of that angle [deg]."""
+        """Return detector, filter, threshold and objects, for frames at that rate [Hz] with pixels of that angle [deg].
+
+        Raises
+        ------
+        DataError
+            A law of thresholds that there is not.
+        """
+        from seaglint.base.errors import DataError
         from seaglint.studies.detect.performance import DetectionOptions
 
+        if self.threshold_law not in ("sigma", "frame", "fixed", "design"):
+            raise DataError(f"threshold_law = {self.threshold_law!r} is not one of sigma, frame, fixed, design; give one of them")
         law, level, limit = self.threshold_law, self.level, self.time_limit
         objects, chosen = self.injected(contrasts), self._filter()
         return DetectionOptions(objects, self.detector, chosen, self.threshold, law, level, frame_rate, pixel_deg, limit)
@@ -118,12 +144,27 @@ class SpotRequest(DetectorRequest):
             "of a scenario the in-band contrast at the aperture [W m-2 sr-1]",
             "Object",
             "numbers",
+            python="What an object centred on a pixel adds to it [units of the source]; of a scenario the in-band contrast at the aperture "
+            "[W m-2 sr-1], and without it a sweep in standard deviations of its frames.",
         ),
     ] = None
     object_sigma_px: Annotated[
-        float | None, Parameter("standard deviation of the object's Gaussian blur [px]; 0.8 without `psf`", "Object")
+        float | None,
+        Parameter(
+            "standard deviation of the object's Gaussian blur [px]; 0.8 without `psf`",
+            "Object",
+            detail="Points of a scenario have the blur of its sensor where nothing is said.",
+        ),
     ] = None
-    psf: Annotated[Any, Parameter("CSV or .npy of the object's point spread, one value a pixel, instead", "Object", "weights")] = None
+    psf: Annotated[
+        Any,
+        Parameter(
+            "CSV or .npy of the object's point spread, one value a pixel, instead",
+            "Object",
+            "weights",
+            python="Point spread of the object instead, one value a pixel.",
+        ),
+    ] = None
 
     @property
     def spot(self) -> SpotShape:
@@ -148,7 +189,15 @@ class SpotRequest(DetectorRequest):
 class RecordingRequest(ReadingRequest, SpotRequest):
     """Request to evaluate a detector on a recording without objects."""
 
-    source: Annotated[str, Parameter("frames without objects: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw", "", metavar="INPUT")]
+    source: Annotated[
+        str,
+        Parameter(
+            "frames without objects: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw",
+            "",
+            metavar="INPUT",
+            python="Frames without objects as for :func:`seaglint.api.analyze`, or a scenario, of which independent seas are rendered.",
+        ),
+    ]
     pixel_mrad: Annotated[float | None, Parameter("angle of a pixel, where the file does not say [mrad]", "Recording")] = None
     vary: Annotated[list[str] | None, Parameter("values of detector, filter or threshold; repeatable", "Detector", metavar="KEY=A,B,C")] = (
         None
@@ -179,7 +228,7 @@ class CasesRequest(DetectorRequest):
     @property
     def seas(self) -> int:
         """Largest number of independent seas of each case."""
-        return self.frames or 32
+        return 32 if self.frames is None else self.frames
 
     def scene_options(self) -> SceneOptions:
         """Return how each scene is judged."""

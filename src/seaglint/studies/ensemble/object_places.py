@@ -8,8 +8,8 @@ from functools import cached_property
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import ScenarioError
+from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Imager
 from seaglint.scenario.model import Scenario
 from seaglint.studies.prepare import prepare
 

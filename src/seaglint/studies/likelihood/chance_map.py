@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
+from seaglint.base.parameters import documented
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.files.provenance import provenance
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
+from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions
 from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.weather_table import WeatherTable
@@ -42,6 +44,7 @@ _TOGETHER: Final = 1_000_000
 """Draws that are worked on together: some 300 MB."""
 
 
+@documented(LikelihoodRequest)
 def likelihood_map(
     scenario: Scenario,
     *,
@@ -57,8 +60,7 @@ def likelihood_map(
     ----------
     scenario : Scenario
         With a region in ``[likelihood]``.
-    step : float
-        Width and height of a cell [deg].
+    {request}
     samples : int, optional
         Draws for each cell and month; :data:`INTEGRATED` where azimuths can be integrated, else :data:`SAMPLES`.
     weather : WeatherTable, optional

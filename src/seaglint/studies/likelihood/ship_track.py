@@ -12,10 +12,12 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import JsonObject, TableRow
+from seaglint.base.parameters import documented
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
+from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 from seaglint.weather.conditions import conditions
 from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.ephemeris import Ephemeris
@@ -111,6 +113,7 @@ class TrackChances:
         return asdict(self)
 
 
+@documented(LikelihoodRequest)
 def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> TrackChances:
     """Chances at the times of a way, with durations and returns of each threshold.
 
@@ -118,9 +121,7 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     ----------
     scenario : Scenario
         With ``[likelihood]``; its own Sun, time and place are not asked.
-    track : Path
-        CSV of ``time_utc``, ``latitude_deg``, ``longitude_deg`` and, for a sensor that looks one way, ``bearing_deg`` clockwise from north;
-        without it azimuths from the Sun are those of the scenario.
+    {request}
     samples : int
         Draws at each time.
     weather : WeatherTable, optional

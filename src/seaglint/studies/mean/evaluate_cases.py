@@ -20,12 +20,14 @@ from seaglint.air.table.table_file import table_models
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, travel_azimuth
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import COX_MUNK_WIND, WIND_PROFILE
+from seaglint.base.parameters import documented
 from seaglint.files.tables.cases import Cases, Column
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.studies.mean.case_slopes import WIND_FROM, slope_kinds, slopes_of
+from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
 
 Columns = dict[str, FloatArray | list[str]]
 
@@ -97,6 +99,7 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
     return bands
 
 
+@documented(BandsRequest)
 def evaluate_atmosphere(
     cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None
 ) -> Columns:
@@ -106,10 +109,7 @@ def evaluate_atmosphere(
     ----------
     cases : Cases
         With the columns :data:`ATMOSPHERE_INPUTS`; depression is that of LOWTRAN7's own refracted ray at the sensor.
-    bands : sequence of NamedBand
-        Inside the tables.
-    extrapolate : bool
-        Take winds and heights outside the table and mark them in a column; elsewhere they are refused.
+    {request}
     progress : callable, optional
         Called with (done, total).
 
@@ -160,6 +160,7 @@ def evaluate_atmosphere(
     return {**columns, **marks}
 
 
+@documented(EvaluationRequest)
 def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
     """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
 
@@ -167,8 +168,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     ----------
     cases : Cases
         With the columns :data:`EMISSIVITY_INPUTS`; the wind is taken as the one at 12.5 m that the fit is made for.
-    extrapolate : bool
-        Take winds beyond the fit and mark them in a column.
+    {request}
     progress : callable, optional
         Called with (done, total).
 
@@ -206,6 +206,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
+@documented(BandsRequest)
 def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
     """Mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
@@ -219,10 +220,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         With the columns :data:`MEAN_INPUTS`; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square. With the
         column :data:`WIND_FROM` as well, slopes are Cox and Munk's along and across that wind; 0 comes from the Sun's side. The column
         :data:`SLOPES` chooses another of their models.
-    bands : sequence of NamedBand
-        Inside the tables.
-    extrapolate : bool
-        Take winds and heights outside the table, and winds outside the slope fit, and mark them in a column.
+    {request}
     progress : callable, optional
         Called with (done, total).
 
@@ -293,6 +291,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     return {**columns, **marks}
 
 
+@documented(BandsRequest)
 def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
     """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
 
@@ -301,17 +300,14 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
     cases : Cases
         With the columns :data:`SCATTERED_INPUTS`; elevation is that of LOWTRAN7's own refracted ray at the sensor, below 0 for paths,
         the Sun's zenith angle at the sensor that without refraction, as LOWTRAN7 takes it.
-    bands : sequence of NamedBand
-        Inside the tables; in 7.5-14 um, where the air scatters next to none, scattered radiance is 0.
-    extrapolate : bool
-        Take winds and heights outside the table and mark them in a column; elsewhere they are refused.
+    {request}
     progress : callable, optional
         Called with (done, total).
 
     Returns
     -------
     dict
-        Per band ``scattered_W_m2_sr`` and ``thermal_W_m2_sr``, Sun at 1 au.
+        Per band ``scattered_W_m2_sr``, 0 in 7.5-14 um where the air scatters next to none, and ``thermal_W_m2_sr``; Sun at 1 au.
 
     Raises
     ------

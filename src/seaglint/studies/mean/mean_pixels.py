@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.camera.view import Attitude, Imager
 
 MAPS: Final = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "glint_std")
 """Mapped components, beside the sum of the radiances and its temperature."""

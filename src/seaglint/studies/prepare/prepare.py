@@ -22,8 +22,8 @@ from seaglint.files.tables.response import read_response
 from seaglint.files.tables.track import read_track
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.sparkle import Sparkles
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from seaglint.base.parameters import Parameter
-from seaglint.studies.reading_requests import ReadingRequest, WorkRequest
+from seaglint.studies.reading_requests import Overwrite, ReadingRequest, WorkRequest
 
 
 @dataclass(frozen=True)
@@ -64,4 +64,4 @@ class ExportRequest:
     ] = None
     rate: Annotated[float | None, Parameter("frames per second shown by {videos}; those of the run", option="--fps")] = None
     scale: Annotated[Literal["auto", "linear", "log"] | None, Parameter("brightness of {videos}; auto")] = None
-    overwrite: Annotated[bool, Parameter("replace what stands at the output")] = False
+    overwrite: Overwrite = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -17,14 +17,10 @@ from seaglint.files.texture_file import StoredTexture
 from seaglint.scenario.model import Scenario
 from seaglint.studies.mean.mean_map import mean as mean_map
 from seaglint.studies.prepare import prepare
+from seaglint.studies.texture.texture_requests import PlaceRequest
 from seaglint.studies.texture.texture_sequences import latent_model
 from seaglint.texture.placement import Footprints, PeriodicField, fluctuation
 from seaglint.texture.synthesis import latent
-
-Contrast = Literal["auto", "glint", "model"]
-
-SIDE: Final = 512
-"""Rows and columns of the field on the sea where nothing is said."""
 
 SAME_RATE: Final = 0.01
 """Relative difference of frame rates that is none."""
@@ -34,13 +30,8 @@ def place(
     stored: StoredTexture,
     scenario: Scenario,
     output: str | Path,
+    request: PlaceRequest,
     *,
-    frames: range | None = None,
-    size: tuple[int, int] = (SIDE, SIDE),
-    cell: tuple[float, float] | None = None,
-    contrast: Contrast = "auto",
-    seed: int | None = None,
-    overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path | str:
     """Lay a texture on the sea of a scenario and store what its sensor sees.
@@ -53,29 +44,20 @@ def place(
         Whose mean map gives mean, horizon and contrast; a standing, upright sensor.
     output : path
         Store to make.
-    frames : range, optional
-        Numbers of the frames; all of the scenario by default. The loop is as long as the scenario.
-    size : (int, int)
-        Columns and rows of the periodic field on the sea.
-    cell : (float, float), optional
-        Length along the range and width of its pixels [m]; the nearest pixel's footprint by default.
-    contrast : {"auto", "glint", "model"}
-        Standard deviation of a pixel: that of glint in the mean map, with its mean; or the model's ratio to the mean, averaged over the
-        footprint, of all that comes from the sea. Auto: glint where the map has any.
-    seed : int, optional
-        Of the field; the scenario's by default.
-    overwrite, progress
-        As in :func:`seaglint.files.store.store.write_sequence`.
+    request : PlaceRequest
+        Frames, size and cell of the field, contrast and seed.
+    progress : callable, optional
+        Called with (frames written, frames in all).
 
     Raises
     ------
     SeaglintError
         A texture without a Gaussian field, or without time for several frames; a turned or moving sensor; a store that exists.
     """
-    check_output(output, overwrite=overwrite)
+    check_output(output, overwrite=request.overwrite)
     field, texture = latent_model(stored)
     sensor = scenario.sensor
-    numbers = frames if frames is not None else range(sensor.frames)
+    numbers = request.frames if request.frames is not None else range(sensor.frames)
     if sensor.frames > 1 and len(numbers) > 1 and field.reach[0] == 0:
         raise DataError(
             f"{len(numbers)} frames: the texture is that of one picture and has no time; choose frame 0 alone, or fit it to a sequence"
@@ -89,13 +71,13 @@ def place(
     with single_threaded_algebra():
         camera = prepare.camera(scenario)
         means = mean_map(scenario)
-        seed = scenario.seed if seed is None else seed
+        seed = scenario.seed if request.seed is None else request.seed
         feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
-        metres = feet.finest() if cell is None else cell
+        metres = feet.finest() if request.cell is None else request.cell
         deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
-        plane = PeriodicField(latent(field, (deep, size[1], size[0]), seed, texture.modulation), metres, feet)
+        plane = PeriodicField(latent(field, (deep, *request.size[::-1]), seed, texture.modulation), metres, feet)
         total = means["radiance"].to_numpy().astype(np.float64)
-        glint = contrast == "glint" or (contrast == "auto" and float(means["glint_std"].max()) > 0.0)
+        glint = request.contrast == "glint" or (request.contrast == "auto" and float(means["glint_std"].max()) > 0.0)
         if glint:
             lively, spread = (means[name].to_numpy().astype(np.float64) for name in ("glint_radiance", "glint_std"))
         else:
@@ -123,7 +105,7 @@ def place(
                 loop_frames=sensor.frames,
             ),
         )
-        return write_sequence(output, layout, image, overwrite=overwrite, progress=progress)
+        return write_sequence(output, layout, image, overwrite=request.overwrite, progress=progress)
 
 
 def _seen(plane: PeriodicField, number: int, feet: Footprints, mean: FloatArray, spread: FloatArray, tails: str) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
@@ -23,7 +23,7 @@ from seaglint.files.provenance import provenance
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import check_output, write_sequence
 from seaglint.files.texture_file import StoredTexture, read_texture
-from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, SampleRequest
 from seaglint.texture import gauss_markov_fit as estimation
 from seaglint.texture.autobinomial_texture import AutobinomialTexture
 from seaglint.texture.autobinomial_texture import fit_texture as fit_autobinomial
@@ -249,16 +249,7 @@ def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, se
     return np.ascontiguousarray(texture.sample((min(deep, frames + 32), *wide), seed)[:frames, :rows, :columns])
 
 
-def sample(
-    stored: StoredTexture,
-    output: str | Path,
-    *,
-    size: tuple[int, int],
-    frames: int,
-    seed: int,
-    overwrite: bool = False,
-    progress: Progress | None = None,
-) -> Path | str:
+def sample(stored: StoredTexture, output: str | Path, request: SampleRequest, *, progress: Progress | None = None) -> Path | str:
     """Sample a texture and store it: rows, columns and frames are periodic, so that the sequence can be shown for ever.
 
     Parameters
@@ -266,13 +257,8 @@ def sample(
     stored : StoredTexture
     output : path
         Store to make, customarily ``*.zarr``.
-    size : (int, int)
-        Columns and rows.
-    frames : int
-        Of the period.
-    seed : int
-    overwrite : bool
-        Replace what is there.
+    request : SampleRequest
+        Size, number of frames and seed.
     progress : callable, optional
         Called with (frames written, frames in all).
 
@@ -281,17 +267,17 @@ def sample(
     DataError, DomainError, StorageError
         A size that does not fit the model, or the memory; a store that exists; no room.
     """
-    check_output(output, overwrite=overwrite)
-    field = draw(stored, size, frames, seed)
-    layout = _layout(stored, size, frames, seed)
-    return write_sequence(output, layout, lambda number: {"texture": field[number]}, overwrite=overwrite, progress=progress)
+    check_output(output, overwrite=request.overwrite)
+    field = draw(stored, request.size, request.frames, request.seed)
+    layout = _layout(stored, request)
+    return write_sequence(output, layout, lambda number: {"texture": field[number]}, overwrite=request.overwrite, progress=progress)
 
 
-def _layout(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -> Layout:
+def _layout(stored: StoredTexture, request: SampleRequest) -> Layout:
     return Layout(
-        azimuth_deg=np.zeros(size[0]),
-        elevation_deg=np.zeros(size[1]),
-        frames=range(frames),
+        azimuth_deg=np.zeros(request.size[0]),
+        elevation_deg=np.zeros(request.size[1]),
+        frames=range(request.frames),
         frame_rate=stored.frame_rate or NOMINAL_RATE,
         band=None,
         variables=("texture",),
@@ -300,21 +286,22 @@ def _layout(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int
         attributes=provenance(
             "Statistical texture, periodic in rows, columns and time",
             "{}",
-            seed,
+            request.seed,
             texture_model=stored.texture.to_dict()["kind"],
             texture_source=str(stored.source.get("input", "")),
-            loop_frames=frames,
+            loop_frames=request.frames,
             **({} if stored.frame_rate else {"frame_rate_note": f"the data had no frame rate; {NOMINAL_RATE:g} Hz is nominal"}),
         ),
     )
 
 
-def loop(stored: StoredTexture, *, size: tuple[int, int], frames: int, seed: int) -> xr.Dataset:
+def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
     """Sample a texture in memory, labelled as the store is; arguments and errors of :func:`sample`."""
     import xarray as xr
 
-    field = draw(stored, size, frames, seed)
-    layout = _layout(stored, size, frames, seed)
+    size, frames = request.size, request.frames
+    field = draw(stored, size, frames, request.seed)
+    layout = _layout(stored, request)
     numbers = np.arange(frames)
     about = {**VARIABLES["texture"].attributes, **layout.details["texture"]}
     return xr.Dataset(
@@ -363,7 +350,7 @@ def _what(stored: StoredTexture) -> str:
 
 
 def compare_files(
-    first: str | Path, second: str | Path, opened: Callable[[str | Path], Recording], *, regions: Sequence[str | None], seed: int = 0
+    first: str | Path, second: str | Path, opened: Callable[[str | Path], Recording], request: CompareRequest
 ) -> tuple[Comparison, Frames, Frames, DataLikelihood | None]:
     """Compare two recordings, or a recording and a model, of which a sample as large as the recording is drawn.
 
@@ -373,10 +360,8 @@ def compare_files(
         Recordings, or texture files (``.json``), at most one of them.
     opened : callable
         ``opened(path)`` is the recording of a path.
-    regions : sequence of str or None
-        Region of the first and of the second.
-    seed : int
-        Of the sample.
+    request : CompareRequest
+        Regions, and seed of the sample.
 
     Returns
     -------
@@ -394,6 +379,7 @@ def compare_files(
     models = [Path(path).suffix.lower() == ".json" for path in (first, second)]
     if all(models):
         raise DataError(f"{first}, {second}: are two models; compare each with the data, or draw samples of both")
+    regions = [*request.regions, "", ""]
     frames: list[Frames | None] = [None, None]
     for i, path in enumerate((first, second)):
         if not models[i]:
@@ -405,7 +391,7 @@ def compare_files(
             stored, data = read_texture(path), frames[1 - i]
             assert data is not None
             require_values(data)
-            frames[i] = sample_like(stored.texture, data, seed)
+            frames[i] = sample_like(stored.texture, data, request.seed)
             likelihood = DataLikelihood(stored.texture.pseudo_log_likelihood(data), str(path), int(data.size))
     one, other = frames
     assert one is not None
