@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 import tempfile
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from seaglint.detection.injection import Batch, inject
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
 from seaglint.files.detection_parts import Parts
+from seaglint.files.detection_range import DetectionRange
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_ranges
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.detect.designer import Design, design, rate_threshold
@@ -136,11 +138,11 @@ def needed(seas: IndependentSeas, name: str, parts: Parts) -> str:
     except SeaglintError as error:
         print(f"{name}: {error}", file=sys.stderr)
         return "none"
-    low, high = told["p_fa_interval"]
-    rate = f"{told['threshold_how']} at {told['threshold_sigma']:.2f} sigma, {told['p_fa']:.2g} ({low:.2g} to {high:.2g})"
-    loss = "" if told["loss_db"] is None else f" ({told['loss_db']:+.1f} dB)"
-    cell = f"{told['contrast'] / share:.3g}{loss}{'' if told['believed'] else ' ?'}"
-    print(f"{name}: {cell}; {found.alarms.cells.pixels} pixels, {rate}, {told['note'] or ''}", file=sys.stderr, flush=True)
+    low, high = told.p_fa_interval
+    rate = f"{told.threshold_how} at {told.threshold_sigma:.2f} sigma, {told.p_fa:.2g} ({low:.2g} to {high:.2g})"
+    loss = "" if told.loss_db is None else f" ({told.loss_db:+.1f} dB)"
+    cell = f"{told.contrast / share:.3g}{loss}{'' if told.believed else ' ?'}"
+    print(f"{name}: {cell}; {found.alarms.cells.pixels} pixels, {rate}, {told.note or ''}", file=sys.stderr, flush=True)
     return cell
 
 
@@ -173,7 +175,7 @@ def pictures(parts: Parts) -> None:
     draw_map(run_scene(wide, wanted, parts).map).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
-def range_of(wind: float, bearing: float, parts: Parts) -> dict[str, Any]:
+def range_of(wind: float, bearing: float, parts: Parts) -> DetectionRange:
     """Range of detection of the buoy in a wind [m/s] from the Sun, at a bearing from the Sun [deg]."""
     field = {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]}
     weather = {"sun": BASE["sun"], "wind": {"speed_m_s": wind, "from_deg": SUN}}
@@ -183,9 +185,9 @@ def range_of(wind: float, bearing: float, parts: Parts) -> dict[str, Any]:
     )
     asked = RangeOptions("buoy", (1000.0, 30_000.0), Design(p_d=0.5, p_fa=1e-3), precision=0.3)
     found = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
-    points = [f"{p['range_m']:.0f} m {p['p_d']:.2f} ({p['visible_share']:.2f} seen)" for p in found["points"]]
-    print(f"{wind:g} m/s, {bearing:g} deg: {found['range_m']} {found['note'] or ''}; {', '.join(points)}", flush=True)
-    return {"parameters": {"wind": f"{wind:g} m/s"}, **found}
+    points = [f"{p.range_m:.0f} m {p.p_d:.2f} ({p.visible_share:.2f} seen)" for p in found.points]
+    print(f"{wind:g} m/s, {bearing:g} deg: {found.range_m} {found.note or ''}; {', '.join(points)}", flush=True)
+    return replace(found, parameters={"wind": f"{wind:g} m/s"})
 
 
 def ranges(parts: Parts) -> None:
@@ -194,7 +196,7 @@ def ranges(parts: Parts) -> None:
     with ProcessPoolExecutor() as workers:
         halves = list(workers.map(range_of, *zip(*cases, strict=True), repeat(parts)))
     # the wind comes from the Sun and the buoy is round: one half of the circle is the mirror image of the other
-    mirrored = [{**one, "bearing_deg": 360.0 - one["bearing_deg"]} for one in halves if one["bearing_deg"] not in (0.0, 180.0)]
+    mirrored = [replace(one, bearing_deg=360.0 - one.bearing_deg) for one in halves if one.bearing_deg not in (None, 0.0, 180.0)]
     draw_ranges(halves + mirrored).savefig(IMAGES / "detection_range.png", dpi=110)
 
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import sys
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from seaglint.clutter.thresholds import standardise
 from seaglint.facet.sea_view import SeaView
 from seaglint.files.tables.columns import write_columns
 from seaglint.imaging.camera.image_grid import Camera
+from seaglint.studies.article.article_row import ArticleRow
 from seaglint.studies.article.table1 import corridor, scene, sequence, table1
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -101,18 +101,18 @@ def main(frames: int = 4) -> None:
     write_table(rows)
 
 
-def write_table1(rows: dict[str, dict[str, Any]]) -> None:
+def write_table1(rows: dict[str, ArticleRow]) -> None:
     """Put Table 1 between its markers: the article's number / ours."""
 
     def both(key: str, style: str) -> str:
-        return " / ".join("-" if rows[key][who] is None else f"{rows[key][who]:{style}}" for who in ("article", "ours"))
+        return " / ".join("-" if value is None else f"{value:{style}}" for value in (rows[key].article, rows[key].ours))
 
     head = ("article / here", "false-alarm rate", "95 % interval", "times Gaussian", "correlation time [s]")
     body = []
     for region in ("glint", "background"):
         for sigma in ("3", "3.5"):
             name = f"{region}_{sigma}_sigma"
-            ends = rows[f"rate_{name}"]["settings"]["interval_95"]
+            ends = rows[f"rate_{name}"].settings["interval_95"]
             interval = "cannot be told" if ends is None else " to ".join(f"{end:.2g}" for end in ends)
             cells = both(f"rate_{name}", ".2g"), interval, both(f"times_gaussian_{name}", ".2g"), both(f"correlation_time_{name}", ".2f")
             body.append((f"{region}, {sigma} sigma", *cells))

@@ -94,7 +94,7 @@ def main() -> None:
         shown(axes[line, 1], seen_by, "after optics and detector", warm, top, square, milliradians)
         scaled(figure, shown(axes[line, 2], counts, "counts, as radiance", warm, top, square, milliradians), axes[line])
     figure.savefig(IMAGES / "sensor_point_edge.png", dpi=110)
-    write_sensor_plot(describe_sensor(scenario), IMAGES / "sensor_mtf.png")
+    write_sensor_plot(describe_sensor(scenario).sheet, IMAGES / "sensor_mtf.png")
 
 
 if __name__ == "__main__":

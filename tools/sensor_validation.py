@@ -79,7 +79,7 @@ def pybsm() -> Iterator[Row]:
     optics = SensorOptics(0.08, 0.2, transmission=0.8, obscuration=0.3, solid_angle_law="thin-lens")
     model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, PhotonPixels(15e-6, integration_time=2e-3, gain=10.0))
     theirs = np.sqrt(electrons[300.0]) / (electrons[301.0] - electrons[300.0])
-    yield "NETD against pyBSM's electrons at 300 and 301 K", "3 %", f"{100 * (figures(model)['netd_k'] / theirs - 1):+.1f} %"
+    yield "NETD against pyBSM's electrons at 300 and 301 K", "3 %", f"{100 * (figures(model).netd_k / theirs - 1):+.1f} %"
 
 
 def transfer() -> Iterator[Row]:
@@ -100,7 +100,7 @@ def transfer() -> Iterator[Row]:
     still = [flat(model, cold, 256, k) for k in range(8)]
     step = np.mean([flat(model, warm, 256, 10 + k).mean() for k in range(4)]) - np.mean(still)
     noise = np.sqrt(np.mean([0.5 * (a - b).var() for a, b in zip(still[::2], still[1::2], strict=True)]))
-    told = figures(model)["netd_k"]
+    told = figures(model).netd_k
     yield "NETD of flat fields at 300 and 301 K against the formula", "3 %", f"{100 * (noise / step / told - 1):+.1f} %"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict, fields
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -374,6 +375,19 @@ def test_a_constant_has_no_correlation_length() -> None:
 def test_values_rounded_to_single_precision_are_told() -> None:
     noise = np.random.default_rng(2).normal(1e6, 0.1, (6, 64, 64)).astype(np.float32)
     assert any("rounded" in note for note in result(noise)["notes"])
+
+
+@quick
+def test_records_hold_what_is_written_and_a_tail_without_a_fit_is_a_reason_alone() -> None:
+    found = analyze(recording(SMALL))
+    region, written = found.summary().present["all"], found.as_dict()["regions"]["all"]
+    assert list(written) == [field.name for field in fields(region)]
+    assert written["fits"]["gamma"] == asdict(region.fits["gamma"])
+    lowest, above = region.false_alarms
+    assert lowest.tail is not None
+    assert above.tail is None
+    tails = [entry["tail"] for entry in written["false_alarms"]]
+    assert tails == [{"reason": lowest.tail.reason} if lowest.tail.reason else asdict(lowest.tail), None]
 
 
 def test_a_level_taken_off_when_reading_is_in_means_and_fits(tmp_path: Path) -> None:

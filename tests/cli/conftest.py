@@ -18,6 +18,7 @@ from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import write_sequence
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
+from seaglint.studies.article.article_row import ArticleRow
 
 
 @dataclass
@@ -79,7 +80,7 @@ def fake_mean(scenario):
 
 def fake_headline():
     """One row."""
-    return {"contrast_mwir": {"article": 0.42, "ours": 0.4217, "unit": "1", "settings": {"band": "3-5 um"}}}
+    return {"contrast_mwir": ArticleRow(0.42, 0.4217, "1", {"band": "3-5 um"})}
 
 
 @pytest.fixture

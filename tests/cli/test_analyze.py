@@ -1,10 +1,13 @@
 """``seaglint analyze``: what the text says, and what is refused in one line."""
 
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from seaglint.analysis import Recording, analyze
+from seaglint.analysis.summary import FitSummary
 from seaglint.cli.analyze import lines
 
 
@@ -51,8 +54,9 @@ def test_what_cannot_be_is_refused_in_one_line(seaglint, raw, arguments, says):
     assert answer.err.count("\n") == 1
 
 
-def fit(ks: float, level: float | None) -> dict[str, object]:
-    return {"ks": ks, "ks_p": level, "shape": 2.0, "scale": 1.0, "effective_count": 4.0 if level is None else 400.0}
+def fit(ks: float, level: float | None) -> FitSummary:
+    known = {"ks": ks, "ks_p": level, "shape": 2.0, "scale": 1.0, "effective_count": 4.0 if level is None else 400.0}
+    return FitSummary(**dict.fromkeys(field.name for field in fields(FitSummary)) | known)
 
 
 @pytest.mark.parametrize(
@@ -60,18 +64,10 @@ def fit(ks: float, level: float | None) -> dict[str, object]:
     [((0.3, 0.005), "best fit gamma"), ((0.005, 0.005), "none of the families fits; nearest: gamma"), ((None, None), "too few")],
 )
 def test_a_fit_at_the_floor_is_not_called_the_best(levels, says):
-    region = {
-        "pixels": 10,
-        **dict.fromkeys(("mean", "std", "skewness", "excess_kurtosis", "correlation_time_s"), 1.0),
-        "saturated": 0.25,
-        "correlation_length_px": {"x": 1.0, "y": 1.0},
-        "correlation_length_reason": None,
-        "fits": {"gamma": fit(0.01, levels[0]), "weibull": fit(0.2, levels[1])},
-        "false_alarms": [],
-        "notes": [],
-    }
-    result = {"source": "a", "frames": 1, "rows": 1, "columns": 1, "units": "K", "frame_rate_hz": None, "notes": []}
-    assert says in "\n".join(lines({**result, "regions": {"all": region, "glint": None, "background": None}}))
+    whole = analyze(Recording("a", 1, 24, 32, lambda start, stop: np.random.default_rng(1).normal(size=(1, 24, 32)).astype(np.float32)))
+    summary = whole.summary()
+    region = replace(summary.present["all"], fits={"gamma": fit(0.01, levels[0]), "weibull": fit(0.2, levels[1])})
+    assert says in "\n".join(lines(replace(summary, regions={"all": region, "glint": None, "background": None})))
 
 
 def test_text_tells_saturation_of_the_region_and_no_fit_of_few_values(seaglint, tmp_path):

@@ -29,8 +29,9 @@ def check_whole(output: str) -> None:
         np.testing.assert_array_equal(found["radiance"], np.stack([pixels(n) for n in range(23)]))
         assert "unfinished" not in found.attrs
     facts = describe(output)
-    assert (facts["frames_done"], facts["complete"]) == (23, True)
-    assert facts["bytes"] > 1000
+    assert facts.frames is not None
+    assert (facts.frames.frames_done, facts.frames.complete) == (23, True)
+    assert facts.bytes > 1000
 
 
 def write_in_all_ways(output: str) -> None:

@@ -48,14 +48,14 @@ def test_netd_of_flat_fields_is_the_formulas() -> None:
     frames = [model.sense(flat(model, 300.0, 256), k).signal.astype(float) for k in range(8)]
     warm = np.mean([model.sense(flat(model, 301.0, 256), 10 + k).signal.mean() for k in range(4)])
     noise = np.sqrt(np.mean([0.5 * (a - b).var() for a, b in zip(frames[::2], frames[1::2], strict=True)]))
-    assert noise / (warm - np.mean(frames)) == pytest.approx(figures(model)["netd_k"], rel=0.03)
+    assert noise / (warm - np.mean(frames)) == pytest.approx(figures(model).netd_k, rel=0.03)
 
 
 def test_netd_is_that_of_electrons_by_pybsm() -> None:
     # tools/pybsm_reference.py: 1127446.2 electrons at 300 K and 1168117.1 at 301 K, thin lens; sqrt(N)/(dN/dT).
     optics = SensorOptics(0.08, 0.2, transmission=0.8, obscuration=0.3, solid_angle_law="thin-lens")
     model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, PhotonPixels(15e-6, integration_time=2e-3, gain=10.0))
-    assert figures(model)["netd_k"] == pytest.approx(np.sqrt(1127446.2) / (1168117.1 - 1127446.2), rel=0.03)
+    assert figures(model).netd_k == pytest.approx(np.sqrt(1127446.2) / (1168117.1 - 1127446.2), rel=0.03)
 
 
 def test_components_of_3d_noise_come_back() -> None:
@@ -204,7 +204,7 @@ def test_a_microbolometer_has_the_netd_that_its_data_sheet_says() -> None:
     warm = model.expose(flat(model, 301.0, 256), 9).signal.mean()
     noise = np.sqrt(0.5 * (frames[0] - frames[1]).var())
     assert noise / (warm - np.mean(frames)) == pytest.approx(0.05 * 2.25 / 0.9, rel=0.03)
-    assert figures(model)["netd_k"] == pytest.approx(0.05 * 2.25 / 0.9, rel=0.001)
+    assert figures(model).netd_k == pytest.approx(0.05 * 2.25 / 0.9, rel=0.001)
     # no shot noise: the same noise in the dark and in the light
     hot = [model.expose(flat(model, 360.0, 256), k).signal.astype(float) for k in range(2)]
     assert np.std(hot[0] - hot[1]) == pytest.approx(np.std(frames[0] - frames[1]), rel=0.02)
@@ -242,33 +242,33 @@ def test_warm_optics_bring_the_electrons_of_a_blackbody_in_their_place() -> None
 
 def test_figures_agree_with_each_other_and_with_the_line_to_counts() -> None:
     model = camera(DetectorNoise(gain_spread=0.01, frame=30.0, one_over_f=20.0), read_noise=200.0, dark_current=1e6)
-    line, told = model.readout, figures(model, scene_radiance=2.0)
+    line, sheet = model.readout, figures(model, scene_radiance=2.0)
     optics = model.optics
-    budget = told["noise_budget_electrons"]
-    assert told["nei_w_m2"] * optics.pupil_area * optics.transmission * told["point_share"] == pytest.approx(told["nep_w"])
+    budget = sheet.noise_budget
+    assert sheet.nei_w_m2 * optics.pupil_area * optics.transmission * sheet.point_share == pytest.approx(sheet.nep_w)
     # A power of one NEP on a pixel for an integration time is as many electrons as the noise has.
     at_300 = figures(model)
-    noise = at_300["noise_budget_electrons"]["total_temporal"]
-    assert told["nep_w"] * model.photons.electrons_per_joule * model.detector.integration_time == pytest.approx(noise)
-    assert told["netd_k"] * told["sitf_counts_per_k"] * line.gain == pytest.approx(noise)
-    assert told["sitf_counts_per_k"] == pytest.approx(
+    noise = at_300.noise_budget.total_temporal
+    assert sheet.nep_w * model.photons.electrons_per_joule * model.detector.integration_time == pytest.approx(noise)
+    assert sheet.netd_k * sheet.sitf_counts_per_k * line.gain == pytest.approx(noise)
+    assert sheet.sitf_counts_per_k == pytest.approx(
         float(np.diff(line.units(model.photons.radiance([299.5, 300.5])))[0]) / line.gain, rel=1e-4
     )
-    assert float(line.units(told["saturation_radiance"])) == pytest.approx(line.full_scale)
-    assert float(model.photons.radiance(told["saturation_temperature_k"])) == pytest.approx(told["saturation_radiance"], rel=1e-4)
-    floor = figures(model, scene_radiance=0.0)["noise_budget_electrons"]["total_temporal"]
-    assert 10.0 ** (told["dynamic_range_db"] / 20.0) == pytest.approx((line.full_scale - line.background) / floor)
+    assert float(line.units(sheet.saturation_radiance)) == pytest.approx(line.full_scale)
+    assert float(model.photons.radiance(sheet.saturation_temperature_k)) == pytest.approx(sheet.saturation_radiance, rel=1e-4)
+    floor = figures(model, scene_radiance=0.0).noise_budget.total_temporal
+    assert 10.0 ** (sheet.dynamic_range_db / 20.0) == pytest.approx((line.full_scale - line.background) / floor)
     # Shot noise of all electrons, and the others by root of the sum of squares.
-    assert budget["scene"] ** 2 + budget["dark"] ** 2 + budget["optics"] ** 2 == pytest.approx(budget["signal"])
+    assert budget.parts["scene"] ** 2 + budget.parts["dark"] ** 2 + budget.parts["optics"] ** 2 == pytest.approx(budget.signal)
     others = 200.0**2 + 30.0**2 + 20.0**2 + line.gain**2 / 12.0
-    assert budget["total_temporal"] ** 2 == pytest.approx(budget["signal"] + others)
-    assert budget["fixed_pattern"] == pytest.approx(0.01 * (budget["signal"] - line.dark))
-    parts = told["three_d_noise_electrons"]
-    assert parts["TVH"] ** 2 + parts["T"] ** 2 == pytest.approx(budget["total_temporal"] ** 2)
-    assert parts["VH"] == budget["fixed_pattern"]
-    f = np.array(told["mtf"]["frequency_cycles_per_mrad"])
-    assert f[-1] == pytest.approx(2.0 * told["mtf"]["nyquist_cycles_per_mrad"])
-    assert told["mtf"]["nyquist_cycles_per_mrad"] * told["ifov_mrad"] == pytest.approx(0.5)
+    assert budget.total_temporal**2 == pytest.approx(budget.signal + others)
+    assert budget.fixed_pattern == pytest.approx(0.01 * (budget.signal - line.dark))
+    parts = sheet.three_d_noise
+    assert parts["TVH"] ** 2 + parts["T"] ** 2 == pytest.approx(budget.total_temporal**2)
+    assert parts["VH"] == budget.fixed_pattern
+    f = np.array(sheet.mtf.frequency_cycles_per_mrad)
+    assert f[-1] == pytest.approx(2.0 * sheet.mtf.nyquist_cycles_per_mrad)
+    assert sheet.mtf.nyquist_cycles_per_mrad * sheet.ifov_mrad == pytest.approx(0.5)
 
 
 def test_corrected_patterns_vanish_where_they_were_corrected() -> None:
@@ -298,7 +298,7 @@ def test_the_signal_of_a_microbolometer_is_in_nanowatts() -> None:
     model = microbolometer(fill_factor=0.8, absorptance=0.7)
     power = model.readout.per_radiance * 1e-9
     assert power == pytest.approx((17e-6) ** 2 * 0.8 * 0.7 * model.optics.solid_angle * 0.9)
-    assert figures(model)["nw_per_count"] == pytest.approx(model.readout.radiance_scale * power * 1e9)
+    assert figures(model).nw_per_count == pytest.approx(model.readout.radiance_scale * power * 1e9)
 
 
 def test_components_solve_the_table_of_expected_mean_squares() -> None:

@@ -135,7 +135,7 @@ def test_no_key_is_forgotten() -> None:
 
 def test_a_well_fills_the_counts() -> None:
     model = sensor_model(parsed(detector=PIXELS | {"well_capacity_e": 7e6, "bit_depth": 14}))
-    assert figures(model)["electrons_per_count"] == pytest.approx(7e6 / 16383)
+    assert figures(model).electrons_per_count == pytest.approx(7e6 / 16383)
     with_offset = sensor_model(parsed(detector=PIXELS | {"well_capacity_e": 7e6, "bit_depth": 14, "offset_counts": 383.0}))
     assert with_offset.readout.gain == pytest.approx(7e6 / 16000)
 
@@ -217,7 +217,7 @@ def test_presets_are_sensors_with_a_source_beside_each_number(name: str) -> None
 
 
 def test_presets_have_the_netd_of_their_data_sheets() -> None:
-    found = {name: figures(sensor_model(parse_scenario(with_sensor({}, name))))["netd_k"] for name in SENSORS}
+    found = {name: figures(sensor_model(parse_scenario(with_sensor({}, name)))).netd_k for name in SENSORS}
     assert found["mwir-insb-640"] == pytest.approx(0.018, abs=0.002)  # below 20 mK, 18 typical
     assert found["lwir-mct-640"] == pytest.approx(0.022, abs=0.002)
     assert found["lwir-microbolometer-640"] == pytest.approx(0.040, rel=0.01)

@@ -30,6 +30,7 @@ from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects, run_trials
 from seaglint.files.detection_case import DetectionCase
 from seaglint.files.detection_parts import Parts
+from seaglint.files.detection_range import RangePoint
 from seaglint.imaging.wave_surface import course, height
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.detect import range_search as detect_range
@@ -283,8 +284,8 @@ def test_range_is_found_by_bisection(path: Path, tmp_path: Path, monkeypatch) ->
     found = detection_range(scenario, scene_options(seas=8), asked, parts_at(tmp_path), bearing_deg=90.0)
     sigma = SIGMA / 5.0 * 7.0
     exact = math.sqrt(2e7 / (sigma * (norm.isf(1e-2) + norm.isf(0.1))))
-    assert found["range_m"] == pytest.approx(exact, rel=0.06)
-    low, high = found["range_interval_m"]
+    assert found.range_m == pytest.approx(exact, rel=0.06)
+    low, high = found.range_interval_m
     assert high / low < 1.04
     moved = placed_at(scenario, "boat", 2000.0, 90.0)
     assert moved.sensor.azimuth_deg == pytest.approx(scenario.sun.azimuth_deg + 90.0)
@@ -491,16 +492,19 @@ def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Pat
     asked = RangeOptions("boat", (500.0, 20_000.0), Design(p_fa=1e-2))
     found = detect_range.p_d_at(scenario, scene_options(seas=8), asked, 1000.0, None, parts_at(tmp_path))
     # at twelve and six standard deviations all that is seen is found
-    assert found["p_d"] == pytest.approx(0.5, abs=0.01)
-    assert found["visible_share"] == pytest.approx(0.375)
-    low, high = found["p_d_interval"]
+    assert found.p_d == pytest.approx(0.5, abs=0.01)
+    assert found.visible_share == pytest.approx(0.375)
+    low, high = found.p_d_interval
     # eight seas say a half to 0.35 either way
     assert low == pytest.approx(0.15, abs=0.03)
     assert high == pytest.approx(0.85, abs=0.03)
     monkeypatch.setattr(HalfHidden, "visible_shares", lambda self, count, seas: np.zeros(count))
     gone = detect_range.p_d_at(scenario, scene_options(seas=8), asked, 1200.0, None, parts_at(tmp_path))
-    assert gone["p_d"] == 0.0
-    assert "hidden behind waves" in gone["note"]
+    assert gone.p_d == 0.0
+    assert "hidden behind waves" in gone.note
+    assert RangePoint.of(json.loads(json.dumps(found.as_dict()))) == found
+    assert RangePoint.of(gone.as_dict()) == gone
+    assert "believed" not in gone.as_dict()
 
 
 @pytest.mark.validation

@@ -147,11 +147,11 @@ def test_map_and_way(tmp_path):
     times = [f"2026-06-{day:02d}T{hour:02d}:30:00Z" for day in (1, 2) for hour in range(24)]
     track.write_text("time_utc,latitude_deg,longitude_deg\n" + "".join(f"{t},0,0\n" for t in times))
     way = along_track(scenario({"threshold_w_m2_sr": [0.0]}), track, samples=256, weather=table([5.0], [0.0]))
-    row = way["results"][0]
-    assert way["hours"] == pytest.approx(48.0)
-    assert row["hours"] == pytest.approx(24.0, abs=1e-6)  # the Sun is up in 12 of the 24 looks of a day
-    assert row["mean_duration_hours"] == pytest.approx(12.0)
-    assert row["mean_return_hours"] == pytest.approx(12.0)
+    row = way.results[0]
+    assert way.hours == pytest.approx(48.0)
+    assert row.hours == pytest.approx(24.0, abs=1e-6)  # the Sun is up in 12 of the 24 looks of a day
+    assert row.mean_duration_hours == pytest.approx(12.0)
+    assert row.mean_return_hours == pytest.approx(12.0)
 
 
 @pytest.mark.parametrize(

@@ -167,7 +167,7 @@ def test_a_map_with_directions_of_pixels_is_read_again(tmp_path, view):
         assert {"azimuth", "elevation"} <= set(kelvin.coords)
         assert sg.analyze(stored).regions["all"].moments.mean == pytest.approx(float(stored.radiance.mean()), rel=1e-5)
     facts = describe(path)
-    assert facts["pixels"] == [24, 18]
+    assert facts.pixels == [24, 18]
     assert any("azimuth" in line for line in lines(facts))
 
 

@@ -29,21 +29,22 @@ def small() -> Table1:
 
 
 def test_every_number_of_the_article_has_ours_beside_it(small: Table1) -> None:
-    rows = json.loads(json.dumps(small.rows(), allow_nan=False))
+    rows = small.rows()
+    json.dumps([row.as_dict() for row in rows.values()], allow_nan=False)
     assert len(rows) == 3 * 2 * 2  # rate, ratio and time; two regions; two thresholds
-    assert rows["rate_glint_3.5_sigma"]["article"] == 0.0050
-    assert rows["times_gaussian_glint_3.5_sigma"]["article"] == pytest.approx(21.0, abs=0.6)  # the article: 21 times
-    assert rows["rate_background_3.5_sigma"]["article"] is None  # not measured
+    assert rows["rate_glint_3.5_sigma"].article == 0.0050
+    assert rows["times_gaussian_glint_3.5_sigma"].article == pytest.approx(21.0, abs=0.6)  # the article: 21 times
+    assert rows["rate_background_3.5_sigma"].article is None  # not measured
     for region, thresholds in ARTICLE.items():
         for m in thresholds:
-            ratio, rate = rows[f"times_gaussian_{region}_{m:g}_sigma"]["ours"], rows[f"rate_{region}_{m:g}_sigma"]["ours"]
+            ratio, rate = rows[f"times_gaussian_{region}_{m:g}_sigma"].ours, rows[f"rate_{region}_{m:g}_sigma"].ours
             assert ratio == pytest.approx(rate / norm.sf(m), rel=1e-9)
 
 
 def test_columns_hold_the_rows(small: Table1) -> None:
     columns, rows = small.columns(), small.rows()
     assert columns["threshold_sigma"].tolist() == [3.0, 3.5]
-    assert columns["glint_rate"].tolist() == [rows[f"rate_glint_{m}_sigma"]["ours"] for m in ("3", "3.5")]
+    assert columns["glint_rate"].tolist() == [rows[f"rate_glint_{m}_sigma"].ours for m in ("3", "3.5")]
     assert np.isnan(columns["background_article_rate"][1])
 
 
@@ -82,7 +83,7 @@ def test_frames_come_at_their_times(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_rendered_glint_is_far_from_gaussian() -> None:
     """The article: 7 and 21 times the Gaussian rate in the corridor, 10 times beside it. Six seas of one frame each scatter by 5 %."""
     found = table1(frames=3).rows()
-    ratio = {key: row["ours"] for key, row in found.items() if key.startswith("times_gaussian")}
+    ratio = {key: row.ours for key, row in found.items() if key.startswith("times_gaussian")}
     assert 3.0 <= ratio["times_gaussian_glint_3_sigma"] <= 15.0
     assert ratio["times_gaussian_glint_3.5_sigma"] > ratio["times_gaussian_glint_3_sigma"]
     assert 3.0 <= ratio["times_gaussian_background_3_sigma"] <= 15.0

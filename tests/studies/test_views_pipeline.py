@@ -43,7 +43,7 @@ def test_a_turned_image_stores_the_direction_of_every_pixel(tmp_path):
         assert elevation[4, -1] < elevation[4, 0]
         assert np.all(np.isfinite(stored.radiance))
         draw(stored)
-    assert describe(path)["elevation_deg"] == [pytest.approx(elevation.max()), pytest.approx(elevation.min())]
+    assert describe(path).as_dict()["elevation_deg"] == [pytest.approx(elevation.max()), pytest.approx(elevation.min())]
 
 
 def test_a_moving_sensor_stores_where_it_is(tmp_path):
@@ -62,7 +62,7 @@ def test_a_moving_sensor_stores_where_it_is(tmp_path):
         np.testing.assert_array_equal(one.radiance, other.radiance)
         assert json.loads(one.attrs["scenario"])["platform"]["keyframes"][1]["east_m"] == 10.0
         draw(one)
-    assert describe(here)["frames"] == 3
+    assert describe(here).as_dict()["frames"] == 3
 
 
 @pytest.mark.parametrize(

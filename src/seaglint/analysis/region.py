@@ -1,4 +1,4 @@
-"""Statistics of one region of a recording, as they are written to the JSON."""
+"""Statistics of one region of a recording."""
 
 from __future__ import annotations
 
@@ -9,6 +9,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.summary import (
+    AlarmSummary,
+    CorrelationLengths,
+    Ends,
+    FitSummary,
+    RegionSummary,
+    SpectrumSummary,
+    StationaritySummary,
+    TailSummary,
+    number,
+)
 from seaglint.base import random
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
@@ -44,7 +55,7 @@ SERIES_VALUES: Final = 4_000_000
 
 @dataclass(frozen=True)
 class Region:
-    """Results of one region; see :meth:`as_dict` for the written ones."""
+    """Results of one region; :meth:`summary` has those that are written."""
 
     name: str
     mask: BoolArray
@@ -72,41 +83,45 @@ class Region:
             self._tails[name] = fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0])) if alarms.pixels else (None, "no pixels")
         return self._tails[name]
 
-    def as_dict(self, frame_rate: float | None) -> JsonObject:
+    def summary(self, frame_rate: float | None) -> RegionSummary:
         """Return plain numbers and text; missing values are None."""
         m = self.moments
-        return {
-            "pixels": int(self.mask.sum()),
-            "values": m.count,
-            "mean": number(m.mean + self.offset),
-            "std": number(m.std),
-            "skewness": number(m.skewness),
-            "excess_kurtosis": number(m.excess_kurtosis),
-            "minimum": number(m.minimum + self.offset),
-            "maximum": number(m.maximum + self.offset),
-            "saturated": self.saturated,
-            "fits": {family: self._fit(family) for family in FAMILIES},
-            "false_alarms": [
-                _alarm_entry(name, alarms, rate, *self.tail(name), frame_rate, self.saturated)
+        return RegionSummary(
+            pixels=int(self.mask.sum()),
+            values=m.count,
+            mean=number(m.mean + self.offset),
+            std=number(m.std),
+            skewness=number(m.skewness),
+            excess_kurtosis=number(m.excess_kurtosis),
+            minimum=number(m.minimum + self.offset),
+            maximum=number(m.maximum + self.offset),
+            saturated=self.saturated,
+            fits={family: self._fit(family) for family in FAMILIES},
+            false_alarms=[
+                _alarm(name, alarms, rate, *self.tail(name), frame_rate, self.saturated)
                 for name, alarms in self.alarms.items()
                 for rate in alarms.rates()
             ],
-            "correlation_length_px": {"x": number(self.spatial.length_x), "y": number(self.spatial.length_y)},
-            "correlation_length_reason": self._no_length(),
-            "correlation_time_s": number(self.temporal.time) if frame_rate is not None else None,
-            "correlation_time_frames": number(self.temporal.time * (frame_rate or 1.0)),
-            "correlation_time_reason": self.temporal.reason or None,
-            "stationary": self.stationarity.stationary,
-            "stationarity": {
-                "p_mean": number(self.stationarity.p_mean),
-                "p_variance": number(self.stationarity.p_variance),
-                "block_px": list(self.stationarity.block),
-                "reason": self.stationarity.reason or None,
-                "method": self.stationarity.method,
-            },
-            "spectrum": self._spectrum(),
-            "notes": list(self.notes),
-        }
+            correlation_length_px=CorrelationLengths(number(self.spatial.length_x), number(self.spatial.length_y)),
+            correlation_length_reason=self._no_length(),
+            correlation_time_s=number(self.temporal.time) if frame_rate is not None else None,
+            correlation_time_frames=number(self.temporal.time * (frame_rate or 1.0)),
+            correlation_time_reason=self.temporal.reason or None,
+            stationary=self.stationarity.stationary,
+            stationarity=StationaritySummary(
+                p_mean=number(self.stationarity.p_mean),
+                p_variance=number(self.stationarity.p_variance),
+                block_px=list(self.stationarity.block),
+                reason=self.stationarity.reason or None,
+                method=self.stationarity.method,
+            ),
+            spectrum=self._spectrum(),
+            notes=list(self.notes),
+        )
+
+    def as_dict(self, frame_rate: float | None) -> JsonObject:
+        """Return plain numbers and text; missing values are None."""
+        return self.summary(frame_rate).as_dict()
 
     def _no_length(self) -> str | None:
         """Reason why a correlation length does not exist."""
@@ -118,44 +133,39 @@ class Region:
             return "no change of brightness but the slowly varying surface that is taken off"
         return "correlation does not fall to 1/e within a third of the picture"
 
-    def _fit(self, family: str) -> JsonObject:
+    def _fit(self, family: str) -> FitSummary:
         fitted, good = self.fits.get(family), self.goodness.get(family)
         if fitted is None:
             fitted = fit(np.empty(0), family)  # type: ignore[arg-type]
-        return {
-            "shape": fitted.shape,
-            "scale": fitted.scale,
-            "loc": fitted.loc,
-            "shape_interval": _pair(fitted.shape_interval),
-            "scale_interval": _pair(fitted.scale_interval),
-            "loc_interval": _pair(fitted.loc_interval),
-            "log_likelihood_per_value": None if fitted.log_likelihood is None else number(fitted.log_likelihood / max(fitted.count, 1)),
-            "effective_count": number(fitted.effective_count),
-            "excluded": fitted.excluded,
-            "ks": None if good is None else number(good.ks),
-            "ks_p": None if good is None else number(good.ks_p),
-            "ad": None if good is None else number(good.ad),
-            "ad_p": None if good is None else number(good.ad_p),
-            "reason": fitted.reason or None,
-        }
+        return FitSummary(
+            shape=fitted.shape,
+            scale=fitted.scale,
+            loc=fitted.loc,
+            shape_interval=_pair(fitted.shape_interval),
+            scale_interval=_pair(fitted.scale_interval),
+            loc_interval=_pair(fitted.loc_interval),
+            log_likelihood_per_value=None if fitted.log_likelihood is None else number(fitted.log_likelihood / max(fitted.count, 1)),
+            effective_count=number(fitted.effective_count),
+            excluded=fitted.excluded,
+            ks=None if good is None else number(good.ks),
+            ks_p=None if good is None else number(good.ks_p),
+            ad=None if good is None else number(good.ad),
+            ad_p=None if good is None else number(good.ad_p),
+            reason=fitted.reason or None,
+        )
 
-    def _spectrum(self) -> JsonObject | None:
+    def _spectrum(self) -> SpectrumSummary | None:
         if self.spectrum is None or self.spectrum.segments == 0:
             return None
         frequency, density = self.spectrum.radial()
-        return {"frequency_cycles_px": [number(f) for f in frequency], "density": [number(d) for d in density]}
+        return SpectrumSummary([number(f) for f in frequency], [number(d) for d in density])
 
 
-def number(value: float) -> float | None:
-    """Finite number, or None: JSON has no NaN."""
-    return float(value) if math.isfinite(value) else None
-
-
-def _pair(interval: tuple[float, float] | None) -> list[float | None] | None:
+def _pair(interval: tuple[float, float] | None) -> Ends | None:
     return None if interval is None else [number(v) for v in interval]
 
 
-def _alarm_entry(
+def _alarm(
     name: str,
     alarms: FalseAlarms,
     rate: FalseAlarmRate,
@@ -163,46 +173,45 @@ def _alarm_entry(
     tail_reason: str | None,
     frame_rate: float | None,
     saturated: float,
-) -> JsonObject:
+) -> AlarmSummary:
     cut = f"{100 * saturated:.3g} % of the values saturated" if saturated > 0.0 else None
     events = alarms.events(rate.threshold_sigma) if alarms.pixels else None
     duration = events.mean_duration if events is not None else None
     seconds = None if frame_rate is None else 1.0 / frame_rate
-    return {
-        "filter": name,
-        "threshold_sigma": rate.threshold_sigma,
-        "rate": number(rate.rate),
-        "rate_low": rate.rate_low,
-        "rate_high": rate.rate_high,
-        "gaussian_rate": rate.gaussian_rate,
-        "ratio": number(rate.ratio),
-        "exceedances": rate.exceedances,
-        "inflation": rate.inflation,
-        "correlation_time_s": rate.correlation_time * seconds if rate.correlation_time is not None and seconds is not None else None,
-        "correlation_time_frames": rate.correlation_time,
-        "correlation_note": rate.correlation_note,
-        "note": "; ".join(text for text in (rate.note, cut) if text) or None,
-        "events": None if events is None else len(events),
-        "events_per_frame": None if events is None else number(events.per_frame),
-        "event_duration_s": duration * seconds if duration is not None and seconds is not None and alarms.frames > 1 else None,
-        "tail": _tail(tail, tail_reason) if rate.threshold_sigma == alarms.thresholds[0] else None,
-    }
+    return AlarmSummary(
+        filter=name,
+        threshold_sigma=rate.threshold_sigma,
+        rate=number(rate.rate),
+        rate_low=rate.rate_low,
+        rate_high=rate.rate_high,
+        gaussian_rate=rate.gaussian_rate,
+        ratio=number(rate.ratio),
+        exceedances=rate.exceedances,
+        inflation=rate.inflation,
+        correlation_time_s=rate.correlation_time * seconds if rate.correlation_time is not None and seconds is not None else None,
+        correlation_time_frames=rate.correlation_time,
+        correlation_note=rate.correlation_note,
+        note="; ".join(text for text in (rate.note, cut) if text) or None,
+        events=None if events is None else len(events),
+        events_per_frame=None if events is None else number(events.per_frame),
+        event_duration_s=duration * seconds if duration is not None and seconds is not None and alarms.frames > 1 else None,
+        tail=_tail(tail, tail_reason) if rate.threshold_sigma == alarms.thresholds[0] else None,
+    )
 
 
-def _tail(tail: TailFit | None, reason: str | None) -> JsonObject:
+def _tail(tail: TailFit | None, reason: str | None) -> TailSummary:
     if tail is None:
-        return {"reason": reason}
-    return {
-        "from_sigma": tail.threshold,
-        "events": tail.events,
-        "shape": tail.fit.shape,
-        "shape_interval": _pair(tail.shape_interval),
-        "scale_sigma": tail.fit.scale,
-        "goodness_p": number(tail.goodness_p),
-        "trusted_to_sigma": number(tail.trusted_to_sigma),
-        "trusted_to_rate": number(tail.trusted_to_rate),
-        "reason": None,
-    }
+        return TailSummary(reason=reason)
+    return TailSummary(
+        from_sigma=tail.threshold,
+        events=tail.events,
+        shape=tail.fit.shape,
+        shape_interval=_pair(tail.shape_interval),
+        scale_sigma=tail.fit.scale,
+        goodness_p=number(tail.goodness_p),
+        trusted_to_sigma=number(tail.trusted_to_sigma),
+        trusted_to_rate=number(tail.trusted_to_rate),
+    )
 
 
 TELLING: Final = 0.05

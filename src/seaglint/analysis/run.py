@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Gatherer, Region, region
+from seaglint.analysis.summary import AnalysisSummary, SegmentationSummary
 from seaglint.analysis.survey import Passes, Survey, ahead, survey
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
@@ -114,41 +115,35 @@ class Analysis:
     notes: tuple[str, ...]
     border_kept: bool = True
 
+    def summary(self) -> AnalysisSummary:
+        """Return plain numbers and text of all results; absent regions are None."""
+        rate = self.recording.frame_rate
+        return AnalysisSummary(
+            source=self.recording.source,
+            frames=self.recording.frames,
+            rows=self.recording.rows,
+            columns=self.recording.columns,
+            units=self.recording.units,
+            frame_rate_hz=rate,
+            filter=self.options.filter.name,
+            sigma_of=self.options.scope,
+            border="kept" if self.border_kept else "dropped",
+            segmentation=SegmentationSummary.of(self.segmentation, found="glint" in self.regions),
+            regions={name: self.regions[name].summary(rate) if name in self.regions else None for name in REGIONS},
+            notes=list(self.notes),
+        )
+
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text of all results; absent regions are None."""
-        segmentation = self.segmentation
-        rate = self.recording.frame_rate
-        return {
-            "source": self.recording.source,
-            "frames": self.recording.frames,
-            "rows": self.recording.rows,
-            "columns": self.recording.columns,
-            "units": self.recording.units,
-            "frame_rate_hz": rate,
-            "filter": self.options.filter.name,
-            "sigma_of": self.options.scope,
-            "border": "kept" if self.border_kept else "dropped",
-            "segmentation": {
-                "found": "glint" in self.regions,
-                "method": "mask given" if segmentation is None else segmentation.method,
-                "separability": None if segmentation is None or not np.isfinite(segmentation.separability) else segmentation.separability,
-                "contrast": None if segmentation is None or not np.isfinite(segmentation.contrast) else segmentation.contrast,
-                "border_step": None if segmentation is None or not np.isfinite(segmentation.border_step) else segmentation.border_step,
-                "reason": None if segmentation is None else segmentation.reason or None,
-                "doubt": None if segmentation is None else segmentation.doubt or None,
-                "sky_pixels": 0 if segmentation is None else int(segmentation.sky.sum()),
-            },
-            "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
-            "notes": list(self.notes),
-        }
+        return self.summary().as_dict()
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the regions' moments, and the notes."""
-        values = self.as_dict()
+        values = self.summary()
         names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
-        rows = [(name, *(region[key] for key in names)) for name, region in values["regions"].items() if region is not None]
-        size = f"{values['frames']} frames of {values['columns']} x {values['rows']} pixels, {values['units']}, filter {values['filter']}"
-        return card(f"Analysis of {values['source']}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
+        rows = [(name, *(getattr(region, key) for key in names)) for name, region in values.present.items()]
+        size = f"{values.frames} frames of {values.columns} x {values.rows} pixels, {values.units}, filter {values.filter}"
+        return card(f"Analysis of {values.source}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
 
 
 @single_threaded_algebra()

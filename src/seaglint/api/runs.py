@@ -244,4 +244,4 @@ def sensor(scenario: Scenario) -> dict[str, Any]:
     """
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
-    return describe_sensor(scenario)
+    return describe_sensor(scenario).as_dict()

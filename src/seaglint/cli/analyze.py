@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,9 @@ from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import takes_records
 from seaglint.studies.analysis_requests import AnalysisRequest
+
+if TYPE_CHECKING:
+    from seaglint.analysis.summary import AlarmSummary, AnalysisSummary, FitSummary
 
 
 @takes_records(
@@ -57,7 +60,7 @@ def analyze(
 
         typer.echo(json.dumps(analysis.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        typer.echo("\n".join(lines(analysis.as_dict())))
+        typer.echo("\n".join(lines(analysis.summary())))
 
 
 def _require_words(request: AnalysisRequest) -> None:
@@ -73,34 +76,34 @@ def _require_words(request: AnalysisRequest) -> None:
         raise DataError(f"--border {request.border}: allowed are auto, keep, drop")
 
 
-def lines(result: dict[str, Any]) -> list[str]:
+def lines(result: AnalysisSummary) -> list[str]:
     """The result as a few lines of text."""
-    rate = result["frame_rate_hz"]
-    units = result["units"] or "units not known"
+    rate = result.frame_rate_hz
+    units = result.units or "units not known"
     out = [
-        f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, {units}, "
+        f"{result.source}: {result.frames} frames of {result.columns} x {result.rows}, {units}, "
         + (f"{rate:g} Hz" if rate else "frame rate not known")
     ]
-    regions = result["regions"]
+    regions = result.regions
     for name, region in regions.items():
         if region is None:
             out.append(f"{name}: none")
             continue
-        if name == "background" and regions["glint"] is None and region["pixels"] == regions["all"]["pixels"]:
+        if name == "background" and regions["glint"] is None and region.pixels == result.present["all"].pixels:
             out.append("background: the same as all")
             continue
         out.append(
-            f"{name}: {region['pixels']} pixels, mean {_resolved(region['mean'], region['std'])}, std {_short(region['std'])}, "
-            f"skewness {_short(region['skewness'])}, excess kurtosis {_short(region['excess_kurtosis'])}{_cut(region['saturated'])}"
+            f"{name}: {region.pixels} pixels, mean {_resolved(region.mean, region.std)}, std {_short(region.std)}, "
+            f"skewness {_short(region.skewness)}, excess kurtosis {_short(region.excess_kurtosis)}{_cut(region.saturated)}"
         )
-        lengths, reason = region["correlation_length_px"], region["correlation_length_reason"]
+        lengths, reason = region.correlation_length_px, region.correlation_length_reason
         out.append(
-            f"  correlation length {_short(lengths['x'])} x {_short(lengths['y'])} px{f' ({reason})' if reason else ''}, "
-            f"time {_short(region['correlation_time_s'])} s; {_best(region['fits'])}"
+            f"  correlation length {_short(lengths.x)} x {_short(lengths.y)} px{f' ({reason})' if reason else ''}, "
+            f"time {_short(region.correlation_time_s)} s; {_best(region.fits)}"
         )
-        out.extend(f"  {_alarm(entry)}" for entry in region["false_alarms"])
-        out.extend(f"  note: {note}" for note in region["notes"])
-    out.extend(f"note: {note}" for note in result["notes"])
+        out.extend(f"  {_alarm(entry)}" for entry in region.false_alarms)
+        out.extend(f"  note: {note}" for note in region.notes)
+    out.extend(f"note: {note}" for note in result.notes)
     return out
 
 
@@ -109,13 +112,13 @@ def _cut(saturated: float) -> str:
     return f", {100 * saturated:.3g} % saturated" if saturated > 0.0 else ""
 
 
-def _alarm(entry: dict[str, Any]) -> str:
-    known = entry["rate_low"] is not None
-    interval = f"{_short(entry['rate_low'])} to {_short(entry['rate_high'])}" if known else "no interval"
-    note = f": {entry['note']}" if entry["note"] and not known else f"; {entry['note']}" if entry["note"] else ""
+def _alarm(entry: AlarmSummary) -> str:
+    known = entry.rate_low is not None
+    interval = f"{_short(entry.rate_low)} to {_short(entry.rate_high)}" if known else "no interval"
+    note = f": {entry.note}" if entry.note and not known else f"; {entry.note}" if entry.note else ""
     return (
-        f"{entry['filter']} > {entry['threshold_sigma']:g} sigma: {_short(entry['rate'])} per pixel ({interval}{note}), "
-        f"{_short(entry['ratio'])} x Gaussian, correlation time {_short(entry['correlation_time_s'])} s"
+        f"{entry.filter} > {entry.threshold_sigma:g} sigma: {_short(entry.rate)} per pixel ({interval}{note}), "
+        f"{_short(entry.ratio)} x Gaussian, correlation time {_short(entry.correlation_time_s)} s"
     )
 
 
@@ -127,24 +130,24 @@ FEWEST_JUDGED = 50
 """Independent values below which no family is called the best, as in :mod:`seaglint.clutter.goodness`, which is slow to import."""
 
 
-def _best(fits: dict[str, Any]) -> str:
-    valid = {name: fit for name, fit in fits.items() if fit["ks"] is not None}
+def _best(fits: dict[str, FitSummary]) -> str:
+    valid = {name: fit for name, fit in fits.items() if fit.ks is not None}
     if not valid:
         return "best fit none"
-    name = min(valid, key=lambda n: float(valid[n]["ks"]))
+    name = min(valid, key=lambda n: valid[n].ks or 0.0)
     fit = valid[name]
-    shape = "" if fit["shape"] is None else f"shape {_short(fit['shape'])}, "
-    count = fit["effective_count"]
+    shape = "" if fit.shape is None else f"shape {_short(fit.shape)}, "
+    count = fit.effective_count
     if count is not None and count < FEWEST_JUDGED:
         return (
             f"{count:.0f} independent values, too few (below {FEWEST_JUDGED}) to say which family fits; "
-            f"nearest: {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])})"
+            f"nearest: {name} ({shape}scale {_short(fit.scale)}, KS {_short(fit.ks)})"
         )
-    judged = [f["ks_p"] for f in valid.values() if f["ks_p"] is not None]
+    judged = [f.ks_p for f in valid.values() if f.ks_p is not None]
     what = "none of the families fits; nearest:" if judged and max(judged) <= FLOOR else "best fit"
-    level = "p not known" if fit["ks_p"] is None else f"p <= {FLOOR:.1g}" if fit["ks_p"] <= FLOOR else f"p {_short(fit['ks_p'])}"
+    level = "p not known" if fit.ks_p is None else f"p <= {FLOOR:.1g}" if fit.ks_p <= FLOOR else f"p {_short(fit.ks_p)}"
     of = "" if count is None else f" of {count:.0f} independent values"
-    return f"{what} {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, {level}{of})"
+    return f"{what} {name} ({shape}scale {_short(fit.scale)}, KS {_short(fit.ks)}, {level}{of})"
 
 
 def _resolved(mean: float | None, std: float | None) -> str:

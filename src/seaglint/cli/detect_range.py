@@ -11,6 +11,7 @@ from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:
     from seaglint.cli.terminal.run_options import ResultOptions, RunOptions
+    from seaglint.files.detection_range import DetectionRange
     from seaglint.studies.detect.requests import RangeRequest
 
 
@@ -23,6 +24,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         What the study refuses.
     """
     import warnings
+    from dataclasses import replace
 
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
@@ -48,7 +50,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         refuse_existing(base.with_name(f"{base.name}_range.png"), overwrite=replace_all, inputs=inputs)
     asked = request.range_options([item.name for item in cases[0].scenario.objects or ()])
     bearings: list[float | None] = [None] if request.bearings is None else list(request.bearings)
-    found: list[dict[str, Any]] = []
+    found: list[DetectionRange] = []
     with (
         parts_folder(base, resume=run.resume, overwrite=run.overwrite) as (parts, kept),
         warnings.catch_warnings(),
@@ -59,13 +61,13 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         for case in cases:
             for bearing in bearings:
                 one = detection_range(case.scenario, with_case(wanted, case), asked, parts, bearing_deg=bearing, say=say)
-                found.append({"parameters": case.parameters, **one})
+                found.append(replace(one, parameters=case.parameters))
         _show(found, results, files)
         if kept:
             parts.remove()
 
 
-def _show(found: list[dict[str, Any]], results: ResultOptions, files: Any) -> None:
+def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> None:
     """Write the files and print the ranges."""
     from seaglint.cli.terminal.messages import log, print_json
     from seaglint.files.outputs import moved_when_whole
@@ -73,20 +75,10 @@ def _show(found: list[dict[str, Any]], results: ResultOptions, files: Any) -> No
     from seaglint.files.text_file import write_json
     from seaglint.plot.detection_study import draw_ranges
 
-    result = {"ranges": found}
+    result = {"ranges": [one.as_dict() for one in found]}
     if files is not None:
-        rows = [
-            {
-                **one["parameters"],
-                **{key: one[key] for key in ("object", "bearing_deg", "p_d", "range_m")},
-                "range_low_m": one["range_interval_m"][0],
-                "range_high_m": one["range_interval_m"][1],
-                "note": one["note"],
-            }
-            for one in found
-        ]
         write_json(result, files.result)
-        write_rows(rows, files.table)
+        write_rows([one.as_row() for one in found], files.table)
         with moved_when_whole(files.picture.with_name(files.picture.name.replace("_roc", "_range"))) as partial:
             draw_ranges(found).savefig(partial, dpi=120, format="png")
         log(f"{files.result}, {files.table} written")
@@ -94,12 +86,7 @@ def _show(found: list[dict[str, Any]], results: ResultOptions, files: Any) -> No
         print_json(result)
         return
     for one in found:
-        named = ", ".join(f"{k} = {v}" for k, v in one["parameters"].items())
-        place = "" if one["bearing_deg"] is None else f"{one['bearing_deg']:g} deg from the Sun: "
-        low, high = one["range_interval_m"]
-        told = (
-            one["note"]
-            if one["range_m"] is None
-            else f"detected with P_d {one['p_d']:g} to {one['range_m']:.0f} m ({low:.0f} to {high:.0f})"
-        )
-        typer.echo(f"{one['object']}{', ' + named if named else ''}: {place}{told}")
+        place = "" if one.bearing_deg is None else f"{one.bearing_deg:g} deg from the Sun: "
+        low, high = one.range_interval_m
+        reached = one.note if one.range_m is None else f"detected with P_d {one.p_d:g} to {one.range_m:.0f} m ({low:.0f} to {high:.0f})"
+        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}")

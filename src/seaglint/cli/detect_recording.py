@@ -10,6 +10,7 @@ import typer
 from seaglint.cli.terminal.numbers import between
 
 if TYPE_CHECKING:
+    from seaglint.base.free_form import JsonObject
     from seaglint.cli.terminal.run_options import ResultOptions, RunOptions
     from seaglint.studies.detect.requests import RecordingRequest
     from seaglint.studies.detect.study import Study
@@ -67,7 +68,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
         raise DataError(f"{failed}\n{len(study.errors)} of {len(study.cases)} cases failed{'; the others are written' if files else ''}")
 
 
-def _write(study: Study, result: dict[str, Any], files: Any, *, single: bool) -> None:
+def _write(study: Study, result: JsonObject, files: Any, *, single: bool) -> None:
     """All files; the picture is that of the first case."""
     import numpy as np
 
@@ -102,7 +103,7 @@ def _pixel(recording: str, pixel_mrad: float | None) -> tuple[float, float] | No
     return None if source is None or source.step is None else (degrees(source.step[1]), degrees(source.step[0]))
 
 
-def lines(result: dict[str, Any]) -> list[str]:
+def lines(result: JsonObject) -> list[str]:
     """The result as a few lines of text."""
     unit = f" {result['units']}" if result["units"] else ""
     out = [

@@ -11,6 +11,7 @@ from seaglint.cli.terminal.numbers import between
 from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:
+    from seaglint.base.free_form import JsonObject
     from seaglint.cli.terminal.run_options import ResultOptions, RunOptions
     from seaglint.studies.detect.requests import SceneRequest
     from seaglint.studies.detect.study import Study
@@ -87,7 +88,7 @@ def _silent(text: str) -> None:
     pass
 
 
-def _write(study: Study, result: dict[str, Any], files: Any) -> None:
+def _write(study: Study, result: JsonObject, files: Any) -> None:
     """All files of a study; pictures are those of the first case."""
     import numpy as np
 

@@ -37,7 +37,7 @@ EXTRAS = {
 class Report:
     """Results of the examination, in the order they are printed."""
 
-    sections: dict[str, dict[str, Any]] = field(default_factory=dict)
+    sections: dict[str, JsonObject] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
 
     @property
@@ -99,9 +99,9 @@ def _packages(report: Report) -> dict[str, str]:
     return versions
 
 
-def _machine(report: Report) -> dict[str, Any]:
+def _machine(report: Report) -> JsonObject:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    machine: dict[str, Any] = {"processors": os.cpu_count(), "usable by this process": usable}
+    machine: JsonObject = {"processors": os.cpu_count(), "usable by this process": usable}
     machine["numba threads"] = _try(report, "numba", _numba_threads)
     machine["compiled kernels"] = _try(report, "the folder of compiled kernels", _kernel_folder)
     machine["GPU"] = "CUDA driver found; this version renders on the processor" if _has_cuda_driver() else "no CUDA driver; not needed"

@@ -23,7 +23,7 @@ def info(
     only_numpy()
     facts = describe(place_given(path))
     if as_json:
-        print_json(facts)
+        print_json(facts.as_dict())
     else:
         typer.echo("\n".join(lines(facts)))
 

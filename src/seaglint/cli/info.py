@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.store.location import place_of
 from seaglint.files.store.store import open_sequence
-from seaglint.plot.sequence_summary import images, summarise
+from seaglint.plot.sequence_summary import Summary, images, summarise
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,8 +24,93 @@ _HIDDEN = frozenset(
 )
 
 
-def describe(path: Path | str) -> dict[str, Any]:
-    """Facts about an output file as plain values.
+@dataclass(frozen=True)
+class FramesHeld:
+    """Frames of a sequence: their number, how many are written, whether all are, the number of the first, and the rate [Hz]."""
+
+    frames: int
+    frames_done: int
+    complete: bool
+    first_frame: int
+    frame_rate_hz: float
+
+
+@dataclass(frozen=True)
+class DirectionsHeld:
+    """Directions and band of a picture.
+
+    Attributes
+    ----------
+    azimuth_deg, elevation_deg : list of float
+        Of the first and last column and row; of a picture that is turned, the limits [deg].
+    band_um : list of float
+        Limits of the band [um].
+    """
+
+    azimuth_deg: list[float]
+    elevation_deg: list[float]
+    band_um: list[float]
+
+
+@dataclass(frozen=True)
+class FileFacts:
+    """Contents of an output file.
+
+    Attributes
+    ----------
+    path, title : str
+        Place and title.
+    variables : list of str
+        Names of its variables.
+    frames : FramesHeld or None
+        Frames of a sequence; None of a map.
+    pixels : list of int
+        Columns and rows.
+    directions : DirectionsHeld or None
+        Directions and band; None of a texture, whose pixels look nowhere and have no band.
+    units : str
+        Units of a texture.
+    seed : int or None
+        Seed, as far as there is one.
+    bytes : int
+        Size [B].
+    summary : Summary or None
+        Statistics of the frames that are written.
+    saturated_share : list of float or None
+        Share of saturated pixels of each written frame [1]; None without a detector.
+    provenance : JsonObject
+        Attributes about its making.
+    scenario : JsonObject or None
+        Scenario as one table, as far as it can be read.
+    """
+
+    path: str
+    title: str
+    variables: list[str]
+    frames: FramesHeld | None
+    pixels: list[int]
+    directions: DirectionsHeld | None
+    seed: int | None
+    bytes: int
+    provenance: JsonObject
+    units: str = ""
+    summary: Summary | None = None
+    saturated_share: list[float] | None = None
+    scenario: JsonObject | None = None
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text; keys that a kind of file does not have are left out."""
+        out: JsonObject = {"path": self.path, "title": self.title, "variables": self.variables}
+        out |= {} if self.frames is None else asdict(self.frames)
+        out |= {"pixels": self.pixels} | ({"units": self.units} if self.directions is None else asdict(self.directions))
+        out |= {"seed": self.seed, "bytes": self.bytes}
+        out |= {} if self.summary is None else {"statistics": self.summary.as_dict(), "summary": self.summary.line}
+        out |= {} if self.saturated_share is None else {"saturated_share": self.saturated_share}
+        return out | {"provenance": self.provenance} | ({} if self.directions is None else {"scenario": self.scenario})
+
+
+def describe(path: Path | str) -> FileFacts:
+    """Facts about an output file.
 
     Raises
     ------
@@ -50,77 +137,83 @@ def _size(path: Path | str) -> int:
     return place_of(path).bytes
 
 
-def _facts(path: Path | str, dataset: xr.Dataset) -> dict[str, Any]:
+def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     if "texture" in dataset:
         return _texture_facts(path, dataset)
     radiance = pictures(dataset)
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1
-    facts: dict[str, Any] = {"path": str(path), "title": dataset.attrs.get("title", ""), "variables": sorted(map(str, dataset.data_vars))}
+    frames = None
+    done = len(images(dataset))
     if "time" in radiance.dims:
-        done = len(images(dataset))
-        facts |= {
-            "frames": radiance.sizes["time"],
-            "frames_done": done,
-            "complete": done == radiance.sizes["time"],
-            "first_frame": int(dataset["frame"][0]),
-            "frame_rate_hz": float(dataset.attrs["frame_rate_hz"]),
-        }
-    facts |= {
-        "pixels": [int(radiance.sizes["x"]), int(radiance.sizes["y"])],
-        "azimuth_deg": [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
-        "elevation_deg": [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
-        "band_um": [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
-        "seed": int(dataset.attrs["seed"]) if "seed" in dataset.attrs else None,
-        "bytes": _size(path),
-    }
-    if len(images(dataset)):
-        summary = summarise(dataset)
-        facts |= {"statistics": summary.as_dict(), "summary": summary.line}
+        frames = _frames(dataset, radiance.sizes["time"], done)
+    saturated = None
     if "saturated_share" in dataset:
         shares = dataset["saturated_share"].to_numpy()
-        facts["saturated_share"] = [float(share) for share in shares[shares == shares]]
-    facts["provenance"] = {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN}
+        saturated = [float(share) for share in shares[shares == shares]]
     try:
-        facts["scenario"] = json.loads(dataset.attrs["scenario"])
+        scenario = json.loads(dataset.attrs["scenario"])
     except (KeyError, ValueError):
-        facts["scenario"] = None
-    return facts
+        scenario = None
+    return FileFacts(
+        path=str(path),
+        title=dataset.attrs.get("title", ""),
+        variables=sorted(map(str, dataset.data_vars)),
+        frames=frames,
+        pixels=[int(radiance.sizes["x"]), int(radiance.sizes["y"])],
+        directions=DirectionsHeld(
+            [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
+            [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
+            [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
+        ),
+        seed=int(dataset.attrs["seed"]) if "seed" in dataset.attrs else None,
+        bytes=_size(path),
+        provenance=_provenance(dataset),
+        summary=summarise(dataset) if done else None,
+        saturated_share=saturated,
+        scenario=scenario,
+    )
 
 
-def _texture_facts(path: Path | str, dataset: xr.Dataset) -> dict[str, Any]:
+def _texture_facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     """A loop of a texture, whose pixels look nowhere and have no band."""
     field = dataset["texture"]
-    return {
-        "path": str(path),
-        "title": dataset.attrs.get("title", ""),
-        "variables": ["texture"],
-        "frames": field.sizes["time"],
-        "frames_done": len(images(dataset, "texture")),
-        "complete": len(images(dataset, "texture")) == field.sizes["time"],
-        "first_frame": int(dataset["frame"][0]),
-        "frame_rate_hz": float(dataset.attrs["frame_rate_hz"]),
-        "pixels": [int(field.sizes["x"]), int(field.sizes["y"])],
-        "units": field.attrs.get("units", ""),
-        "seed": int(dataset.attrs["seed"]),
-        "bytes": _size(path),
-        "provenance": {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN},
-    }
+    return FileFacts(
+        path=str(path),
+        title=dataset.attrs.get("title", ""),
+        variables=["texture"],
+        frames=_frames(dataset, field.sizes["time"], len(images(dataset, "texture"))),
+        pixels=[int(field.sizes["x"]), int(field.sizes["y"])],
+        directions=None,
+        seed=int(dataset.attrs["seed"]),
+        bytes=_size(path),
+        provenance=_provenance(dataset),
+        units=field.attrs.get("units", ""),
+    )
+
+
+def _frames(dataset: xr.Dataset, count: int, done: int) -> FramesHeld:
+    return FramesHeld(count, done, done == count, int(dataset["frame"][0]), float(dataset.attrs["frame_rate_hz"]))
+
+
+def _provenance(dataset: xr.Dataset) -> JsonObject:
+    return {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN}
 
 
 def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def lines(facts: dict[str, Any]) -> list[str]:
+def lines(facts: FileFacts) -> list[str]:
     """Return the facts as lines of text."""
-    nx, ny = facts["pixels"]
-    out = [f"{facts['path']}: {facts['title']}"]
-    if "frames" in facts:
-        state = "complete" if facts["complete"] else f"UNFINISHED, {facts['frames_done']} done"
-        out.append(f"  frames            {facts['frames']} from number {facts['first_frame']} at {facts['frame_rate_hz']:g} Hz, {state}")
-    if "band_um" in facts:
-        (a0, a1), (e0, e1), (w0, w1) = (facts[key] for key in ("azimuth_deg", "elevation_deg", "band_um"))
+    nx, ny = facts.pixels
+    out = [f"{facts.path}: {facts.title}"]
+    if (held := facts.frames) is not None:
+        state = "complete" if held.complete else f"UNFINISHED, {held.frames_done} done"
+        out.append(f"  frames            {held.frames} from number {held.first_frame} at {held.frame_rate_hz:g} Hz, {state}")
+    if facts.directions is not None:
+        seen = facts.directions
+        (a0, a1), (e0, e1), (w0, w1) = seen.azimuth_deg, seen.elevation_deg, seen.band_um
         out += [
             f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
             f"  band              {w0:g} to {w1:g} um",
@@ -128,16 +221,15 @@ def lines(facts: dict[str, Any]) -> list[str]:
     else:
         out.append(f"  pixels            {nx} x {ny}, periodic along every axis")
     out += [
-        f"  variables         {', '.join(facts['variables'])}",
-        f"  size              {facts['bytes'] / 1e6:.1f} MB",
-        f"  seed              {facts['seed']}",
+        f"  variables         {', '.join(facts.variables)}",
+        f"  size              {facts.bytes / 1e6:.1f} MB",
+        f"  seed              {facts.seed}",
     ]
-    if "summary" in facts:
-        out.append(f"  radiance          {facts['summary']}")
-    if facts.get("saturated_share"):
-        shares = facts["saturated_share"]
+    if facts.summary is not None:
+        out.append(f"  radiance          {facts.summary.line}")
+    if shares := facts.saturated_share:
         out.append(
             f"  saturated         {100 * sum(shares) / len(shares):.3g} % of the pixels, {100 * max(shares):.3g} % in the worst frame"
         )
-    out += [f"  {key:17} {value}" for key, value in facts["provenance"].items()]
+    out += [f"  {key:17} {value}" for key, value in facts.provenance.items()]
     return out

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,8 +14,10 @@ from seaglint.cli.terminal.run_options import RunOptions
 from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
+    from seaglint.base.conventions import FloatArray
     from seaglint.cluster import Workers
     from seaglint.scenario.model import Scenario
+    from seaglint.weather.likelihood_summary import LikelihoodSummary
 
 _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
 
@@ -53,31 +55,27 @@ def likelihood(
 
     with naming_file(scenario, loaded), progress(run.show, "steps") as report:
         result = compute(loaded, progress=report)
-    values = result.as_dict()
-    for note in values["notes"]:
+    summary = result.summary()
+    for note in summary.notes:
         log(note)
-    _write(result, values, files, run.overwrite)
+    _write(summary, result.month_by_hour(), files)
     if as_json:
-        print_json(values)
+        print_json(summary.as_dict())
     else:
-        typer.echo("\n".join(lines(values)))
+        typer.echo("\n".join(lines(summary)))
 
 
-def lines(data: dict[str, Any]) -> list[str]:
+def lines(summary: LikelihoodSummary) -> list[str]:
     """A result for people."""
-    out = [f"{data['case']}, {data['quantity']}; {data['samples']} draws, clouds by '{data['clouds']}'"]
+    out = [f"{summary.case}, {summary.quantity}; {summary.samples} draws, clouds by '{summary.clouds}'"]
     out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
-    for row in data["results"]:
-        more = f"  {row['false_alarms_per_hour']:.4g} false alarms an hour" if "false_alarms_per_hour" in row else ""
-        out.append(
-            f"  {row['threshold_w_m2_sr']:>24g}  {row['probability']:>12.5g}  {row['interval'][0]:.5g} to {row['interval'][1]:.5g}{more}"
-        )
-    out.append(
-        f"  Sun up in {100 * data['sun_up']['share']:.4g} % of the draws, free of clouds in {100 * data['sun_free_of_clouds']:.4g} %"
-    )
-    exceeded = ", ".join(
-        f"{row['radiance_w_m2_sr']:.3g} in {100 * row['share_of_looks']:g} %" for row in data["contrast_exceeded_by_glint"]
-    )
+    for row in summary.results:
+        low, high = row.interval
+        more = "" if row.false_alarms_per_hour is None else f"  {row.false_alarms_per_hour:.4g} false alarms an hour"
+        out.append(f"  {row.threshold_w_m2_sr:>24g}  {row.probability:>12.5g}  {low:.5g} to {high:.5g}{more}")
+    up, free = summary.sun_up.share, summary.sun_free_of_clouds
+    out.append(f"  Sun up in {100 * up:.4g} % of the draws, free of clouds in {100 * free:.4g} %")
+    exceeded = ", ".join(f"{row.radiance_w_m2_sr:.3g} in {100 * row.share_of_looks:g} %" for row in summary.contrast_exceeded_by_glint)
     return [*out, f"  glint exceeds [W m-2 sr-1]: {exceeded} of the looks"]
 
 
@@ -103,20 +101,24 @@ def _make(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
 
 
-def _write(result: Any, values: dict[str, Any], files: list[Path], overwrite: bool) -> None:
+def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: list[Path]) -> None:
+    from dataclasses import asdict
+
     from seaglint.files.tables.likelihood_tables import write_table
     from seaglint.files.text_file import write_json
 
     for path in files:
         match path.suffix:
             case ".json":
-                write_json(values, path)
+                write_json(summary.as_dict(), path)
+            case ".csv" if path.name == "strata.csv":
+                write_table([asdict(row) for row in summary.strata], path)
             case ".csv":
-                write_table(values["strata" if path.name == "strata.csv" else "results"], path)
+                write_table([row.as_row() for row in summary.results], path)
             case _:
                 from seaglint.plot.likelihood_charts import write_charts
 
-                write_charts(values, result.month_by_hour(), path)
+                write_charts(summary, month_by_hour, path)
         log(f"{path} written")
 
 
@@ -167,20 +169,20 @@ def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_js
     if output is not None:
         refuse_existing(output, overwrite=overwrite, inputs=inputs)
     with naming_file(path, loaded):
-        way = along_track(loaded, track)
+        chances = along_track(loaded, track)
     if output is not None:
         if output.suffix == ".json":
-            write_json(way, output)
+            write_json(chances.as_dict(), output)
         else:
-            write_table(way["way"], output)
+            write_table(chances.rows(), output)
         log(f"{output} written")
     if as_json:
-        print_json(way)
+        print_json(chances.as_dict())
         return
-    for row in way["results"]:
+    for row in chances.results:
         typer.echo(
-            f"{row['threshold_w_m2_sr']:g} W m-2 sr-1: {row['hours']:.3g} of {way['hours']:.3g} h; glint lasts "
-            f"{_hours(row['mean_duration_hours'])} and comes back after {_hours(row['mean_return_hours'])}"
+            f"{row.threshold_w_m2_sr:g} W m-2 sr-1: {row.hours:.3g} of {chances.hours:.3g} h; glint lasts "
+            f"{_hours(row.mean_duration_hours)} and comes back after {_hours(row.mean_return_hours)}"
         )
 
 

@@ -23,7 +23,7 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
 
     computed = rows()
     if as_json:
-        print_json(computed)
+        print_json({name: row.as_dict() for name, row in computed.items()})
         return
     from seaglint.cli.terminal.text_table import table
 
@@ -178,7 +178,8 @@ def table1(
         write_columns(result.columns(), numbers, overwrite=overwrite)
         log(f"{numbers} written")
     if as_json:
-        print_json({"rows": result.rows(), "settings": result.settings(), "notes": list(result.analysis.notes)})
+        rows = {name: row.as_dict() for name, row in result.rows().items()}
+        print_json({"rows": rows, "settings": result.settings(), "notes": list(result.analysis.notes)})
         return
     from seaglint.cli.terminal.text_table import table
 

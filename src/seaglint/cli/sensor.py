@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,6 +15,8 @@ from seaglint.studies.sequence.sequence_requests import SenseRequest
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from seaglint.instrument.data_sheet import SensorDataSheet
 
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with [sensor.optics] and [sensor.detector]")]
@@ -129,60 +131,56 @@ def sensor(
             raise DataError(f"--plot {plot}: give a name that ends in .png, .pdf or .svg")
         refuse_existing(plot, overwrite=overwrite, inputs=files_read(scenario, loaded))
     with naming_file(scenario, loaded):
-        values = describe_sensor(loaded, frequency or ())
+        described = describe_sensor(loaded, frequency or ())
     if plot is not None:
         from seaglint.plot.sensor_figure import write_sensor_plot
 
-        write_sensor_plot(values, plot)
+        write_sensor_plot(described.sheet, plot)
         log(f"{plot} written")
     if as_json:
-        print_json(values)
+        print_json(described.as_dict())
     else:
-        typer.echo("\n".join(lines(values)))
+        typer.echo("\n".join(lines(described.sheet)))
 
 
-def lines(values: dict[str, Any]) -> list[str]:
+def lines(sheet: SensorDataSheet) -> list[str]:
     """Return the figures of merit as lines of text."""
     from seaglint.instrument.figures_of_merit import MTF_POINTS
 
-    unit = "electrons" if values["detector"] == "photon" else "nW"
-    key = "electrons" if values["detector"] == "photon" else "nw"
-    budget, mtf = values[f"noise_budget_{key}"], values["mtf"]
-    low, high = values["band_um"]
+    unit, budget, mtf = sheet.unit, sheet.noise_budget, sheet.mtf
+    low, high = sheet.band_um
     out = [
-        f"{values['detector']} detector, {low:g} to {high:g} um, F/{values['f_number']:.3g}, "
-        f"focal length {1e3 * values['focal_length_m']:.4g} mm",
-        f"  IFOV                    {values['ifov_mrad']:.5g} mrad, pictures drawn {values['oversampling']} times finer",
-        f"  NETD                    {1e3 * values['netd_k']:.4g} mK at {values['background_k']:g} K",
-        f"  SiTF                    {values['sitf_counts_per_k']:.5g} counts/K",
-        f"  gain                    {values['electrons_per_count'] or values['nw_per_count']:.5g} {unit}/count",
-        f"  NEI                     {values['nei_w_m2']:.4g} W m-2 at the aperture "
-        f"({100 * values['point_share']:.3g} % of a point in its pixel)",
-        f"  NEP                     {values['nep_w']:.4g} W on the pixel",
+        f"{sheet.detector} detector, {low:g} to {high:g} um, F/{sheet.f_number:.3g}, focal length {1e3 * sheet.focal_length_m:.4g} mm",
+        f"  IFOV                    {sheet.ifov_mrad:.5g} mrad, pictures drawn {sheet.oversampling} times finer",
+        f"  NETD                    {1e3 * sheet.netd_k:.4g} mK at {sheet.background_k:g} K",
+        f"  SiTF                    {sheet.sitf_counts_per_k:.5g} counts/K",
+        f"  gain                    {sheet.electrons_per_count or sheet.nw_per_count:.5g} {unit}/count",
+        f"  NEI                     {sheet.nei_w_m2:.4g} W m-2 at the aperture ({100 * sheet.point_share:.3g} % of a point in its pixel)",
+        f"  NEP                     {sheet.nep_w:.4g} W on the pixel",
     ]
-    if values["dynamic_range_db"] is not None:
-        out.append(f"  dynamic range           {values['dynamic_range_db']:.4g} dB")
-    if values["saturation_temperature_k"] is not None:
-        out.append(f"  saturates at            {values['saturation_temperature_k']:.5g} K")
-    out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf['nyquist_cycles_per_mrad']:.4g})")
-    for i in range(0, len(mtf["along"]), 5 if len(mtf["along"]) == MTF_POINTS else 1):
-        out.append(f"    {mtf['frequency_cycles_per_mrad'][i]:<21.4g} {mtf['along'][i]:<7.3f} {mtf['across'][i]:.3f}")
-    scene = budget["scene_apparent_temperature_k"]
-    full = values["saturation_radiance"] is not None and budget["scene_radiance"] > values["saturation_radiance"]
+    if sheet.dynamic_range_db is not None:
+        out.append(f"  dynamic range           {sheet.dynamic_range_db:.4g} dB")
+    if sheet.saturation_temperature_k is not None:
+        out.append(f"  saturates at            {sheet.saturation_temperature_k:.5g} K")
+    out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf.nyquist_cycles_per_mrad:.4g})")
+    for i in range(0, len(mtf.along), 5 if len(mtf.along) == MTF_POINTS else 1):
+        out.append(f"    {mtf.frequency_cycles_per_mrad[i]:<21.4g} {mtf.along[i]:<7.3f} {mtf.across[i]:.3f}")
+    scene = budget.scene_apparent_temperature_k
+    full = budget.scene_radiance > sheet.saturation_radiance
     out.append(
-        f"  noise budget [{unit}] at the scene's mean of {budget['scene_radiance']:.4g} W m-2 sr-1"
+        f"  noise budget [{unit}] at the scene's mean of {budget.scene_radiance:.4g} W m-2 sr-1"
         + (f" ({scene:.4g} K)" if scene else "")
         + (": beyond saturation; of a pixel without an end" if full else "")
     )
-    for name, value in budget.items():
-        if not name.startswith("scene_") and (value or name in ("signal", "total_temporal")):
+    for name, value in {"signal": budget.signal, **budget.noise}.items():
+        if value or name in ("signal", "total_temporal"):
             out.append(f"    {name.replace('_', ' '):<21} {value:.5g}")
-    parts = ", ".join(f"{name} {value:.4g}" for name, value in values[f"three_d_noise_{key}"].items())
+    parts = ", ".join(f"{name} {value:.4g}" for name, value in sheet.three_d_noise.items())
     out.append(f"  3-D noise [{unit}]  {parts}")
-    error = values["conversion_error"]
-    if values["detector"] == "photon":
+    error = sheet.conversion_error
+    if sheet.detector == "photon":
         out.append(
-            f"  photons of other spectra  {100 * error['280_k']:+.2f} % at 280 K, {100 * error['320_k']:+.2f} % at 320 K, "
-            f"{100 * error['sunlight']:+.3g} % for sunlight"
+            f"  photons of other spectra  {100 * error.at_280_k:+.2f} % at 280 K, {100 * error.at_320_k:+.2f} % at 320 K, "
+            f"{100 * error.sunlight:+.3g} % for sunlight"
         )
     return out

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +14,11 @@ from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import Without, takes_records
 from seaglint.studies.reading_requests import ReadingRequest
 from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
+
+if TYPE_CHECKING:
+    from seaglint.base.free_form import JsonObject
+    from seaglint.studies.texture.texture_sequences import DataLikelihood, Fitted
+    from seaglint.texture.quality import TextureDistances
 
 texture = typer.Typer(rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample, compare, lay on the sea.")
 
@@ -59,7 +65,7 @@ def fit(
     if as_json:
         print_json(result.stored.to_dict())
     else:
-        typer.echo("\n".join(fit_lines(result.stored.to_dict())))
+        typer.echo("\n".join(fit_lines(result)))
 
 
 @texture.command()
@@ -113,16 +119,15 @@ def compare(
         _refuse_report(report, request.overwrite, [first, second])
 
     comparison, one, other, likelihood = compare_files(first, second, reading.opened, request)
-    result = {**comparison.as_dict(), "likelihood": likelihood}
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
         write_comparison(comparison, one, other, report, overwrite=request.overwrite)
         log(f"{report} written")
     if as_json:
-        print_json(result)
+        print_json({**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood)})
     else:
-        typer.echo("\n".join(comparison_lines(result)))
+        typer.echo("\n".join(comparison_lines(comparison.distances, likelihood)))
 
 
 @texture.command()
@@ -165,23 +170,22 @@ def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
     refuse_existing(report, overwrite=overwrite, inputs=inputs)
 
 
-def fit_lines(held: dict[str, Any]) -> list[str]:
-    """A texture's file as a few lines of text."""
-    quality = held["quality"]
-    out = model_lines(held)
-    held_out = quality["held_out"]
-    if held_out["log_pseudo_likelihood"] is None:
-        out.append(f"held-out pseudo-likelihood: none ({held_out['reason']})")
+def fit_lines(result: Fitted) -> list[str]:
+    """A fitted texture as a few lines of text."""
+    out = model_lines(result.stored.to_dict())
+    held_out = result.held_out
+    if held_out.log_pseudo_likelihood is None:
+        out.append(f"held-out pseudo-likelihood: none ({held_out.reason})")
     else:
-        value, alone = held_out["log_pseudo_likelihood"], held_out["independent_pixels"]
+        value, alone = held_out.log_pseudo_likelihood, held_out.independent_pixels
         out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g})")
-    out += comparison_lines({**quality, "likelihood": None})
-    for entry in quality.get("gaussian_filtered_rates", ()):
-        out.append(f"  the Gaussian field, {entry['threshold_sigma']:g} sigma: {_times(entry['second_over_first'])} the data's rate")
-    return out + [f"note: {note}" for note in held["notes"]]
+    out += comparison_lines(result.comparison.distances)
+    for entry in () if result.gaussian is None else result.gaussian.distances.filtered_rates:
+        out.append(f"  the Gaussian field, {entry.threshold_sigma:g} sigma: {_times(entry.second_over_first)} the data's rate")
+    return out + [f"note: {note}" for note in result.stored.notes]
 
 
-def model_lines(held: dict[str, Any]) -> list[str]:
+def model_lines(held: JsonObject) -> list[str]:
     """Return the model, its parameters and the data of a fit as lines of text."""
     model, source = held["model"], held["source"]
     out = [f"{source['input']}: {source['frames']} frames of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
@@ -205,25 +209,25 @@ def _times(ratio: float | None) -> str:
     return "none of" if ratio is None else f"{ratio:.3g} times"
 
 
-def comparison_lines(result: dict[str, Any]) -> list[str]:
+def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | None = None) -> list[str]:
     """A comparison as a few lines of text."""
-    values = result["marginal"]
-    out = [f"{result['second']} against {result['first']}:"]
-    for entry in result["filtered_rates"]:
+    values = distances.marginal
+    out = [f"{distances.second} against {distances.first}:"]
+    for entry in distances.filtered_rates:
         out.append(
-            f"  filtered > {entry['threshold_sigma']:g} sigma: {entry['first']:.3g} and {entry['second']:.3g} per pixel "
-            f"({entry['first_over_gaussian']:.3g} and {entry['second_over_gaussian']:.3g} x Gaussian), "
-            f"{_times(entry['second_over_first'])} the first's"
+            f"  filtered > {entry.threshold_sigma:g} sigma: {entry.first:.3g} and {entry.second:.3g} per pixel "
+            f"({entry.first_over_gaussian:.3g} and {entry.second_over_gaussian:.3g} x Gaussian), "
+            f"{_times(entry.second_over_first)} the first's"
         )
-    out.append(f"  values: KS {values['ks']:.3g}, Wasserstein {values['wasserstein_std']:.3g} standard deviations")
-    time = result["time_correlation_distance"]
+    out.append(f"  values: KS {values.ks:.3g}, Wasserstein {values.wasserstein_std:.3g} standard deviations")
+    time = distances.time_correlation_distance
     out.append(
-        f"  spectra {result['spectrum_distance_db']:.3g} dB, correlations in space {result['correlation_distance']:.3g}"
+        f"  spectra {distances.spectrum_distance_db:.3g} dB, correlations in space {distances.correlation_distance:.3g}"
         + ("" if time is None else f", in time {time:.3g}")
     )
-    features = ", ".join(f"{name} {pair['first']:.3g} / {pair['second']:.3g}" for name, pair in result["cooccurrence"].items())
+    features = ", ".join(f"{name} {pair.first:.3g} / {pair.second:.3g}" for name, pair in distances.cooccurrence.items())
     out.append(f"  co-occurrence: {features}")
-    if result.get("likelihood"):
-        out.append(f"  log pseudo-likelihood per pixel of the data: {result['likelihood']['log_pseudo_likelihood']:.4g}")
-    out += [f"  fails: {sentence}" for sentence in result["fails"]] or ["  nothing is farther apart than the limits"]
+    if likelihood is not None:
+        out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}")
+    out += [f"  fails: {sentence}" for sentence in distances.fails] or ["  nothing is farther apart than the limits"]
     return out

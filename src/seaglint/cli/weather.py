@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from seaglint.cli.terminal.messages import log, print_json
+
+if TYPE_CHECKING:
+    from seaglint.weather.table_facts import WeatherFacts
 
 weather = typer.Typer(help="Tables of weather: how often which conditions come.", no_args_is_help=True)
 
@@ -89,7 +92,7 @@ def info(
         refuse_existing(plot, overwrite=overwrite, inputs=[table])
     _, facts = describe(table)
     if as_json:
-        print_json(facts)
+        print_json(facts.as_dict())
     else:
         typer.echo("\n".join(lines(facts)))
     if plot is not None:
@@ -103,32 +106,32 @@ def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g}"
 
 
-def lines(facts: dict[str, Any]) -> list[str]:
+def lines(facts: WeatherFacts) -> list[str]:
     """Return the facts of a weather table as lines of text."""
-    out = [f"{facts['path']}: {facts['rows']} rows, effectively {facts['effective_rows']:.0f}, weights sum to {facts['weight_sum']:.6g}"]
-    out.append(f"  covers {facts['covers']}")
-    if facts["regions"]:
-        out.append(f"  regions {', '.join(facts['regions'])}")
-    out += [f"  no rows in {month}: a draw in it takes {used}" for month, used in facts["missing_months"].items()]
+    out = [f"{facts.path}: {facts.rows} rows, effectively {facts.effective_rows:.0f}, weights sum to {facts.weight_sum:.6g}"]
+    out.append(f"  covers {facts.covers}")
+    if facts.regions:
+        out.append(f"  regions {', '.join(facts.regions)}")
+    out += [f"  no rows in {month}: a draw in it takes {used}" for month, used in facts.missing_months.items()]
     out.append(f"  {'column':22} {'mean':>9} {'min':>9} {'max':>9} {'missing %':>10}")
-    for name, column in facts["columns"].items():
-        numbers = " ".join(f"{_number(column[key]):>9}" for key in ("mean", "min", "max"))
-        out.append(f"  {name:22} {numbers} {100 * column['missing_share']:>10.3g}")
-    absent = [name for name, share in facts["missing_share"].items() if share == 1.0 and name not in facts["columns"]]
+    for name, column in facts.columns.items():
+        numbers = " ".join(f"{_number(value):>9}" for value in (column.mean, column.min, column.max))
+        out.append(f"  {name:22} {numbers} {100 * column.missing_share:>10.3g}")
+    absent = [name for name, share in facts.missing_share.items() if share == 1.0 and name not in facts.columns]
     if absent:
         out.append(f"  not in the table: {', '.join(absent)}")
-    if facts["atmospheres"]:
-        out.append("  atmospheres " + ", ".join(f"{name} {100 * share:.3g} %" for name, share in facts["atmospheres"].items()))
-    if facts["wind_cloud_correlation"] is not None:
-        out.append(f"  correlation of wind speed and cloud cover {facts['wind_cloud_correlation']:.3f}")
-    if facts["by_month"]:
+    if facts.atmospheres:
+        out.append("  atmospheres " + ", ".join(f"{name} {100 * share:.3g} %" for name, share in facts.atmospheres.items()))
+    if facts.wind_cloud_correlation is not None:
+        out.append(f"  correlation of wind speed and cloud cover {facts.wind_cloud_correlation:.3f}")
+    if facts.by_month:
         out.append(f"  {'month':>5} {'rows':>9} {'weight %':>9} {'wind m/s':>9} {'cloud':>9}")
-        for m in facts["by_month"]:
-            numbers = f"{100 * m['probability']:>9.3g} {_number(m['wind_speed_m_s']):>9} {_number(m['cloud_cover']):>9}"
-            out.append(f"  {m['month']:>5} {m['rows']:>9} {numbers}")
-    rose = facts["wind_rose"]
-    share = [sum(classes) for classes in rose["probability"]]
+        for m in facts.by_month:
+            numbers = f"{100 * m.probability:>9.3g} {_number(m.wind_speed_m_s):>9} {_number(m.cloud_cover):>9}"
+            out.append(f"  {m.month:>5} {m.rows:>9} {numbers}")
+    rose = facts.wind_rose
+    share = [sum(classes) for classes in rose.probability]
     if sum(share) > 0.0:
         best = max(range(len(share)), key=lambda k: share[k])
-        out.append(f"  most frequent wind from {rose['sector_centre_deg'][best]:g} deg, {100 * share[best]:.3g} % of the weight")
-    return out + [f"  # {note}" for note in facts["notes"]]
+        out.append(f"  most frequent wind from {rose.sector_centre_deg[best]:g} deg, {100 * share[best]:.3g} % of the weight")
+    return out + [f"  # {note}" for note in facts.notes]

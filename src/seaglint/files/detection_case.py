@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any, Self
+from typing import Self
 
 from seaglint.base.free_form import JsonObject, TableRow, TomlTables
 
@@ -153,7 +153,7 @@ class DetectionCase:
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text, as a file of an unfinished study holds them."""
-        told: dict[str, Any] = {"parameters": self.parameters, "scenario": self.scenario}
+        told: JsonObject = {"parameters": self.parameters, "scenario": self.scenario}
         if self.judged is None:
             return told | {"error": self.error}
         parts = {part.name: getattr(self.judged, part.name) for part in fields(Judged)}

@@ -14,13 +14,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.data_sheet import BudgetAtMean, ConversionError, SensorDataSheet, TransferCurves
 from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
 from seaglint.instrument.optics import motion_mtf
 
@@ -137,8 +138,8 @@ def figures(
     scene_radiance: float | None = None,
     rates: tuple[float, float] = (0.0, 0.0),
     frequencies: Sequence[float] = (),
-) -> dict[str, Any]:
-    """All figures of merit of a sensor, as plain numbers under names with their units.
+) -> SensorDataSheet:
+    """Return all figures of merit of a sensor.
 
     Parameters
     ----------
@@ -156,7 +157,6 @@ def figures(
     background = float(photons.radiance(BACKGROUND))
     mean = background if scene_radiance is None else scene_radiance
     noise, slope = budget(model, background), signal_slope(model, BACKGROUND)
-    units = "electrons" if photon else "nw"
     nyquist = 0.5 / model.ifov
     frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
     transfer = mtf(model, frequency, rates)
@@ -166,55 +166,55 @@ def figures(
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
     ceiling = (line.full_scale - line.background) / line.per_radiance
     share = point_share(model)
-    out: dict[str, Any] = {
-        "detector": "photon" if photon else "thermal",
-        "band_um": [photons.band.min_um, photons.band.max_um],
-        "mean_wavelength_um": 1e6 * photons.wavelength,
-        "aperture_m": optics.aperture,
-        "focal_length_m": optics.focal_length,
-        "f_number": optics.f_number,
-        "solid_angle_sr": optics.solid_angle,
-        "ifov_mrad": 1e3 * model.ifov,
-        "oversampling": model.oversampling,
-        "background_k": BACKGROUND,
-        "netd_k": noise.total / slope,
-        "sitf_counts_per_k": slope / line.gain,
-        "nei_w_m2": noise.total / (per_watt * optics.pupil_area * optics.transmission * share),
-        "nep_w": noise.total / per_watt,
-        "point_share": share,
-        "electrons_per_count": line.gain if photon else None,
-        "nw_per_count": None if photon else line.gain,
-        "offset_counts": line.offset,
-        "radiance_per_count": line.radiance_scale,
-        "radiance_at_zero_counts": line.radiance_offset,
-        "dynamic_range_db": 20.0 * math.log10(max((line.full_scale - line.background) / floor, 1e-9)) if floor > 0.0 else None,
-        "saturation_temperature_k": _finite(float(photons.apparent_temperature(ceiling))),
-        "saturation_radiance": ceiling,
-        "mtf": {
-            "frequency_cycles_per_mrad": (1e-3 * frequency).tolist(),
-            "along": transfer["along"]["total"].tolist(),
-            "across": transfer["across"]["total"].tolist(),
-            "nyquist_cycles_per_mrad": 1e-3 * nyquist,
-            "parts": {way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
-        },
-        f"noise_budget_{units}": {
-            "scene_radiance": mean,
-            "scene_apparent_temperature_k": _finite(float(photons.apparent_temperature(mean))),
-            "signal": here.signal,
-            **here.parts,
-            "total_temporal": here.total,
-            "fixed_pattern": fixed_pattern(model, mean),
-        },
-        f"three_d_noise_{units}": three_d(model, mean),
-        "conversion_error": {
-            "reference_k": photons.temperature,
-            "280_k": photons.error(280.0) if photon else 0.0,
-            "320_k": photons.error(320.0) if photon else 0.0,
-            "sunlight": photons.sunlight_error if photon else 0.0,
-        },
-        "time_s": time,
-    }
-    return out
+    curves = TransferCurves(
+        frequency_cycles_per_mrad=(1e-3 * frequency).tolist(),
+        along=transfer["along"]["total"].tolist(),
+        across=transfer["across"]["total"].tolist(),
+        nyquist_cycles_per_mrad=1e-3 * nyquist,
+        parts={way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
+    )
+    return SensorDataSheet(
+        detector="photon" if photon else "thermal",
+        band_um=[photons.band.min_um, photons.band.max_um],
+        mean_wavelength_um=1e6 * photons.wavelength,
+        aperture_m=optics.aperture,
+        focal_length_m=optics.focal_length,
+        f_number=optics.f_number,
+        solid_angle_sr=optics.solid_angle,
+        ifov_mrad=1e3 * model.ifov,
+        oversampling=model.oversampling,
+        background_k=BACKGROUND,
+        netd_k=noise.total / slope,
+        sitf_counts_per_k=slope / line.gain,
+        nei_w_m2=noise.total / (per_watt * optics.pupil_area * optics.transmission * share),
+        nep_w=noise.total / per_watt,
+        point_share=share,
+        electrons_per_count=line.gain if photon else None,
+        nw_per_count=None if photon else line.gain,
+        offset_counts=line.offset,
+        radiance_per_count=line.radiance_scale,
+        radiance_at_zero_counts=line.radiance_offset,
+        dynamic_range_db=20.0 * math.log10(max((line.full_scale - line.background) / floor, 1e-9)) if floor > 0.0 else None,
+        saturation_temperature_k=_finite(float(photons.apparent_temperature(ceiling))),
+        saturation_radiance=ceiling,
+        mtf=curves,
+        noise_budget=BudgetAtMean(
+            scene_radiance=mean,
+            scene_apparent_temperature_k=_finite(float(photons.apparent_temperature(mean))),
+            signal=here.signal,
+            parts=here.parts,
+            total_temporal=here.total,
+            fixed_pattern=fixed_pattern(model, mean),
+        ),
+        three_d_noise=three_d(model, mean),
+        conversion_error=ConversionError(
+            reference_k=photons.temperature,
+            at_280_k=photons.error(280.0) if photon else 0.0,
+            at_320_k=photons.error(320.0) if photon else 0.0,
+            sunlight=photons.sunlight_error if photon else 0.0,
+        ),
+        time_s=time,
+    )
 
 
 def _finite(value: float) -> float | None:

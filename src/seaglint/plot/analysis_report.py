@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from html import escape
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from seaglint.analysis import Analysis
+from seaglint.analysis.summary import AnalysisSummary
 from seaglint.base.conventions import Progress
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
@@ -55,12 +56,12 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
 
 def report(analysis: Analysis, progress: Progress = lambda done, total: None) -> str:
     """The report as text."""
-    results = analysis.as_dict()
+    results = analysis.summary()
     images: dict[str, str] = {}
     for done, (name, picture) in enumerate(PICTURES.items(), start=1):
         images[name] = figure(png(picture.draw(analysis)), picture.title, picture.caption)
         progress(done, len(PICTURES))
-    title = f"Clutter and false alarms: {results['source']}"
+    title = f"Clutter and false alarms: {results.source}"
     body = [
         f"<h1>{escape(title)}</h1>",
         f'<p class="facts">{escape(_facts(results))}</p>',
@@ -72,111 +73,110 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
         section("Distributions", images["histograms"], *_fits(analysis, results)),
         section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
         section("How it was done", *_methods(analysis, results)),
-        all_numbers(results),
+        all_numbers(results.as_dict()),
     ]
     return page(title, body)
 
 
-def _regions(results: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    return [(name, region) for name, region in results["regions"].items() if region is not None]
-
-
-def _facts(results: dict[str, Any]) -> str:
-    rate = results["frame_rate_hz"]
-    frames = results["frames"]
+def _facts(results: AnalysisSummary) -> str:
+    rate = results.frame_rate_hz
+    frames = results.frames
     facts = [
         "1 frame" if frames == 1 else f"{frames} frames",
-        f"{results['columns']} × {results['rows']} pixels",
+        f"{results.columns} × {results.rows} pixels",
         f"{rate:g} Hz" if rate is not None else "frame rate not known",
-        f"units {unit_of(results['units'])}" if results["units"] else "units not known",
-        f"filter {results['filter']}",
+        f"units {unit_of(results.units)}" if results.units else "units not known",
+        f"filter {results.filter}",
         f"seaglint {__version__}",
     ]
     return " · ".join(facts)
 
 
-def _notes(results: dict[str, Any]) -> str:
-    own = [f"{name}: {note}" for name, region in _regions(results) for note in region["notes"]]
-    return notes([*results["notes"], *own], "Nothing unusual was found in the data.")
+def _notes(results: AnalysisSummary) -> str:
+    own = [f"{name}: {note}" for name, region in results.present.items() for note in region.notes]
+    return notes([*results.notes, *own], "Nothing unusual was found in the data.")
 
 
-def _summary(results: dict[str, Any]) -> str:
+def _summary(results: AnalysisSummary) -> str:
     rows = []
-    for name, region in _regions(results):
-        for entry in region["false_alarms"]:
-            time = entry["correlation_time_s"]
-            frames = entry["correlation_time_frames"]
-            notes = [text for text in (entry["note"], entry["correlation_note"]) if text]
+    for name, region in results.present.items():
+        for entry in region.false_alarms:
+            time = entry.correlation_time_s
+            frames = entry.correlation_time_frames
+            notes = [text for text in (entry.note, entry.correlation_note) if text]
             rows.append(
                 [
                     name,
-                    entry["filter"],
-                    number(entry["threshold_sigma"]),
-                    number(entry["exceedances"]),
-                    number(entry["rate"]),
-                    interval([entry["rate_low"], entry["rate_high"]]),
-                    number(entry["gaussian_rate"]),
-                    number(entry["ratio"]),
-                    number(entry["inflation"]),
-                    number(time) if time is not None or results["frame_rate_hz"] is not None else number(frames),
+                    entry.filter,
+                    number(entry.threshold_sigma),
+                    number(entry.exceedances),
+                    number(entry.rate),
+                    interval([entry.rate_low, entry.rate_high]),
+                    number(entry.gaussian_rate),
+                    number(entry.ratio),
+                    number(entry.inflation),
+                    number(time) if time is not None or results.frame_rate_hz is not None else number(frames),
                     "; ".join(dict.fromkeys(notes)),
                 ]
             )
-    seconds = "s" if results["frame_rate_hz"] is not None else "frames"
+    seconds = "s" if results.frame_rate_hz is not None else "frames"
     head = ["region", "filter or detector", "threshold [σ]", "false alarms", "rate per pixel", "95 % interval", "Gaussian tail"]
     head += ["rate / Gaussian", "variance / independent", f"correlation time [{seconds}]", "remarks"]
     return table(head, rows, words=(10,))
 
 
-def _segmentation(results: dict[str, Any]) -> str:
-    result = results["segmentation"]
-    text = f"Method: {result['method']}."
-    if result["separability"] is not None:
-        text += f" Separability {number(result['separability'])} (a corridor has at least 0.69), contrast {number(result['contrast'])}"
+def _segmentation(results: AnalysisSummary) -> str:
+    result = results.segmentation
+    text = f"Method: {result.method}."
+    if result.separability is not None:
+        text += f" Separability {number(result.separability)} (a corridor has at least 0.69), contrast {number(result.contrast)}"
         text += " standard deviations of the background (at least 2)"
-        text += "." if result["border_step"] is None else f", {100 * result['border_step']:.0f} % of the step at the border (at most 44 %)."
-    if result["reason"]:
-        text += f" No corridor: {result['reason']}."
-    if result["doubt"]:
-        text += f" The corridor is not sure: {result['doubt']}."
-    if result["sky_pixels"]:
-        text += f" {number(result['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
+        text += "." if result.border_step is None else f", {100 * result.border_step:.0f} % of the step at the border (at most 44 %)."
+    if result.reason:
+        text += f" No corridor: {result.reason}."
+    if result.doubt:
+        text += f" The corridor is not sure: {result.doubt}."
+    if result.sky_pixels:
+        text += f" {number(result.sky_pixels)} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
     return text
 
 
-def _moments(results: dict[str, Any]) -> str:
-    unit = unit_of(results["units"])
+def _moments(results: AnalysisSummary) -> str:
+    unit = unit_of(results.units)
     keys = ("pixels", 3), ("values", 3), ("mean", 5), ("std", 5), ("minimum", 5), ("maximum", 5), ("skewness", 3), ("excess_kurtosis", 3)
-    rows = [[name, *(number(r[key], digits) for key, digits in keys), number(100.0 * r["saturated"])] for name, r in _regions(results)]
+    rows = [
+        [name, *(number(getattr(r, key), digits) for key, digits in keys), number(100.0 * r.saturated)]
+        for name, r in results.present.items()
+    ]
     head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
     return table([*head, "skewness", "excess kurtosis", "saturated [%]"], rows)
 
 
-def _events(results: dict[str, Any]) -> str:
+def _events(results: AnalysisSummary) -> str:
     keys = "threshold_sigma", "events", "events_per_frame", "event_duration_s"
     rows = [
-        [name, entry["filter"], *(number(entry[key]) for key in keys)]
-        for name, region in _regions(results)
-        for entry in region["false_alarms"]
+        [name, entry.filter, *(number(getattr(entry, key)) for key in keys)]
+        for name, region in results.present.items()
+        for entry in region.false_alarms
     ]
     head = ["region", "filter or detector", "threshold [σ]", "events", "events per frame", "mean duration [s]"]
     text = "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>"
     return text + table(head, rows)
 
 
-def _tails(results: dict[str, Any]) -> str:
+def _tails(results: AnalysisSummary) -> str:
     rows = []
-    for name, region in _regions(results):
-        for entry in region["false_alarms"]:
-            tail = entry["tail"]
+    for name, region in results.present.items():
+        for entry in region.false_alarms:
+            tail = entry.tail
             if tail is None:
                 continue
-            if tail["reason"] is not None:
-                rows.append([name, entry["filter"], *[ABSENT] * 8, tail["reason"]])
+            if tail.reason is not None:
+                rows.append([name, entry.filter, *[ABSENT] * 8, tail.reason])
                 continue
-            values = [tail["from_sigma"], tail["events"], tail["shape"]]
-            more = [tail["scale_sigma"], tail["goodness_p"], tail["trusted_to_sigma"], tail["trusted_to_rate"]]
-            rows.append([name, entry["filter"], *map(number, values), interval(tail["shape_interval"]), *map(number, more), ""])
+            values = [tail.from_sigma, tail.events, tail.shape]
+            more = [tail.scale_sigma, tail.goodness_p, tail.trusted_to_sigma, tail.trusted_to_rate]
+            rows.append([name, entry.filter, *map(number, values), interval(tail.shape_interval), *map(number, more), ""])
     head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
     head += ["trusted to [σ]", "trusted to rate", "remarks"]
     text = (
@@ -187,20 +187,20 @@ def _tails(results: dict[str, Any]) -> str:
     return text + table(head, rows, words=(10,))
 
 
-def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
-    unit = unit_of(results["units"])
+def _fits(analysis: Analysis, results: AnalysisSummary) -> list[str]:
+    unit = unit_of(results.units)
     head = ["family", "shape", "95 % interval", f"scale [{unit}]", "95 % interval", f"loc [{unit}]", "KS", "level", "AD", "level"]
     head += ["log likelihood per value", "independent values", "remarks"]
     parts = []
-    for name, region in _regions(results):
+    for name, region in results.present.items():
         rows = []
-        for family, f in region["fits"].items():
-            remark = f["reason"] or (f"{100 * f['excluded']:.2g} % of the values, not above loc, left out" if f["excluded"] else "")
+        for family, f in region.fits.items():
+            remark = f.reason or (f"{100 * f.excluded:.2g} % of the values, not above loc, left out" if f.excluded else "")
             good = analysis.regions[name].goodness.get(family)
             least = None if good is None else 1.0 / (good.replicates + 1)
-            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), interval(f["shape_interval"]), number(f["scale"], 4)]
-            row += [interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
-            row += [_level(f["ad_p"], least), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
+            row = [FAMILY_NAMES.get(family, family), number(f.shape, 4), interval(f.shape_interval), number(f.scale, 4)]
+            row += [interval(f.scale_interval), number(f.loc, 4), number(f.ks), _level(f.ks_p, least), number(f.ad)]
+            row += [_level(f.ad_p, least), number(f.log_likelihood_per_value, 5), number(f.effective_count, 4), remark]
             rows.append(row)
         parts += [f"<h3>{escape(name)}</h3>", table(head, rows, words=(12,))]
     return parts
@@ -211,25 +211,25 @@ def _level(p: float | None, least: float | None) -> str:
     return f"≤\u00a0{number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
 
 
-def _memory(results: dict[str, Any]) -> str:
+def _memory(results: AnalysisSummary) -> str:
     rows = []
-    for name, r in _regions(results):
-        length, still = r["correlation_length_px"], r["stationarity"]
-        verdict = r["stationary"]
-        block = " × ".join(map(str, still["block_px"])) if min(still["block_px"]) > 0 else ABSENT
-        row = [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
-        row += ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
-        rows.append([*row, block, still["reason"] or ""])
+    for name, r in results.present.items():
+        length, still = r.correlation_length_px, r.stationarity
+        verdict = r.stationary
+        block = " × ".join(map(str, still.block_px)) if min(still.block_px) > 0 else ABSENT
+        row = [name, number(length.x), number(length.y), number(r.correlation_time_s), number(r.correlation_time_frames)]
+        row += ["not decidable" if verdict is None else number(verdict), number(still.p_mean, 2), number(still.p_variance, 2)]
+        rows.append([*row, block, still.reason or ""])
     head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
     return table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
 
 
-def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
+def _methods(analysis: Analysis, results: AnalysisSummary) -> list[str]:
     options = analysis.options
     first, last = options.rows
     done = [
         f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border, and the pixels that see "
-        f"it are {'counted' if results['border'] == 'kept' else 'left out of sigma and rates'}.",
+        f"it are {'counted' if results.border == 'kept' else 'left out of sigma and rates'}.",
         f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
         "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an "
         "effective number of pixels from the scatter of counts between tiles and times.",
@@ -238,14 +238,14 @@ def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
         "there are enough of them, else from the number of independent values. Levels of KS (Kolmogorov-Smirnov) and AD "
         "(Anderson-Darling) come from a parametric bootstrap with that number, so that neither fitted parameters nor correlated pixels "
         "make a fit look worse than it is. A small level speaks against the family; a large one does not prove it.",
-        f"Stationarity: {next((r['stationarity']['method'] for _, r in _regions(results)), '')}.",
-        f"Regions: {results['segmentation']['method']}.",
+        f"Stationarity: {next((r.stationarity.method for _, r in results.present.items()), '')}.",
+        f"Regions: {results.segmentation.method}.",
     ]
     if options.detectors:
         names = ", ".join(d.name + (" (promises its own rate)" if d.calibrated else "") for d in options.detectors)
         done.append(f"Detectors judged by the same counting: {names}.")
     used = [
-        ["source", results["source"]],
+        ["source", results.source],
         ["filter", options.filter.name],
         ["thresholds beside 3.0 and 3.5", ", ".join(f"{t:g}" for t in options.thresholds) or "none"],
         ["sigma of", options.scope],

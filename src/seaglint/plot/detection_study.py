@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from seaglint.files.detection_case import Chips, FalseAlarmMap
+    from seaglint.files.detection_range import DetectionRange
 
 
 MOST_CURVES: Final = 6
@@ -125,30 +126,30 @@ def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     return figure
 
 
-def draw_ranges(found: Sequence[dict[str, Any]]) -> Figure:
+def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
     """Ranges of detection: about the bearing from the Sun as polar curves where there are several bearings, else P_d against range."""
-    lines: dict[str, list[TableRow]] = {}
+    lines: dict[str, list[DetectionRange]] = {}
     for one in found:
-        lines.setdefault(", ".join(f"{k} = {v}" for k, v in one["parameters"].items()), []).append(one)
-    polar = len({one["bearing_deg"] for one in found}) > 1
+        lines.setdefault(one.named, []).append(one)
+    polar = len({one.bearing_deg for one in found}) > 1
     figure = _figure(5.6, 5.2)
     axes: Any = figure.add_subplot(projection="polar" if polar else None)
     for name, some in lines.items():
         if polar:
             axes.set_theta_zero_location("N")
             axes.set_theta_direction(-1)
-            ordered = sorted(some, key=lambda one: one["bearing_deg"])
-            theta = np.radians([one["bearing_deg"] for one in ordered])
-            metres = [(one["range_interval_m"][0] if one["range_m"] is None else one["range_m"]) / 1e3 for one in ordered]
+            ordered = sorted(some, key=lambda one: one.bearing_deg or 0.0)
+            theta = np.radians([one.bearing_deg or 0.0 for one in ordered])
+            metres = [((one.range_interval_m[0] or 0.0) if one.range_m is None else one.range_m) / 1e3 for one in ordered]
             around = np.diff(theta, append=theta[0] + 2.0 * np.pi).max() < 0.6 * np.pi  # closed where no wide gap is left
             x, y = ([*v, v[0]] if around else v for v in (theta, metres))
             (line,) = axes.plot(x, y, marker="o", markersize=3, label=name or None)
-            open_ended = [k for k, one in enumerate(ordered) if one["range_m"] is None]
+            open_ended = [k for k, one in enumerate(ordered) if one.range_m is None]
             axes.plot(theta[open_ended], np.array(metres)[open_ended], "o", markersize=7, fillstyle="none", color=line.get_color())
         else:
             for one in some:
-                points = one["points"]
-                axes.plot([p["range_m"] / 1e3 for p in points], [p["p_d"] for p in points], marker="o", markersize=3, label=name or None)
+                points = one.points
+                axes.plot([p.range_m / 1e3 for p in points], [p.p_d for p in points], marker="o", markersize=3, label=name or None)
             axes.set(xscale="log", xlabel="range [km]", ylabel="P_d", ylim=(-0.02, 1.02))
     if polar:
         axes.set_title("range of detection [km] by bearing from the Sun", fontsize=10)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.free_form import TableRow
 from seaglint.files.outputs import moved_when_whole
+from seaglint.weather.likelihood_summary import LikelihoodSummary, StratumChance
 from seaglint.weather.weather_table import MONTHS
 
 if TYPE_CHECKING:
@@ -20,59 +20,59 @@ if TYPE_CHECKING:
 _DPI = 130
 
 
-def write_charts(result: dict[str, Any], month_by_hour: FloatArray | None, output: Path) -> None:
+def write_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None, output: Path) -> None:
     """Draw chances by threshold, by bearing (polar), by wind and, where the time varies, by month and hour."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 8.0), layout="constrained")
-    first = result["results"][0]["threshold_w_m2_sr"]
-    _thresholds(figure.add_subplot(2, 2, 1), result)
-    _bearings(figure.add_subplot(2, 2, 2, projection="polar"), result, first)
-    _causes(figure.add_subplot(2, 2, 3), result, first)
+    first = summary.results[0].threshold_w_m2_sr
+    _thresholds(figure.add_subplot(2, 2, 1), summary)
+    _bearings(figure.add_subplot(2, 2, 2, projection="polar"), summary, first)
+    _causes(figure.add_subplot(2, 2, 3), summary, first)
     axes = figure.add_subplot(2, 2, 4)
     if month_by_hour is None:
-        _bars(axes, _of(result, "sun_elevation_deg", first), "Sun's elevation [deg]")
+        _bars(axes, _of(summary, "sun_elevation_deg", first), "Sun's elevation [deg]")
     else:
         image = axes.pcolormesh(np.arange(25), np.arange(13), month_by_hour, cmap="magma", vmin=0.0)
         axes.set(xlabel="hour of the Sun's day [h]", title="by month and hour", xticks=range(0, 25, 4))
         axes.set_yticks(np.arange(12) + 0.5, [name[:3] for name in MONTHS])
         axes.invert_yaxis()
         figure.colorbar(image, ax=axes, label="probability [1]")
-    figure.suptitle(f"{result['case']}: glint above {first:g} W m⁻² sr⁻¹")
+    figure.suptitle(f"{summary.case}: glint above {first:g} W m⁻² sr⁻¹")
     _save(figure, output)
 
 
-def _of(result: dict[str, Any], by: str, threshold: float) -> list[dict[str, Any]]:
-    return [row for row in result["strata"] if row["by"] == by and row["threshold_w_m2_sr"] == threshold]
+def _of(summary: LikelihoodSummary, by: str, threshold: float) -> list[StratumChance]:
+    return [row for row in summary.strata if row.by == by and row.threshold_w_m2_sr == threshold]
 
 
-def _thresholds(axes: Axes, result: dict[str, Any]) -> None:
-    rows = sorted(result["results"], key=lambda row: row["threshold_w_m2_sr"])
-    x, p = np.array([r["threshold_w_m2_sr"] for r in rows]), np.array([r["probability"] for r in rows])
-    low, high = np.array([r["interval"] for r in rows]).T
+def _thresholds(axes: Axes, summary: LikelihoodSummary) -> None:
+    rows = sorted(summary.results, key=lambda row: row.threshold_w_m2_sr)
+    x, p = np.array([row.threshold_w_m2_sr for row in rows]), np.array([row.probability for row in rows])
+    low, high = np.array([row.interval for row in rows]).T
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
     axes.set(
         xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
     )
 
 
-def _bearings(axes: Axes, result: dict[str, Any], threshold: float) -> None:
-    rows = _of(result, "azimuth_from_sun_deg", threshold)
+def _bearings(axes: Axes, summary: LikelihoodSummary, threshold: float) -> None:
+    rows = [(row.low, row.high, row.value) for row in _of(summary, "azimuth_from_sun_deg", threshold) if row.high is not None]
     axes.set_theta_zero_location("N")  # type: ignore[attr-defined]
     axes.set_theta_direction(-1)  # type: ignore[attr-defined]
-    middle = [math.radians(0.5 * (row["low"] + row["high"])) for row in rows]
-    axes.bar(middle, [row["value"] for row in rows], width=[math.radians(row["high"] - row["low"]) for row in rows], alpha=0.7)
+    middle = [math.radians(0.5 * (low + high)) for low, high, _ in rows]
+    axes.bar(middle, [value for *_, value in rows], width=[math.radians(high - low) for low, high, _ in rows], alpha=0.7)
     axes.set_title("probability [1] by azimuth from the Sun [deg]")
 
 
-def _causes(axes: Axes, result: dict[str, Any], threshold: float) -> None:
-    _bars(axes, _of(result, "wind_speed_m_s", threshold), "wind [m/s]")
+def _causes(axes: Axes, summary: LikelihoodSummary, threshold: float) -> None:
+    _bars(axes, _of(summary, "wind_speed_m_s", threshold), "wind [m/s]")
 
 
-def _bars(axes: Axes, rows: list[TableRow], label: str) -> None:
-    names = [f"{row['low']:g}-{row['high']:g}" if row["high"] is not None else f">{row['low']:g}" for row in rows]
-    axes.bar(names, [row["contribution"] or 0.0 for row in rows], color="tab:orange", label="share of all glint")
-    axes.bar(names, [row["share"] for row in rows], fill=False, edgecolor="black", label="share of all draws")
+def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
+    names = [f"{row.low:g}-{row.high:g}" if row.high is not None else f">{row.low:g}" for row in rows]
+    axes.bar(names, [row.contribution or 0.0 for row in rows], color="tab:orange", label="share of all glint")
+    axes.bar(names, [row.share for row in rows], fill=False, edgecolor="black", label="share of all draws")
     axes.set(xlabel=label, ylabel="share [1]")
     axes.legend()
 

@@ -16,7 +16,7 @@ from seaglint.files.text_file import write_text
 from seaglint.plot.clutter import png
 from seaglint.plot.page import bullets, figure, notes, number, page, section, table
 from seaglint.texture.long_tails import interior
-from seaglint.texture.quality import LIMITS, Comparison
+from seaglint.texture.quality import LIMITS, Comparison, TextureDistances
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,53 +97,54 @@ def comparison_report(
     comparison: Comparison, first: Frames, second: Frames, gaussian: Comparison | None = None, about: Sequence[str] = ()
 ) -> str:
     """The report as text; ``about`` are sentences on the fit."""
-    result = comparison.as_dict()
-    title = f"Textures: {result['second']} against {result['first']}"
+    distances = comparison.distances
+    measures = figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")
+    title = f"Textures: {distances.second} against {distances.first}"
     body = [
         f"<h1>{escape(title)}</h1>",
-        notes(result["fails"], "Nothing is farther apart than the limits."),
+        notes(distances.fails, "Nothing is farther apart than the limits."),
         *([section("The fit", bullets(about))] if about else []),
         section("Side by side", figure(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
-        section("False alarms of the filtered picture", _rates(result, gaussian)),
-        section("Measures", _measures(result), figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
+        section("False alarms of the filtered picture", _rates(distances, gaussian)),
+        section("Measures", _measures(distances), measures),
         section("How it was done", _methods()),
     ]
     return page(title, body)
 
 
-def _rates(result: dict[str, Any], gaussian: Comparison | None) -> str:
-    head = ["threshold [σ]", "Gaussian tail", result["first"], "95 % interval", result["second"], "95 % interval", "second / first"]
-    plain = None if gaussian is None else gaussian.as_dict()["filtered_rates"]
+def _rates(distances: TextureDistances, gaussian: Comparison | None) -> str:
+    head = ["threshold [σ]", "Gaussian tail", distances.first, "95 % interval", distances.second, "95 % interval", "second / first"]
+    plain = None if gaussian is None else gaussian.distances.filtered_rates
     if plain is not None:
         head += ["Gaussian field", "Gaussian field / first"]
     rows = []
-    for i, entry in enumerate(result["filtered_rates"]):
-        row = [number(entry["threshold_sigma"]), number(entry["gaussian_rate"])]
-        for name in ("first", "second"):
-            low, high = entry[f"{name}_interval"]
-            row += [number(entry[name]), f"{number(low)} … {number(high)}"]
-        row.append(number(entry["second_over_first"]))
+    for i, entry in enumerate(distances.filtered_rates):
+        row = [number(entry.threshold_sigma), number(entry.gaussian_rate)]
+        for rate, (low, high) in ((entry.first, entry.first_interval), (entry.second, entry.second_interval)):
+            row += [number(rate), f"{number(low)} … {number(high)}"]
+        row.append(number(entry.second_over_first))
         if plain is not None:
-            row += [number(plain[i]["second"]), number(plain[i]["second_over_first"])]
+            row += [number(plain[i].second), number(plain[i].second_over_first)]
         rows.append(row)
     return table(head, rows)
 
 
-def _measures(result: dict[str, Any]) -> str:
-    values = result["marginal"]
+def _measures(distances: TextureDistances) -> str:
+    values = distances.marginal
     rows = [
-        ["distribution functions, largest distance", number(values["ks"]), number(LIMITS["ks"])],
-        ["values, Wasserstein [standard deviations]", number(values["wasserstein_std"]), ""],
-        ["spectra, rms [dB]", number(result["spectrum_distance_db"]), number(LIMITS["spectrum_db"])],
-        ["correlations in space, rms", number(result["correlation_distance"]), number(LIMITS["correlation"])],
-        ["correlations in time, rms", number(result["time_correlation_distance"]), number(LIMITS["time_correlation"])],
+        ["distribution functions, largest distance", number(values.ks), number(LIMITS["ks"])],
+        ["values, Wasserstein [standard deviations]", number(values.wasserstein_std), ""],
+        ["spectra, rms [dB]", number(distances.spectrum_distance_db), number(LIMITS["spectrum_db"])],
+        ["correlations in space, rms", number(distances.correlation_distance), number(LIMITS["correlation"])],
+        ["correlations in time, rms", number(distances.time_correlation_distance), number(LIMITS["time_correlation"])],
     ]
     rows += [
-        [f"co-occurrence, {name}, relative", number(pair["relative"]), number(LIMITS["cooccurrence"])]
-        for name, pair in result["cooccurrence"].items()
+        [f"co-occurrence, {name}, relative", number(pair.relative), number(LIMITS["cooccurrence"])]
+        for name, pair in distances.cooccurrence.items()
     ]
     keys = ("mean", "std", "skewness", "excess_kurtosis")
-    moments = [[result[name], *(number(values[name][key], 4) for key in keys)] for name in ("first", "second")]
+    both = (distances.first, values.first), (distances.second, values.second)
+    moments = [[name, *(number(getattr(one, key), 4) for key in keys)] for name, one in both]
     return table(["distance", "found", "limit"], rows) + table(
         ["texture", "mean", "standard deviation", "skewness", "excess kurtosis"], moments
     )

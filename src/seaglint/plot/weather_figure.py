@@ -9,23 +9,24 @@ from typing import Any
 import numpy as np
 
 from seaglint.files.outputs import moved_when_whole
+from seaglint.weather.table_facts import MonthFacts, WeatherFacts, WindRose
 
 SIZE = (12.0, 9.0)
 """Width and height [in]."""
 
 
-def write_weather_plot(facts: dict[str, Any], path: Path) -> None:
-    """Draw what :func:`seaglint.studies.likelihood.weather_files.describe` tells into a picture file."""
+def write_weather_plot(facts: WeatherFacts, path: Path) -> None:
+    """Draw the facts of a table of weather into a picture file."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, layout="constrained")
     FigureCanvasAgg(figure)
-    _rose(figure.add_subplot(2, 2, 1, projection="polar"), facts["wind_rose"])
+    _rose(figure.add_subplot(2, 2, 1, projection="polar"), facts.wind_rose)
     _joint(figure, figure.add_subplot(2, 2, 2), facts)
-    _months(figure.add_subplot(2, 2, 3), facts["by_month"])
-    _missing(figure.add_subplot(2, 2, 4), facts["missing_share"])
-    figure.suptitle(f"{Path(facts['path']).name}: {facts['rows']} rows, effectively {facts['effective_rows']:.0f}")
+    _months(figure.add_subplot(2, 2, 3), facts.by_month)
+    _missing(figure.add_subplot(2, 2, 4), facts.missing_share)
+    figure.suptitle(f"{Path(facts.path).name}: {facts.rows} rows, effectively {facts.effective_rows:.0f}")
     with moved_when_whole(path) as partial:
         figure.savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
 
@@ -34,9 +35,9 @@ def _classes(edges: list[float | None]) -> list[str]:
     return [f"{low:g}-{high:g}" if high is not None else f"above {low:g}" for low, high in pairwise(edges)]
 
 
-def _rose(axes: Any, rose: dict[str, Any]) -> None:
-    percent = 100.0 * np.array(rose["probability"])
-    angle, width = np.radians(rose["sector_centre_deg"]), 2.0 * np.pi / len(rose["sector_centre_deg"])
+def _rose(axes: Any, rose: WindRose) -> None:
+    percent = 100.0 * np.array(rose.probability)
+    angle, width = np.radians(rose.sector_centre_deg), 2.0 * np.pi / len(rose.sector_centre_deg)
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     axes.set_title("where the wind comes from [% of the weight]", fontsize=10)
@@ -45,7 +46,7 @@ def _rose(axes: Any, rose: dict[str, Any]) -> None:
         axes.set_axis_off()
         return
     bottom = np.zeros(angle.size)
-    for k, label in enumerate(_classes(rose["speed_edges_m_s"])):
+    for k, label in enumerate(_classes(rose.speed_edges_m_s)):
         axes.bar(
             angle,
             percent[:, k],
@@ -66,30 +67,31 @@ def _shade(k: int, count: int) -> Any:
     return colormaps["viridis"](k / max(count - 1, 1))
 
 
-def _joint(figure: Any, axes: Any, facts: dict[str, Any]) -> None:
-    joint = facts["wind_cloud"]
-    percent = 100.0 * np.array(joint["probability"])
+def _joint(figure: Any, axes: Any, facts: WeatherFacts) -> None:
+    joint = facts.wind_cloud
+    percent = 100.0 * np.array(joint.probability)
     shown = axes.imshow(percent, origin="lower", aspect="auto", cmap="Blues", vmin=0.0)
     axes.set_xticks(range(percent.shape[1]), [f"{k}" for k in range(percent.shape[1])])
-    axes.set_yticks(range(percent.shape[0]), _classes(joint["speed_edges_m_s"]))
+    axes.set_yticks(range(percent.shape[0]), _classes(joint.speed_edges_m_s))
     for (row, column), value in np.ndenumerate(percent):
         if value >= 0.5:
             colour = "white" if value > 0.6 * percent.max() else "black"
             axes.text(column, row, f"{value:.0f}" if value >= 10 else f"{value:.1f}", ha="center", va="center", fontsize=7, color=colour)
-    linked = facts["wind_cloud_correlation"]
+    linked = facts.wind_cloud_correlation
     axes.set(xlabel="cloud cover [eighths]", ylabel="wind speed [m/s]")
     axes.set_title(f"wind and cloud [%]{'' if linked is None else f', correlation {linked:.2f}'}", fontsize=10)
     figure.colorbar(shown, ax=axes, shrink=0.8)
 
 
-def _months(axes: Any, months: list[dict[str, Any]]) -> None:
+def _months(axes: Any, months: list[MonthFacts]) -> None:
     axes.set_title("means by month", fontsize=10)
     if not months:
         axes.text(0.5, 0.5, "no months in the table", ha="center", va="center", transform=axes.transAxes)
         axes.set_axis_off()
         return
-    number = [m["month"] for m in months]
-    wind, cloud = ([np.nan if m[key] is None else m[key] for m in months] for key in ("wind_speed_m_s", "cloud_cover"))
+    number = [m.month for m in months]
+    wind = [np.nan if m.wind_speed_m_s is None else m.wind_speed_m_s for m in months]
+    cloud = [np.nan if m.cloud_cover is None else m.cloud_cover for m in months]
     axes.plot(number, wind, "o-", color="black", label="wind")
     axes.set(xlabel="month", ylabel="wind speed [m/s]", xlim=(0.5, 12.5), xticks=range(1, 13))
     axes.set_ylim(bottom=0.0)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Final
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,87 +99,186 @@ class Likeness:
 
 
 @dataclass(frozen=True)
+class RatePair:
+    """Rates of both filtered pictures above a threshold.
+
+    Attributes
+    ----------
+    threshold_sigma : float
+        Threshold [standard deviations].
+    gaussian_rate : float
+        One-sided Gaussian tail [1].
+    first, second : float
+        Rates per pixel and frame [1].
+    first_interval, second_interval : list of float or None
+        Ends of their 95 % intervals [1].
+    first_over_gaussian, second_over_gaussian : float
+        Rates over the Gaussian tail [1].
+    second_over_first : float or None
+        Ratio of the rates [1]; None where one of them is 0.
+    """
+
+    threshold_sigma: float
+    gaussian_rate: float
+    first: float
+    first_interval: list[float | None]
+    second: float
+    second_interval: list[float | None]
+    first_over_gaussian: float
+    second_over_gaussian: float
+    second_over_first: float | None
+
+    @classmethod
+    def of(cls, a: FalseAlarmRate, b: FalseAlarmRate) -> Self:
+        """Return the rates of the first and the second picture."""
+        ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
+        ends = [a.rate_low, a.rate_high], [b.rate_low, b.rate_high]
+        return cls(a.threshold_sigma, a.gaussian_rate, a.rate, ends[0], b.rate, ends[1], a.ratio, b.ratio, ratio)
+
+
+@dataclass(frozen=True)
+class ValueMoments:
+    """Mean and standard deviation of the pixels [u], skewness and excess kurtosis [1]."""
+
+    mean: float
+    std: float
+    skewness: float
+    excess_kurtosis: float
+
+    @classmethod
+    def of(cls, values: FloatArray) -> Self:
+        """Return the moments of a sample of pixels [u]."""
+        z = (values - values.mean()) / max(float(values.std()), 1e-300)
+        return cls(float(values.mean()), float(values.std()), float((z**3).mean()), float((z**4).mean()) - 3.0)
+
+
+@dataclass(frozen=True)
+class ValueDistances:
+    """Differences between the values of two pictures.
+
+    Attributes
+    ----------
+    ks : float
+        Largest distance of the distribution functions [1].
+    wasserstein_std : float
+        Wasserstein distance [standard deviations of the first].
+    first, second : ValueMoments
+        Moments of both.
+    """
+
+    ks: float
+    wasserstein_std: float
+    first: ValueMoments
+    second: ValueMoments
+
+
+@dataclass(frozen=True)
+class FeaturePair:
+    """Feature of co-occurring grey levels of both pictures, and the relative difference [1]."""
+
+    first: float
+    second: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class TextureDistances:
+    """Distances between two textures.
+
+    Attributes
+    ----------
+    first, second : str
+        Names.
+    filtered_rates : list of RatePair
+        False alarms of the filtered pictures by threshold.
+    marginal : ValueDistances
+        Differences of the values.
+    spectrum_distance_db : float
+        Rms ratio of the spectra [dB].
+    correlation_distance : float
+        Rms difference of the correlations in space [1].
+    time_correlation_distance : float or None
+        Rms difference of the correlations in time [1]; None without time.
+    cooccurrence : dict of FeaturePair
+        Features of co-occurring grey levels by name.
+    fails : list of str
+        Sentences on the measures that differ by more than :data:`LIMITS`.
+    """
+
+    first: str
+    second: str
+    filtered_rates: list[RatePair]
+    marginal: ValueDistances
+    spectrum_distance_db: float
+    correlation_distance: float
+    time_correlation_distance: float | None
+    cooccurrence: dict[str, FeaturePair]
+    fails: list[str]
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and words."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
 class Comparison:
     """Measures of two textures, the first one the data."""
 
     first: Likeness
     second: Likeness
 
+    @cached_property
+    def distances(self) -> TextureDistances:
+        """Distances between the two."""
+        a, b = self.first, self.second
+        pairs = ((name, a.features[name], b.features[name]) for name in a.features)
+        result = TextureDistances(
+            first=a.name,
+            second=b.name,
+            filtered_rates=[RatePair.of(p, q) for p, q in zip(a.rates, b.rates, strict=True)],
+            marginal=_values(a.values, b.values),
+            spectrum_distance_db=_decibels(a.spectrum, b.spectrum),
+            correlation_distance=math.sqrt(0.5 * (_rms(a.x, b.x) ** 2 + _rms(a.y, b.y) ** 2)),
+            time_correlation_distance=None if a.time is None or b.time is None else _rms(a.time, b.time),
+            cooccurrence={name: FeaturePair(one, other, _relative(name, one, other)) for name, one, other in pairs},
+            fails=[],
+        )
+        return replace(result, fails=_fails(result))
+
     def as_dict(self) -> JsonObject:
         """Return the comparison as plain numbers and words."""
-        a, b = self.first, self.second
-        rates = [_rates(p, q) for p, q in zip(a.rates, b.rates, strict=True)]
-        values = self._values()
-        times = None if a.time is None or b.time is None else _rms(a.time, b.time)
-        features = {
-            name: {"first": a.features[name], "second": b.features[name], "relative": _relative(name, a.features[name], b.features[name])}
-            for name in a.features
-        }
-        result = {
-            "first": a.name,
-            "second": b.name,
-            "filtered_rates": rates,
-            "marginal": values,
-            "spectrum_distance_db": _decibels(a.spectrum, b.spectrum),
-            "correlation_distance": math.sqrt(0.5 * (_rms(a.x, b.x) ** 2 + _rms(a.y, b.y) ** 2)),
-            "time_correlation_distance": times,
-            "cooccurrence": features,
-        }
-        return {**result, "fails": _fails(result)}
-
-    def _values(self) -> JsonObject:
-        a, b = self.first.values, self.second.values
-        every = np.concatenate([a, b])
-        every.sort()
-        shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
-        steps = np.linspace(0.0005, 0.9995, 1000)
-        spread = max(float(a.std()), 1e-300)
-        out: JsonObject = {
-            "ks": float(np.abs(shares[0] - shares[1]).max()),
-            "wasserstein_std": float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread,
-        }
-        for name, v in (("first", a), ("second", b)):
-            z = (v - v.mean()) / max(float(v.std()), 1e-300)
-            moments = {"skewness": float((z**3).mean()), "excess_kurtosis": float((z**4).mean()) - 3.0}
-            out[name] = {"mean": float(v.mean()), "std": float(v.std()), **moments}
-        return out
+        return self.distances.as_dict()
 
 
-def _rates(a: FalseAlarmRate, b: FalseAlarmRate) -> JsonObject:
-    ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
-    return {
-        "threshold_sigma": a.threshold_sigma,
-        "gaussian_rate": a.gaussian_rate,
-        "first": a.rate,
-        "first_interval": [a.rate_low, a.rate_high],
-        "second": b.rate,
-        "second_interval": [b.rate_low, b.rate_high],
-        "first_over_gaussian": a.ratio,
-        "second_over_gaussian": b.ratio,
-        "second_over_first": ratio,
-    }
+def _values(a: FloatArray, b: FloatArray) -> ValueDistances:
+    every = np.concatenate([a, b])
+    every.sort()
+    shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
+    steps = np.linspace(0.0005, 0.9995, 1000)
+    spread = max(float(a.std()), 1e-300)
+    wasserstein = float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread
+    return ValueDistances(float(np.abs(shares[0] - shares[1]).max()), wasserstein, ValueMoments.of(a), ValueMoments.of(b))
 
 
-def _fails(comparison: Mapping[str, Any]) -> list[str]:
+def _fails(distances: TextureDistances) -> list[str]:
     """Sentences on the measures that differ by more than :data:`LIMITS`."""
     out = []
-    for entry in comparison["filtered_rates"]:
-        ratio, most = entry["second_over_first"], LIMITS["rate_factor"]
+    for entry in distances.filtered_rates:
+        ratio, most = entry.second_over_first, LIMITS["rate_factor"]
         if ratio is None:
-            out.append(f"at {entry['threshold_sigma']:g} sigma one of the two has no exceedance in the filtered picture")
+            out.append(f"at {entry.threshold_sigma:g} sigma one of the two has no exceedance in the filtered picture")
         elif not 1.0 / most <= ratio <= most:
-            out.append(f"the filtered picture exceeds {entry['threshold_sigma']:g} sigma {ratio:.2g} times as often as the first")
+            out.append(f"the filtered picture exceeds {entry.threshold_sigma:g} sigma {ratio:.2g} times as often as the first")
     checks = (
-        ("ks", comparison["marginal"]["ks"], "distribution functions of the pixels differ by {:.2g}"),
-        ("spectrum_db", comparison["spectrum_distance_db"], "spectra differ by {:.2g} dB rms"),
-        ("correlation", comparison["correlation_distance"], "correlations in space differ by {:.2g} rms"),
-        ("time_correlation", comparison["time_correlation_distance"], "correlations in time differ by {:.2g} rms"),
+        ("ks", distances.marginal.ks, "distribution functions of the pixels differ by {:.2g}"),
+        ("spectrum_db", distances.spectrum_distance_db, "spectra differ by {:.2g} dB rms"),
+        ("correlation", distances.correlation_distance, "correlations in space differ by {:.2g} rms"),
+        ("time_correlation", distances.time_correlation_distance, "correlations in time differ by {:.2g} rms"),
     )
     out += [text.format(value) for name, value, text in checks if value is not None and value > LIMITS[name]]
-    worst = max(comparison["cooccurrence"], key=lambda name: comparison["cooccurrence"][name]["relative"])
-    if comparison["cooccurrence"][worst]["relative"] > LIMITS["cooccurrence"]:
-        pair = comparison["cooccurrence"][worst]
-        out.append(f"co-occurring grey levels differ most in {worst}: {pair['first']:.3g} and {pair['second']:.3g}")
+    worst, pair = max(distances.cooccurrence.items(), key=lambda item: item[1].relative)
+    if pair.relative > LIMITS["cooccurrence"]:
+        out.append(f"co-occurring grey levels differ most in {worst}: {pair.first:.3g} and {pair.second:.3g}")
     return out
 
 

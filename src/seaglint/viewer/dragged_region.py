@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import AnalysisOptions, analyze
-from seaglint.analysis.region import Gatherer, number
+from seaglint.analysis.region import Gatherer
 from seaglint.analysis.run import FEWEST_PIXELS
+from seaglint.analysis.summary import number
 from seaglint.analysis.survey import survey
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,7 @@ from seaglint.air.sky_spline import Sky, SkySamples, brightness_temperature, rad
 from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir
@@ -117,7 +118,7 @@ class SampledAtmosphere(ClearAir):
     wavenumber_cm: FloatArray
     height: float
     name: str
-    provenance: dict[str, Any]
+    provenance: JsonObject
     _beyond: bool
     _ranges: tuple[float, float]
     _longest: float
@@ -146,7 +147,7 @@ class SampledAtmosphere(ClearAir):
         scattered: ScatteredSamples | None = None,
         scattering: Callable[[], ScatteringAir] | None = None,
         name: str = "sampled atmosphere",
-        provenance: dict[str, Any] | None = None,
+        provenance: JsonObject | None = None,
     ) -> SampledAtmosphere:
         """Prepare the splines.
 

@@ -25,6 +25,7 @@ from seaglint.air.scattering.lowtran_ray import AEROSOLS, layer_amounts
 from seaglint.air.scattering.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, Segments, SpectralLaws, grid_of
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 
 FILE: Final = "scattering_lowtran7.npz"
 
@@ -60,10 +61,10 @@ def covers(band_um: tuple[float, float]) -> bool:
     return bool(1e4 / band_um[1] >= grid[0] * (1.0 - MARGIN) and 1e4 / band_um[0] <= grid[-1] * (1.0 + MARGIN))
 
 
-def provenance() -> dict[str, Any]:
+def provenance() -> JsonObject:
     """Source of the file."""
     held = read_file()
-    recorded: dict[str, Any] = json.loads(str(held["provenance"]))
+    recorded: JsonObject = json.loads(str(held["provenance"]))
     return recorded | {"sha256": str(held["sha256"])}
 
 

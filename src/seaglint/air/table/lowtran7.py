@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,7 @@ from seaglint.air.table.table_file import ANGLE_SLACK, BandTable, Spectra
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.optics.blackbody import planck_wavenumber
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ class TableAtmosphere(ClearAir):
     model: str
     wind_speed: float
     wavenumber_cm: FloatArray
-    provenance: dict[str, Any]
+    provenance: JsonObject
     _table: BandTable
     _path_depth: Spectra
     _path_temperature: Spectra

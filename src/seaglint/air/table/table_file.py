@@ -34,6 +34,7 @@ from seaglint.air.table.absorbers import Region
 from seaglint.air.table.stencil import Stencil
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 
 _DATA = resources.files("seaglint.air").joinpath("data")
 
@@ -135,7 +136,7 @@ class BandTable:
     region: Region
     wavenumber_cm: FloatArray
     solar: FloatArray
-    provenance: dict[str, Any]
+    provenance: JsonObject
     winds: FloatArray
     wind_kinks: tuple[float, ...]
     heights: FloatArray

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from seaglint.studies.article.article_row import ArticleRow
 
 
 def _number(value: Any) -> str:
@@ -14,13 +17,12 @@ def _number(value: Any) -> str:
     return f"{value:.4g}" if isinstance(value, int | float) else str(value)
 
 
-def table(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def table(rows: Mapping[str, ArticleRow]) -> list[str]:
     """Lines of a table: what, article, ours, unit; the settings of each row under it."""
     width = max((len(key) for key in rows), default=4)
     out = [f"{'what':{width}}  {'article':>12}  {'ours':>12}  unit"]
     for key, row in rows.items():
-        out.append(f"{key:{width}}  {_number(row['article']):>12}  {_number(row['ours']):>12}  {row.get('unit', '')}".rstrip())
-        if settings := row.get("settings"):
-            text = "; ".join(f"{k} = {_number(v)}" for k, v in settings.items()) if isinstance(settings, Mapping) else str(settings)
-            out.append(f"{'':{width}}  {text}")
+        out.append(f"{key:{width}}  {_number(row.article):>12}  {_number(row.ours):>12}  {row.unit}".rstrip())
+        if row.settings:
+            out.append(f"{'':{width}}  {'; '.join(f'{name} = {_number(value)}' for name, value in row.settings.items())}")
     return out

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.free_form import Attributes
 from seaglint.base.processor import processor
 from seaglint.base.schema import VARIABLES
 from seaglint.files.store.layout import FORMAT, UNFINISHED, Layout
@@ -31,7 +32,7 @@ def make_arrays(store: Path | str, layout: Layout) -> None:
         whole = {"shards": (unit, *size)} if unit > 1 else {}
         return {"chunks": (1, *size), "compressors": _compressor(itemsize), **whole}
 
-    begun: dict[str, Any] = {"seaglint_format": FORMAT, UNFINISHED: {"made": False}}
+    begun: Attributes = {"seaglint_format": FORMAT, UNFINISHED: {"made": False}}
     group: Any = zarr.open_group(store, mode="w-", zarr_format=3, attributes=begun)
     directions = () if layout.turning else ("azimuth", "elevation")
     dated = () if layout.start is None else ("utc",)

@@ -23,6 +23,7 @@ from seaglint.radiance.article import article_radiance
 from seaglint.radiance.glint_correlation import capillary_length
 from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
+from seaglint.studies.article.article_row import ArticleRow
 
 _MODEL: Final = "midlatitude-summer"
 _SEA_TEMPERATURE: Final = 288.15
@@ -30,7 +31,6 @@ _SENSOR_HEIGHT: Final = 100.0
 _CALM: Final = 0.5  # the article's calm: its 526 K is the peak near 0.5 m/s (0 m/s 570 K, 1 m/s 500 K)
 _BAND: Final = Band.rectangular(3.5, 5.0)
 
-Row = dict[str, Any]
 Radiance = Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]
 
 
@@ -106,13 +106,13 @@ def _contrast(min_um: float, max_um: float) -> float:
     return float((warm - cold) / cold)
 
 
-def headline() -> dict[str, Row]:
+def headline() -> dict[str, ArticleRow]:
     """Rows of the article's headline numbers.
 
     Returns
     -------
     dict
-        Key to ``{"article": ..., "ours": ..., "unit": ..., "settings": {...}}``, plain numbers and text, ready for JSON.
+        Rows by name.
 
     References
     ----------
@@ -122,11 +122,11 @@ def headline() -> dict[str, Row]:
     return _blackbody_rows() | _glint_rows() | _statistics_rows()
 
 
-def _row(article: float, ours: float, unit: str, **settings: Any) -> Row:
-    return {"article": article, "ours": ours, "unit": unit, "settings": settings}
+def _row(article: float, ours: float, unit: str, **settings: Any) -> ArticleRow:
+    return ArticleRow(article, ours, unit, settings)
 
 
-def _blackbody_rows() -> dict[str, Row]:
+def _blackbody_rows() -> dict[str, ArticleRow]:
     blackbody = ARTICLE_UNIT * float(Band.rectangular(3.0, 5.0).radiance(292.4, wavenumber_grid(3.0, 5.0)))
     return {
         "contrast_mwir": _row(0.42, _contrast(3.0, 5.0), "1", band_um=[3.0, 5.0], temperatures_k=[300.0, 310.0]),
@@ -135,7 +135,7 @@ def _blackbody_rows() -> dict[str, Row]:
     }
 
 
-def _glint_rows() -> dict[str, Row]:
+def _glint_rows() -> dict[str, ArticleRow]:
     calm, windy = brightest_point(_CALM), brightest_point(10.0)
     means = brightest_point(10.0, 50.0, article_radiance)
     common = {
@@ -160,7 +160,7 @@ def _glint_rows() -> dict[str, Row]:
     }
 
 
-def _statistics_rows() -> dict[str, Row]:
+def _statistics_rows() -> dict[str, ArticleRow]:
     length = {"relation": "Eq. 17 as printed: surface tension 76.3 dyn/cm, 1.025 g/cm3, no gravity"}
     return {
         "tail_3_sigma": _row(0.0014, float(ndtr(-3.0)), "1", threshold_sigma=3.0, distribution="Gaussian, one-sided"),

@@ -7,13 +7,15 @@ The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` says how
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
+from seaglint.analysis.summary import AlarmSummary
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.facet.sea_view import SeaView
@@ -22,6 +24,7 @@ from seaglint.imaging.scene import Scene, image
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
+from seaglint.studies.article.article_row import ArticleRow
 from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -122,30 +125,31 @@ class Table1:
     scenario: Scenario
     analysis: Analysis
 
-    def rows(self) -> dict[str, dict[str, Any]]:
-        """Article's value and ours by region, threshold and quantity, plain numbers and text, ready for JSON; absent ones are None."""
-        out: dict[str, dict[str, Any]] = {}
+    def rows(self) -> dict[str, ArticleRow]:
+        """Article's value and ours by region, threshold and quantity; absent ones are None."""
+        out: dict[str, ArticleRow] = {}
         for region, threshold, alarm in self._alarms():
             rate, time = ARTICLE[region][threshold]
-            ratio = None if rate is None else rate / alarm["gaussian_rate"]
+            ratio = None if rate is None else rate / alarm.gaussian_rate
             name = f"{region}_{threshold:g}_sigma"
-            known = alarm["rate_low"] is not None
-            interval = {"interval_95": [alarm["rate_low"], alarm["rate_high"]] if known else None, "note": alarm["note"]}
-            out[f"rate_{name}"] = {"article": rate, "ours": alarm["rate"], "unit": "1", "settings": interval}
-            out[f"times_gaussian_{name}"] = {"article": ratio, "ours": alarm["ratio"], "unit": "1", "settings": {}}
-            out[f"correlation_time_{name}"] = {"article": time, "ours": alarm["correlation_time_s"], "unit": "s", "settings": {}}
+            known = alarm.rate_low is not None
+            interval = {"interval_95": [alarm.rate_low, alarm.rate_high] if known else None, "note": alarm.note}
+            out[f"rate_{name}"] = ArticleRow(rate, alarm.rate, "1", interval)
+            out[f"times_gaussian_{name}"] = ArticleRow(ratio, alarm.ratio, "1")
+            out[f"correlation_time_{name}"] = ArticleRow(time, alarm.correlation_time_s, "s")
         return out
 
     def columns(self) -> dict[str, FloatArray]:
         """Return the rows as columns of a CSV file, one row for each threshold."""
         thresholds = sorted(ARTICLE["glint"])
         alarms = {(region, threshold): alarm for region, threshold, alarm in self._alarms()}
-        columns = {"threshold_sigma": thresholds, "gaussian_rate": [alarms["glint", m]["gaussian_rate"] for m in thresholds]}
+        columns: dict[str, Sequence[float | None]]
+        columns = {"threshold_sigma": thresholds, "gaussian_rate": [alarms["glint", m].gaussian_rate for m in thresholds]}
         for region, article in ARTICLE.items():
             columns[f"{region}_article_rate"] = [article[m][0] for m in thresholds]
             columns[f"{region}_article_correlation_time_s"] = [article[m][1] for m in thresholds]
             for key in ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s"):
-                columns[f"{region}_{key}"] = [alarms[region, m][key] for m in thresholds]
+                columns[f"{region}_{key}"] = [getattr(alarms[region, m], key) for m in thresholds]
         return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}  # None becomes NaN
 
     def settings(self) -> JsonObject:
@@ -168,13 +172,13 @@ class Table1:
             "regions": f"glint: mean mirrored Sun at least {CORRIDOR_SHARE:g} of its row's largest; background: the rest of the sea",
         }
 
-    def _alarms(self) -> list[tuple[str, float, dict[str, Any]]]:
-        regions = self.analysis.as_dict()["regions"]
+    def _alarms(self) -> list[tuple[str, float, AlarmSummary]]:
+        regions = self.analysis.summary().present
         return [
-            (name, alarm["threshold_sigma"], alarm)
+            (name, alarm.threshold_sigma, alarm)
             for name in ARTICLE
-            for alarm in regions[name]["false_alarms"]
-            if alarm["threshold_sigma"] in ARTICLE[name]
+            for alarm in regions[name].false_alarms
+            if alarm.threshold_sigma in ARTICLE[name]
         ]
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Final, Self
 
 import numpy as np
 
 from seaglint.base.errors import DataError, DomainError, SeaglintError
+from seaglint.base.free_form import JsonObject
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.cluster_variance import score_interval
 from seaglint.clutter.false_alarms import FalseAlarms
@@ -136,7 +138,77 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
     return tail_above(judged, threshold.law, alarms.curve(), alarms.events(lower), lowest=lower)
 
 
-def design(found: Performance, source: FrameSource, options: DetectionOptions, wanted: Design) -> dict[str, Any]:
+@dataclass(frozen=True)
+class DesignFigures:
+    """Contrast that a detector needs, and what clutter costs against white noise.
+
+    Attributes
+    ----------
+    p_d, p_fa : float
+        Share of objects found, and rate of false alarms per pixel [1].
+    p_fa_interval : list of float
+        Ends of the rate's 95 % interval [1].
+    alarms_per_hour : float or None
+        False alarms asked for [1/h]; None where the rate itself was.
+    threshold_sigma : float
+        Threshold of that rate [standard deviations].
+    threshold_how : str
+        Way in which the rate is known: counted or extrapolated.
+    believed : bool
+        Whether it is to be believed.
+    contrast : float or None
+        Contrast needed; None where it cannot be stated in its unit.
+    contrast_interval : list of float or None
+        Ends of its interval.
+    white_contrast, white_sigma : float or None
+        Contrast needed in white Gaussian noise of the same variance, and its standard deviation.
+    loss_db : float or None
+        Ratio of the two contrasts [dB].
+    note : str or None
+        Why there is no comparison with white noise.
+    contrast_pixel, white_contrast_pixel : float or None
+        Both contrasts in the pixel [units of the source], where ``contrast`` is stated in another unit.
+    """
+
+    p_d: float
+    p_fa: float
+    p_fa_interval: list[float | None]
+    alarms_per_hour: float | None
+    threshold_sigma: float
+    threshold_how: str
+    believed: bool
+    contrast: float | None
+    contrast_interval: list[float | None]
+    white_contrast: float | None = None
+    white_sigma: float | None = None
+    loss_db: float | None = None
+    note: str | None = None
+    contrast_pixel: float | None = None
+    white_contrast_pixel: float | None = None
+
+    def stated_by(self, inverse: Callable[[float], float]) -> Self:
+        """Return the figures with contrasts in the unit to which ``inverse`` takes those in the pixel; None where it has none."""
+
+        def stated(pixel: float | None) -> float | None:
+            value = math.nan if pixel is None else inverse(pixel)
+            return value if math.isfinite(value) else None
+
+        ends = [None if end is None else inverse(end) for end in self.contrast_interval]
+        return replace(
+            self,
+            contrast=stated(self.contrast),
+            white_contrast=stated(self.white_contrast),
+            contrast_interval=ends,
+            contrast_pixel=self.contrast,
+            white_contrast_pixel=self.white_contrast,
+        )
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return asdict(self)
+
+
+def design(found: Performance, source: FrameSource, options: DetectionOptions, wanted: Design) -> DesignFigures:
     """Contrast for a P_d at a rate of false alarms, and the loss against white Gaussian noise of the same variance.
 
     Raises
@@ -152,28 +224,24 @@ def design(found: Performance, source: FrameSource, options: DetectionOptions, w
             needed = contrast_for(found.judged, source, objects, as_threshold(at, options.law), wanted.p_d)
     finally:
         _closed(found.judged)
-    out: dict[str, Any] = {
-        "p_d": wanted.p_d,
-        "p_fa": at.p_fa,
-        "p_fa_interval": [at.low, at.high],
-        "alarms_per_hour": None if wanted.p_fa is not None else wanted.alarms_per_hour,
-        "threshold_sigma": at.sigma,
-        "threshold_how": at.how,
-        "believed": at.believed,
-        "contrast": needed.contrast,
-        "contrast_interval": [needed.low, needed.high],
-        "white_contrast": None,
-        "white_sigma": None,
-        "loss_db": None,
-        "note": None,
-    }
-    if wanted.white:
-        try:
-            white, sigma = white_contrast(source, options, wanted, at.p_fa)
-            out |= {"white_contrast": white, "white_sigma": sigma, "loss_db": loss_db(needed.contrast, white)}
-        except SeaglintError as error:
-            out["note"] = f"white noise of the same variance: {error}"
-    return out
+    out = DesignFigures(
+        p_d=wanted.p_d,
+        p_fa=at.p_fa,
+        p_fa_interval=[at.low, at.high],
+        alarms_per_hour=None if wanted.p_fa is not None else wanted.alarms_per_hour,
+        threshold_sigma=at.sigma,
+        threshold_how=at.how,
+        believed=at.believed,
+        contrast=needed.contrast,
+        contrast_interval=[needed.low, needed.high],
+    )
+    if not wanted.white:
+        return out
+    try:
+        white, sigma = white_contrast(source, options, wanted, at.p_fa)
+        return replace(out, white_contrast=white, white_sigma=sigma, loss_db=loss_db(needed.contrast, white))
+    except SeaglintError as error:
+        return replace(out, note=f"white noise of the same variance: {error}")
 
 
 def white_contrast(source: FrameSource, options: DetectionOptions, wanted: Design, p_fa: float) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import math
 import pickle
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.design import by_windows
 from seaglint.detection.level import Rescaled
 from seaglint.files.detection_parts import Parts
+from seaglint.files.detection_range import DetectionRange, RangePoint
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.detect.designer import Design, rate_threshold
@@ -105,7 +106,7 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
 
 def p_d_at(
     scenario: Scenario, wanted: SceneOptions, asked: RangeOptions, range_m: float, bearing: float | None, parts: Parts
-) -> dict[str, Any]:
+) -> RangePoint:
     """P_d of the object at one range at the threshold of the wanted rate; 0 with a note where nothing of it is seen.
 
     Waves that are geometry hide some of the object: as many seas as there are frames of say which share is seen, and P_d is the mean over
@@ -115,27 +116,18 @@ def p_d_at(
     key = hashlib.sha256(pickle.dumps((scene.model_dump_json(), wanted, asked.design), protocol=5)).hexdigest()[:16]
     kept = parts.case(f"range-{key}")
     if kept is not None:
-        return kept
-    out: dict[str, Any] = {
-        "range_m": range_m,
-        "p_d": 0.0,
-        "p_d_interval": None,
-        "visible_share": 0.0,
-        "contrast_pixel": 0.0,
-        "threshold_sigma": None,
-        "note": None,
-    }
+        return RangePoint.of(kept)
     try:
         seen = seen_object(scene, asked.name)
     except DataError as error:
-        out["note"] = str(error)
+        point = RangePoint(range_m, note=str(error))
     else:
         seas = IndependentSeas.of(scene)
         shares = seen.visible_shares(wanted.seas, seas)
         if not shares.any():
-            out["note"] = f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas"
-            parts.keep_case(f"range-{key}", out)
-            return out
+            point = RangePoint(range_m, note=f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas")
+            parts.keep_case(f"range-{key}", point.as_dict())
+            return point
         length = lead_of(wanted.options, seen.shape) + 1
         name = frames_key(scene, length)
         source = SceneFrames(seas, parts.frames(name), length)
@@ -149,20 +141,21 @@ def p_d_at(
         at = rate_threshold(found, asked.design)
         rates = [by_windows(scores, at.sigma, options.level) for scores in found.trials.scores]
         p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, shares.size)
-        out |= {
-            "p_d": p_d,
-            "p_d_interval": ends,
-            "visible_share": float(shares.mean()),
-            "contrast_pixel": seen.contrast,
-            "threshold_sigma": at.sigma,
-            "believed": at.believed,
-            "background_sigma": found.background[1],
-        }
-        if seen.contrast < 0:
-            out["note"] = "darker than what is behind it: the detector looks for dark objects"
+        dark = "darker than what is behind it: the detector looks for dark objects"
+        point = RangePoint(
+            range_m,
+            p_d,
+            ends,
+            visible_share=float(shares.mean()),
+            contrast_pixel=seen.contrast,
+            threshold_sigma=at.sigma,
+            note=dark if seen.contrast < 0 else None,
+            believed=at.believed,
+            background_sigma=found.background[1],
+        )
         parts.forget_frames(name)
-    parts.keep_case(f"range-{key}", out)
-    return out
+    parts.keep_case(f"range-{key}", point.as_dict())
+    return point
 
 
 def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -203,34 +196,32 @@ def detection_range(
     *,
     bearing_deg: float | None = None,
     say: Callable[[str], None] = lambda text: None,
-) -> dict[str, Any]:
+) -> DetectionRange:
     """Range up to which an object is detected.
 
     P_d is taken to fall with the range. The bisection is in the logarithm of the range; its ends are the interval told.
 
     Returns
     -------
-    dict
-        ``range_m`` with ``range_interval_m`` (last range with the wanted P_d, first without), the ``points`` tried, and ``note`` where the
-        range is beyond the limits.
+    DetectionRange
+        Range with its interval, the points tried, and a note where the range is beyond the limits.
     """
     near, far = asked.limits
-    points: list[dict[str, Any]] = []
+    points: list[RangePoint] = []
 
     def rate(at: float) -> float:
         points.append(p_d_at(scenario, wanted, asked, at, bearing_deg, parts))
-        say(
-            f"{asked.name} at {at:.0f} m{'' if bearing_deg is None else f', {bearing_deg:g} deg from the Sun'}: P_d {points[-1]['p_d']:.3g}"
-        )
-        return float(points[-1]["p_d"])
+        say(f"{asked.name} at {at:.0f} m{'' if bearing_deg is None else f', {bearing_deg:g} deg from the Sun'}: P_d {points[-1].p_d:.3g}")
+        return points[-1].p_d
 
     goal = asked.design.p_d
-    out: dict[str, Any] = {"object": asked.name, "bearing_deg": bearing_deg, "p_d": goal, "range_m": None, "note": None}
+    middle_of_ends, note = None, None
+    ends: list[float | None]
     try:
         if rate(near) < goal:
-            out |= {"range_interval_m": [0.0, near], "note": f"P_d is below {goal:g} at the nearest range of {near:g} m"}
+            ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m"
         elif rate(far) >= goal:
-            out |= {"range_interval_m": [far, None], "note": f"P_d is still {goal:g} or more at the farthest range of {far:g} m"}
+            ends, note = [far, None], f"P_d is still {goal:g} or more at the farthest range of {far:g} m"
         else:
             while far / near - 1.0 > asked.precision:
                 middle = math.sqrt(near * far)
@@ -238,10 +229,11 @@ def detection_range(
                     near = middle
                 else:
                     far = middle
-            out |= {"range_m": math.sqrt(near * far), "range_interval_m": [near, far]}
+            ends, middle_of_ends = [near, far], math.sqrt(near * far)
     except DataError as error:
         # one range that cannot be judged ends its bisection, not the others'
         if not points:
             raise
-        out |= {"range_interval_m": [near, far], "note": f"between {near:.0f} and {far:.0f} m: {error}"}
-    return out | {"points": sorted(points, key=lambda p: p["range_m"])}
+        ends, note = [near, far], f"between {near:.0f} and {far:.0f} m: {error}"
+    tried = sorted(points, key=lambda point: point.range_m)
+    return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried)

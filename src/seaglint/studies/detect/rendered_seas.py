@@ -237,13 +237,6 @@ def _designed(
 ) -> JsonObject:
     """The designer's figures; where they do not exist, why."""
     try:
-        told = design(found, source, options, wanted)
+        return design(found, source, options, wanted).stated_by(inverse).as_dict()
     except SeaglintError as error:
         return {"note": str(error)}
-    for key in ("contrast", "white_contrast"):
-        told[f"{key}_pixel"] = told[key]
-        told[key] = inverse(told[key]) if told[key] is not None else None
-        if told[key] is not None and not math.isfinite(told[key]):
-            told[key] = None
-    told["contrast_interval"] = [None if v is None else inverse(v) for v in told["contrast_interval"]]
-    return told

@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
-from seaglint.base.free_form import JsonObject, TableRow
+from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.prepare import prepare
@@ -25,6 +25,14 @@ from seaglint.weather.azimuths import azimuth_shares
 from seaglint.weather.clouds import CloudLaw, illuminated
 from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions, months_of
 from seaglint.weather.draws import Estimate, SamplingPlan, estimate
+from seaglint.weather.likelihood_summary import (
+    DrawnWeather,
+    ExceededContrast,
+    LikelihoodSummary,
+    StratumChance,
+    SunUp,
+    ThresholdChance,
+)
 from seaglint.weather.looks import Looks, looks
 from seaglint.weather.measures import detected, deviation, exceeded_by, exceeds, passes
 from seaglint.weather.smooth import smoothed
@@ -86,45 +94,41 @@ class GlintLikelihood:
         """Chance that the Sun's centre is above the horizon [1]."""
         return estimate((self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64), self.draws.plan, weight=self.draws.weight)
 
-    def as_dict(self) -> JsonObject:
-        """Everything but the draws, for JSON."""
+    def summary(self) -> LikelihoodSummary:
+        """Return plain numbers of everything but the draws."""
         settings, plan = self.model.wanted, self.draws.plan
         rate = self._looks_per_hour if settings.quantity == "false-alarms" else None
         results = []
         for threshold, chance in zip(self.thresholds, self.estimates, strict=True):
-            row: TableRow = {"threshold_w_m2_sr": threshold, "probability": chance.value, "interval": [chance.low, chance.high]}
+            result = ThresholdChance(threshold, chance.value, [chance.low, chance.high])
             if rate is not None:
-                row["false_alarms_per_hour"] = chance.value * rate
-                row["false_alarms_per_hour_interval"] = [chance.low * rate, chance.high * rate]
-            results.append(row)
+                ends = [chance.low * rate, chance.high * rate]
+                result = replace(result, false_alarms_per_hour=chance.value * rate, false_alarms_per_hour_interval=ends)
+            results.append(result)
         up = self.sun_up
         needed = exceeded_by(self.draws.radiance, self.draws.illuminated, NEEDED_SHARES, self.draws.weight)
-        return {
-            "quantity": settings.quantity,
-            "case": settings.case,
-            "results": results,
-            "sun_up": {"share": up.value, "interval": [up.low, up.high]},
-            "sun_free_of_clouds": float(np.average(self.draws.illuminated, weights=self.draws.weight)),
-            "contrast_exceeded_by_glint": [
-                {"share_of_looks": share, "radiance_w_m2_sr": float(value)} for share, value in zip(NEEDED_SHARES, needed, strict=True)
-            ],
-            "samples": plan.total,
-            "scramblings": plan.scramblings,
-            "azimuths": "integrated" if self.draws.shares else "drawn",
-            "confidence": 0.95,
-            "clouds": cloud_law(self.model),
-            "weather": {
-                "file": None if settings.weather is None else str(settings.weather),
-                "rows": len(self.model.table),
-                "models": list(self.model.models),
-            },
-            "strata": [
-                {"threshold_w_m2_sr": threshold, **_plain(asdict(s))}
-                for threshold, of in zip(self.thresholds, self.strata, strict=True)
-                for s in of
-            ],
-            "notes": [*self.model.notes, *self._azimuth_notes],
-        }
+        return LikelihoodSummary(
+            quantity=settings.quantity,
+            case=settings.case,
+            results=results,
+            sun_up=SunUp(up.value, [up.low, up.high]),
+            sun_free_of_clouds=float(np.average(self.draws.illuminated, weights=self.draws.weight)),
+            contrast_exceeded_by_glint=[ExceededContrast(share, float(value)) for share, value in zip(NEEDED_SHARES, needed, strict=True)],
+            samples=plan.total,
+            scramblings=plan.scramblings,
+            azimuths="integrated" if self.draws.shares else "drawn",
+            confidence=0.95,
+            clouds=cloud_law(self.model),
+            weather=DrawnWeather(
+                None if settings.weather is None else str(settings.weather), len(self.model.table), list(self.model.models)
+            ),
+            strata=[_chance(threshold, s) for threshold, of in zip(self.thresholds, self.strata, strict=True) for s in of],
+            notes=[*self.model.notes, *self._azimuth_notes],
+        )
+
+    def as_dict(self) -> JsonObject:
+        """Return everything but the draws, for JSON."""
+        return self.summary().as_dict()
 
     def month_by_hour(self) -> FloatArray | None:
         """Chance by month and hour of the Sun's day, of the first threshold [(12, 24)]; NaN without draws, None under a given Sun."""
@@ -386,6 +390,7 @@ def _classes_of_looks(drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
     }
 
 
-def _plain(row: TableRow) -> TableRow:
-    """JSON knows no infinities and no NaN."""
-    return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in row.items()}
+def _chance(threshold: float, s: Stratum) -> StratumChance:
+    """Return plain numbers of a stratum: JSON knows no infinities and no NaN."""
+    high, contribution = (value if math.isfinite(value) else None for value in (s.high, s.contribution))
+    return StratumChance(threshold, s.by, s.low, high, s.share, s.value, s.interval_low, s.interval_high, contribution)

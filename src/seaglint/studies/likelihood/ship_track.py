@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, ScenarioError
+from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.parameters import documented
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
@@ -28,8 +30,91 @@ _NEEDED: Final = ("time_utc", "latitude_deg", "longitude_deg")
 _BEARING: Final = "bearing_deg"
 
 
+@dataclass(frozen=True)
+class TrackChance:
+    """Chance of glint at one time of a way.
+
+    Attributes
+    ----------
+    time_utc : str
+        Time in ISO 8601.
+    latitude_deg, longitude_deg : float
+        Place [deg].
+    sun_elevation_deg : float
+        Elevation of the Sun [deg].
+    threshold_w_m2_sr : float
+        Threshold [W m-2 sr-1].
+    probability : float
+        Chance that glint exceeds it [1].
+    """
+
+    time_utc: str
+    latitude_deg: float
+    longitude_deg: float
+    sun_elevation_deg: float
+    threshold_w_m2_sr: float
+    probability: float
+
+
+class Spells(NamedTuple):
+    """Mean duration of glint and mean time from its end to its return [h]; None where there is none."""
+
+    mean_duration_hours: float | None
+    mean_return_hours: float | None
+
+
+@dataclass(frozen=True)
+class GlintHours:
+    """Hours with glint along a way.
+
+    Attributes
+    ----------
+    threshold_w_m2_sr : float
+        Threshold [W m-2 sr-1].
+    hours : float
+        Expected time with glint above it [h].
+    mean_duration_hours, mean_return_hours : float or None
+        Mean duration of glint and mean time from its end to its return [h]; None where there is none.
+    """
+
+    threshold_w_m2_sr: float
+    hours: float
+    mean_duration_hours: float | None
+    mean_return_hours: float | None
+
+
+@dataclass(frozen=True)
+class TrackChances:
+    """Chances of glint along a ship's way.
+
+    Attributes
+    ----------
+    hours : float
+        Length of the way [h].
+    results : list of GlintHours
+        Hours with glint of each threshold.
+    way : list of TrackChance
+        Chances by time and threshold.
+    notes : list of str
+        Remarks.
+    """
+
+    hours: float
+    results: list[GlintHours]
+    way: list[TrackChance]
+    notes: list[str]
+
+    def rows(self) -> list[TableRow]:
+        """Return the way as a tidy table: a row a time and threshold."""
+        return [asdict(chance) for chance in self.way]
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return asdict(self)
+
+
 @documented(LikelihoodRequest)
-def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> dict[str, Any]:
+def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> TrackChances:
     """Chances at the times of a way, with durations and returns of each threshold.
 
     Parameters
@@ -44,10 +129,8 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
 
     Returns
     -------
-    dict
-        ``way``: a row a time and threshold; ``results``: the expected hours with glint of each threshold, and the mean duration of glint
-        and time to its return along the way, the same draws of weather and geometry
-        followed from time to time.
+    TrackChances
+        Chances along the way and hours with glint; the same draws of weather and geometry are followed from time to time.
 
     Raises
     ------
@@ -69,7 +152,7 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     thresholds = model.wanted.threshold_w_m2_sr
     chance = np.empty((time.size, len(thresholds)))
     lit: list[list[FloatArray]] = [[] for _ in thresholds]
-    way: list[dict[str, Any]] = []
+    way: list[TrackChance] = []
     plan = SamplingPlan.of(samples)
     model.__dict__.update(when=float(time[0]), where=(0.0, 0.0), ephemeris=sky)
     u = numbers(model, plan, scenario.seed)
@@ -83,44 +166,41 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
             chance[i, t] = values.mean()
             lit[t].append(values)
             way.append(
-                {
-                    "time_utc": datetime.fromtimestamp(moment, UTC).isoformat().replace("+00:00", "Z"),
-                    "latitude_deg": float(latitude[i]),
-                    "longitude_deg": float(longitude[i]),
-                    "sun_elevation_deg": 90.0 - float(np.degrees(sun.zenith[0])),
-                    "threshold_w_m2_sr": threshold,
-                    "probability": float(chance[i, t]),
-                }
+                TrackChance(
+                    time_utc=datetime.fromtimestamp(moment, UTC).isoformat().replace("+00:00", "Z"),
+                    latitude_deg=float(latitude[i]),
+                    longitude_deg=float(longitude[i]),
+                    sun_elevation_deg=90.0 - float(np.degrees(sun.zenith[0])),
+                    threshold_w_m2_sr=threshold,
+                    probability=float(chance[i, t]),
+                )
             )
     step = _steps(time)
-    results = [
-        {"threshold_w_m2_sr": threshold, "hours": float(chance[:, t] @ step), **spells(np.stack(lit[t], axis=1) > 0.0, step)}
-        for t, threshold in enumerate(thresholds)
-    ]
-    return {"hours": float(step.sum()), "results": results, "way": way, "notes": list(model.notes)}
+    results = []
+    for t, threshold in enumerate(thresholds):
+        spell = spells(np.stack(lit[t], axis=1) > 0.0, step)
+        results.append(GlintHours(threshold, float(chance[:, t] @ step), spell.mean_duration_hours, spell.mean_return_hours))
+    return TrackChances(float(step.sum()), results, way, list(model.notes))
 
 
-def spells(glints: np.ndarray, hours: FloatArray) -> dict[str, float | None]:
+def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
     """Mean duration of glint and mean time from its end to its return [h], over followed draws [(draws, times)]; None where there is none.
 
     Spells cut by an end of the way count with what is seen of them; only gaps between two spells are returns.
 
     >>> spells(np.array([[True, False, False, True]]), np.ones(4))
-    {'mean_duration_hours': 1.0, 'mean_return_hours': 2.0}
+    Spells(mean_duration_hours=1.0, mean_return_hours=2.0)
     """
     padded = np.pad(glints, ((0, 0), (1, 1)))
     change = np.diff(padded.astype(np.int8), axis=1)
     draws, begin = np.nonzero(change == 1)
     end = np.nonzero(change == -1)[1]
     if begin.size == 0:
-        return {"mean_duration_hours": None, "mean_return_hours": None}
+        return Spells(None, None)
     clock = np.concatenate([[0.0], np.cumsum(hours)])
     again = draws[1:] == draws[:-1]
     gaps = clock[begin[1:]] - clock[end[:-1]]
-    return {
-        "mean_duration_hours": float(np.mean(clock[end] - clock[begin])),
-        "mean_return_hours": float(np.mean(gaps[again])) if again.any() else None,
-    }
+    return Spells(float(np.mean(clock[end] - clock[begin])), float(np.mean(gaps[again])) if again.any() else None)
 
 
 def _steps(time: FloatArray) -> FloatArray:

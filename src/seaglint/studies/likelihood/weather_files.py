@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from seaglint.files.weather.weather_file import WeatherFile, read_weather
 from seaglint.version import __version__
 from seaglint.weather.derived import model_atmosphere
 from seaglint.weather.select import Selection, covered
+from seaglint.weather.table_facts import ColumnFacts, MonthFacts, WeatherFacts, WindCloud, WindRose
 from seaglint.weather.table_summary import (
     CLOUD_EDGES,
     SECTORS,
@@ -202,8 +202,8 @@ def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
     return notes
 
 
-def describe(path: str | Path) -> tuple[WeatherFile, dict[str, Any]]:
-    """Read a table and return its facts as plain values.
+def describe(path: str | Path) -> tuple[WeatherFile, WeatherFacts]:
+    """Read a table and return it with its facts.
 
     Raises
     ------
@@ -213,41 +213,25 @@ def describe(path: str | Path) -> tuple[WeatherFile, dict[str, Any]]:
     file = read_weather(path)
     table = file.table
     rose, joint = wind_rose(table), joint_density(table)
-    facts: dict[str, Any] = {
-        "path": str(path),
-        "rows": len(table),
-        "effective_rows": table.effective_rows,
-        "weight_sum": table.weight_sum,
-        "covers": covered(table.columns),
-        "months": list(table.months),
-        "missing_months": {MONTHS[m - 1]: MONTHS[table.month_used[m] - 1] for m in table.missing_months},
-        "regions": sorted({str(name) for name in table.text("region")} - {""}),
-        "atmospheres": _shares(table, "atmosphere"),
-        "columns": {name: _numbers(table, name) for name in table.columns if name != "weight"},
-        "missing_share": missing_shares(table),
-        "wind_cloud_correlation": _plain(correlation(table)),
-        "by_month": [
-            {
-                "month": m.month,
-                "rows": m.rows,
-                "probability": m.probability,
-                "wind_speed_m_s": _plain(m.wind_speed_m_s),
-                "cloud_cover": _plain(m.cloud_cover),
-            }
-            for m in month_means(table)
-        ],
-        "wind_rose": {
-            "sector_centre_deg": [360.0 * k / SECTORS for k in range(SECTORS)],
-            "speed_edges_m_s": [_plain(edge) for edge in SPEED_EDGES],
-            "probability": rose.tolist(),
-        },
-        "wind_cloud": {
-            "speed_edges_m_s": [_plain(edge) for edge in SPEED_EDGES],
-            "cloud_edges": [float(edge) for edge in CLOUD_EDGES],
-            "probability": joint.tolist(),
-        },
-        "notes": [*file.notes, *file.remarks],
-    }
+    speeds = [_plain(edge) for edge in SPEED_EDGES]
+    facts = WeatherFacts(
+        path=str(path),
+        rows=len(table),
+        effective_rows=table.effective_rows,
+        weight_sum=table.weight_sum,
+        covers=covered(table.columns),
+        months=list(table.months),
+        missing_months={MONTHS[m - 1]: MONTHS[table.month_used[m] - 1] for m in table.missing_months},
+        regions=sorted({str(name) for name in table.text("region")} - {""}),
+        atmospheres=_shares(table, "atmosphere"),
+        columns={name: _numbers(table, name) for name in table.columns if name != "weight"},
+        missing_share=missing_shares(table),
+        wind_cloud_correlation=_plain(correlation(table)),
+        by_month=[MonthFacts(m.month, m.rows, m.probability, _plain(m.wind_speed_m_s), _plain(m.cloud_cover)) for m in month_means(table)],
+        wind_rose=WindRose([360.0 * k / SECTORS for k in range(SECTORS)], speeds, rose.tolist()),
+        wind_cloud=WindCloud(speeds, [float(edge) for edge in CLOUD_EDGES], joint.tolist()),
+        notes=[*file.notes, *file.remarks],
+    )
     return file, facts
 
 
@@ -256,13 +240,13 @@ def _plain(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _numbers(table: WeatherTable, name: str) -> dict[str, float | None]:
+def _numbers(table: WeatherTable, name: str) -> ColumnFacts:
     values = table[name]
     known = values[~np.isnan(values)]
     low, high = (float(known.min()), float(known.max())) if known.size else (float("nan"), float("nan"))
     # The mean of directions, months and hours says nothing: they go around.
     mean = float("nan") if name in ("wind_from_deg", "month", "hour_utc", "longitude_deg") else table.mean(name)
-    return {"mean": _plain(mean), "min": _plain(low), "max": _plain(high), "missing_share": table.missing_share(name)}
+    return ColumnFacts(_plain(mean), _plain(low), _plain(high), table.missing_share(name))
 
 
 def _shares(table: WeatherTable, name: str) -> dict[str, float]:

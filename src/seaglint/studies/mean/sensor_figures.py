@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
+from seaglint.base.free_form import JsonObject
+from seaglint.instrument.data_sheet import SensorDataSheet
 from seaglint.instrument.figures_of_merit import figures
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import TABLES
@@ -18,7 +20,30 @@ MEAN_PIXELS = (24, 12)
 """Grid of the mean map from which the scene's mean radiance is taken for a noise budget."""
 
 
-def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> dict[str, Any]:
+@dataclass(frozen=True)
+class SensorDescription:
+    """Figures of merit of a scenario's sensor.
+
+    Attributes
+    ----------
+    seed : int
+        Seed of the fixed pattern and the noise.
+    sheet : SensorDataSheet
+        Figures of merit, with the noise budget for the mean of the scene.
+    scenario : JsonObject
+        Scenario as one table.
+    """
+
+    seed: int
+    sheet: SensorDataSheet
+    scenario: JsonObject
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text, as ``seaglint sensor --json`` prints them."""
+        return {"seed": self.seed, **self.sheet.as_dict(), "scenario": self.scenario}
+
+
+def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> SensorDescription:
     """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene, the MTF at some frequencies [cycles mrad-1].
 
     Raises
@@ -30,13 +55,13 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> di
     --------
     >>> from seaglint.scenario.load import parse_scenario
     >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}}
-    >>> found = describe_sensor(parse_scenario({"sensor": tables}))
-    >>> round(found["ifov_mrad"], 6), found["oversampling"]
+    >>> sheet = describe_sensor(parse_scenario({"sensor": tables})).sheet
+    >>> round(sheet.ifov_mrad, 6), sheet.oversampling
     (0.075, 3)
     """
     model = sensor_model(scenario)
-    computed = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
-    return {"seed": model.seed, **computed, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
+    sheet = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
+    return SensorDescription(model.seed, sheet, json.loads(scenario.model_dump_json(exclude_none=True)))
 
 
 def mean_radiance(scenario: Scenario) -> float:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.base.schema import VARIABLES
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.correlation import trend_surface
@@ -55,6 +56,32 @@ BYTES_PER_PIXEL: Final = 13
 
 
 @dataclass(frozen=True)
+class HeldOut:
+    """Fit of half of the data judged by the other half.
+
+    Attributes
+    ----------
+    log_pseudo_likelihood, independent_pixels : float or None
+        Logarithm of the pseudo-likelihood per pixel of the half that the fit has not seen, and that of independent pixels.
+    reason : str or None
+        Why there is none.
+    """
+
+    log_pseudo_likelihood: float | None
+    independent_pixels: float | None
+    reason: str | None = None
+
+
+@dataclass(frozen=True)
+class DataLikelihood:
+    """Logarithm of the pseudo-likelihood per pixel of data under a model, with the model's file and the number of pixels."""
+
+    log_pseudo_likelihood: float
+    model: str
+    pixels: int
+
+
+@dataclass(frozen=True)
 class Fitted:
     """A texture with the data and the samples that it was judged by."""
 
@@ -63,6 +90,7 @@ class Fitted:
     sample: Frames
     comparison: Comparison
     gaussian: Comparison | None
+    held_out: HeldOut
 
 
 def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES) -> Frames:
@@ -124,7 +152,8 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
     gaussian = None
     if plain is not None:
         gaussian = compare(data, sample_like(plain, data, options.seed), ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
-    quality: dict[str, Any] = {**comparison.as_dict(), "held_out": _held_out(data, options, texture)}
+    held_out = _held_out(data, options, texture)
+    quality = comparison.as_dict() | {"held_out": asdict(held_out)}
     if gaussian is not None:
         quality["gaussian_filtered_rates"] = gaussian.as_dict()["filtered_rates"]
     source = {
@@ -137,10 +166,10 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
         "frame_rate_hz": recording.frame_rate,
         "seed": options.seed,
     }
-    return Fitted(StoredTexture(texture, source, fitted, quality, tuple(notes)), data, sample, comparison, gaussian)
+    return Fitted(StoredTexture(texture, source, fitted, quality, tuple(notes)), data, sample, comparison, gaussian, held_out)
 
 
-def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, dict[str, Any], tuple[str, ...]]:
+def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, JsonObject, tuple[str, ...]]:
     result = fit_texture(data, options.tails, product=options.product, seed=options.seed)
     field = result.field
     values = {
@@ -155,7 +184,7 @@ def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, d
     return result.texture, values, result.notes
 
 
-def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTexture, dict[str, Any], tuple[str, ...]]:
+def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTexture, JsonObject, tuple[str, ...]]:
     result = fit_autobinomial(
         data[len(data) // 2],
         options.levels,
@@ -187,7 +216,7 @@ def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianText
     return GaussianTexture(field, marginal)
 
 
-def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> dict[str, Any]:
+def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
     """Pseudo-likelihood of the half that a fit has not seen, beside that of independent Gaussian pixels."""
     half = len(data) // 2
     if len(data) >= 2 * STILL:
@@ -205,8 +234,8 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
             shares = np.maximum(half_fit.histogram, 0.5 / seen.size)
             alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(unseen)]))
     except (DataError, ValueError) as error:
-        return {"log_pseudo_likelihood": None, "independent_pixels": None, "reason": str(error)}
-    return {"log_pseudo_likelihood": value, "independent_pixels": alone, "reason": None}
+        return HeldOut(None, None, str(error))
+    return HeldOut(value, alone)
 
 
 def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, seed: int) -> Frames:
@@ -322,7 +351,7 @@ def _what(stored: StoredTexture) -> str:
 
 def compare_files(
     first: str | Path, second: str | Path, opened: Callable[[str | Path], Recording], request: CompareRequest
-) -> tuple[Comparison, Frames, Frames, dict[str, Any] | None]:
+) -> tuple[Comparison, Frames, Frames, DataLikelihood | None]:
     """Compare two recordings, or a recording and a model, of which a sample as large as the recording is drawn.
 
     Parameters
@@ -339,7 +368,7 @@ def compare_files(
     comparison : Comparison
     first, second : ndarray
         What was compared [u].
-    likelihood : dict or None
+    likelihood : DataLikelihood or None
         Pseudo-likelihood of the data under the model, where one of the two is one.
 
     Raises
@@ -363,7 +392,7 @@ def compare_files(
             assert data is not None
             require_values(data)
             frames[i] = sample_like(stored.texture, data, request.seed)
-            likelihood = {"log_pseudo_likelihood": stored.texture.pseudo_log_likelihood(data), "model": str(path), "pixels": int(data.size)}
+            likelihood = DataLikelihood(stored.texture.pseudo_log_likelihood(data), str(path), int(data.size))
     one, other = frames
     assert one is not None
     assert other is not None

@@ -1,0 +1,104 @@
+"""Range of detection of an object, as it is kept, tabulated, drawn and printed."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from typing import Self
+
+from seaglint.base.free_form import JsonObject, TableRow
+
+
+@dataclass(frozen=True)
+class RangePoint:
+    """Detection of an object at one range.
+
+    Attributes
+    ----------
+    range_m : float
+        Range [m].
+    p_d : float
+        Share of objects that are detected [1]; 0 where nothing of it is seen.
+    p_d_interval : list of float or None
+        Ends of its 95 % interval [1].
+    visible_share : float
+        Mean share of the object that waves do not hide [1].
+    contrast_pixel : float
+        Contrast in its pixel [W m-2 sr-1].
+    threshold_sigma : float or None
+        Threshold of the wanted rate of false alarms [standard deviations].
+    note : str or None
+        Why nothing is seen, or how it is looked for.
+    believed : bool or None
+        Whether that threshold is to be believed; None where nothing was judged.
+    background_sigma : float or None
+        Standard deviation of the statistic without objects; None where nothing was judged.
+    """
+
+    range_m: float
+    p_d: float = 0.0
+    p_d_interval: list[float] | None = None
+    visible_share: float = 0.0
+    contrast_pixel: float = 0.0
+    threshold_sigma: float | None = None
+    note: str | None = None
+    believed: bool | None = None
+    background_sigma: float | None = None
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text; of a range at which nothing was judged without what judging gives."""
+        judged = ("believed", "background_sigma")
+        return {name: value for name, value in asdict(self).items() if name not in judged or value is not None}
+
+    @classmethod
+    def of(cls, stored: JsonObject) -> Self:
+        """Return the point that :meth:`as_dict` wrote."""
+        return cls(**stored)
+
+
+@dataclass(frozen=True)
+class DetectionRange:
+    """Range up to which an object is detected.
+
+    Attributes
+    ----------
+    object : str
+        Name of the object.
+    bearing_deg : float or None
+        Bearing from the Sun [deg]; None along the sensor's own line of sight.
+    p_d : float
+        Share of objects at which one counts as detected [1].
+    range_m : float or None
+        Range of detection [m]; None beyond the limits.
+    note : str or None
+        Why there is none.
+    range_interval_m : list of float or None
+        Last range with that share and first one without [m]; None where it has no end.
+    points : list of RangePoint
+        Ranges tried, nearest first.
+    parameters : TableRow
+        Keys that were varied, with their values.
+    """
+
+    object: str
+    bearing_deg: float | None
+    p_d: float
+    range_m: float | None
+    note: str | None
+    range_interval_m: list[float | None]
+    points: list[RangePoint]
+    parameters: TableRow = field(default_factory=dict)
+
+    @property
+    def named(self) -> str:
+        """Varied keys as text: ``wind.speed_m_s = 4``; empty where nothing was."""
+        return ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
+
+    def as_row(self) -> TableRow:
+        """Return the row of a tidy table: what was varied first."""
+        low, high = self.range_interval_m
+        found = {"object": self.object, "bearing_deg": self.bearing_deg, "p_d": self.p_d, "range_m": self.range_m}
+        return {**self.parameters, **found, "range_low_m": low, "range_high_m": high, "note": self.note}
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return {"parameters": self.parameters} | asdict(self) | {"points": [point.as_dict() for point in self.points]}

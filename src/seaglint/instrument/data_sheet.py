@@ -1,0 +1,193 @@
+"""Figures of merit of a sensor as a record, in the order in which a data sheet prints them."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+from seaglint.base.free_form import JsonObject
+
+
+@dataclass(frozen=True)
+class TransferCurves:
+    """Modulation transfer function of a sensor.
+
+    Attributes
+    ----------
+    frequency_cycles_per_mrad : list of float
+        Frequencies.
+    along, across : list of float
+        Transfer along rows and across them [1].
+    nyquist_cycles_per_mrad : float
+        Nyquist frequency.
+    parts : dict of dict of list of float
+        Factors of the transfer by their causes, for ``along`` and ``across`` [1].
+    """
+
+    frequency_cycles_per_mrad: list[float]
+    along: list[float]
+    across: list[float]
+    nyquist_cycles_per_mrad: float
+    parts: dict[str, dict[str, list[float]]]
+
+
+@dataclass(frozen=True)
+class BudgetAtMean:
+    """Noise of a pixel at the mean radiance of a scene, by its causes.
+
+    Attributes
+    ----------
+    scene_radiance : float
+        Mean radiance [W m-2 sr-1].
+    scene_apparent_temperature_k : float or None
+        Apparent temperature of it; None where there is none.
+    signal : float
+        Mean signal [units].
+    parts : dict of float
+        Temporal noise by its causes, rms [units].
+    total_temporal : float
+        Root of the sum of their squares [units].
+    fixed_pattern : float
+        Spread between pixels, rms [units].
+    """
+
+    scene_radiance: float
+    scene_apparent_temperature_k: float | None
+    signal: float
+    parts: dict[str, float]
+    total_temporal: float
+    fixed_pattern: float
+
+    @property
+    def noise(self) -> dict[str, float]:
+        """Noise by its causes, the total and the fixed pattern last, rms [units]."""
+        return {**self.parts, "total_temporal": self.total_temporal, "fixed_pattern": self.fixed_pattern}
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers."""
+        scene = {"scene_radiance": self.scene_radiance, "scene_apparent_temperature_k": self.scene_apparent_temperature_k}
+        return {**scene, "signal": self.signal, **self.noise}
+
+
+@dataclass(frozen=True)
+class ConversionError:
+    """Error of the conversion of radiance to photons for spectra other than that of the reference.
+
+    Attributes
+    ----------
+    reference_k : float
+        Temperature of the blackbody for which it is right [K].
+    at_280_k, at_320_k : float
+        Relative error for blackbodies of 280 and 320 K [1].
+    sunlight : float
+        Relative error for sunlight [1].
+    """
+
+    reference_k: float
+    at_280_k: float
+    at_320_k: float
+    sunlight: float
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers."""
+        return {"reference_k": self.reference_k, "280_k": self.at_280_k, "320_k": self.at_320_k, "sunlight": self.sunlight}
+
+
+@dataclass(frozen=True)
+class SensorDataSheet:
+    """Figures of merit of a sensor; its signals are electrons of a photon detector or nanowatts of a thermal one.
+
+    Attributes
+    ----------
+    detector : {"photon", "thermal"}
+        Kind of detector.
+    band_um : list of float
+        Limits of the band [um].
+    mean_wavelength_um : float
+        Mean wavelength of the photons [um].
+    aperture_m, focal_length_m : float
+        Diameter of the pupil and focal length [m].
+    f_number : float
+        Focal ratio [1].
+    solid_angle_sr : float
+        Solid angle of the pupil at the pixel [sr].
+    ifov_mrad : float
+        Angle of a pixel [mrad].
+    oversampling : int
+        Pixels of the drawn picture along a pixel of the detector.
+    background_k : float
+        Temperature against which the noise is stated [K].
+    netd_k : float
+        Noise-equivalent temperature difference [K].
+    sitf_counts_per_k : float
+        Slope of the signal against temperature [counts K-1].
+    nei_w_m2 : float
+        Noise-equivalent irradiance at the aperture [W m-2].
+    nep_w : float
+        Noise-equivalent power on the pixel [W].
+    point_share : float
+        Share of a point's light on its pixel [1].
+    electrons_per_count, nw_per_count : float or None
+        Gain in the unit of the detector; the other one is None.
+    offset_counts : float
+        Counts without a signal.
+    radiance_per_count, radiance_at_zero_counts : float
+        Scale and offset of counts [W m-2 sr-1].
+    dynamic_range_db : float or None
+        Full scale over the noise in the dark; None without noise [dB].
+    saturation_temperature_k : float or None
+        Apparent temperature that saturates [K].
+    saturation_radiance : float
+        Radiance that saturates [W m-2 sr-1].
+    mtf : TransferCurves
+        Modulation transfer.
+    noise_budget : BudgetAtMean
+        Noise at the scene's mean.
+    three_d_noise : dict of float
+        Components of 3-D noise, rms [units].
+    conversion_error : ConversionError
+        Error of the conversion to photons.
+    time_s : float
+        Integration time, or frame interval of a thermal detector [s].
+    """
+
+    detector: Literal["photon", "thermal"]
+    band_um: list[float]
+    mean_wavelength_um: float
+    aperture_m: float
+    focal_length_m: float
+    f_number: float
+    solid_angle_sr: float
+    ifov_mrad: float
+    oversampling: int
+    background_k: float
+    netd_k: float
+    sitf_counts_per_k: float
+    nei_w_m2: float
+    nep_w: float
+    point_share: float
+    electrons_per_count: float | None
+    nw_per_count: float | None
+    offset_counts: float
+    radiance_per_count: float
+    radiance_at_zero_counts: float
+    dynamic_range_db: float | None
+    saturation_temperature_k: float | None
+    saturation_radiance: float
+    mtf: TransferCurves
+    noise_budget: BudgetAtMean
+    three_d_noise: dict[str, float]
+    conversion_error: ConversionError
+    time_s: float
+
+    @property
+    def unit(self) -> str:
+        """Unit of the signals, as it is printed."""
+        return "electrons" if self.detector == "photon" else "nW"
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers under names with their units."""
+        units = self.unit.lower()
+        names = {"noise_budget": f"noise_budget_{units}", "three_d_noise": f"three_d_noise_{units}"}
+        parts = {"noise_budget": self.noise_budget.as_dict(), "conversion_error": self.conversion_error.as_dict()}
+        return {names.get(name, name): value for name, value in (asdict(self) | parts).items()}
