@@ -316,6 +316,7 @@ def slurm(tmp_path, monkeypatch):
     return make
 
 
+@pytest.mark.validation
 def test_a_full_queue_is_told(slurm, tmp_path):
     slurm("true")
     path = tmp_path / "cluster.toml"

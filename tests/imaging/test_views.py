@@ -179,6 +179,7 @@ def test_a_sensor_moved_by_the_seas_period_sees_the_same(warm_sky, elevation):
     assert np.abs(between / here - 1.0).max() > 1e-3
 
 
+@pytest.mark.validation
 def test_a_frame_alone_is_that_of_the_sequence(warm_sky, waves):
     several = moving(warm_sky, waves)
     frames = [shown(several, t).radiance for t in (0.0, 0.3, 0.6)]

@@ -157,6 +157,7 @@ def _hit(vertices: np.ndarray, triangles: np.ndarray, rays: np.ndarray) -> np.nd
     return met
 
 
+@pytest.mark.validation
 def test_a_hollow_body_covers_what_rays_of_another_tracer_meet():
     ring = primitives.cylinder(2.0, 1.0)
     leaning, turned = (Rotation.from_euler("xy", angles, degrees=True).as_matrix() for angles in ([40.0, 0.0], [35.0, 20.0]))
