@@ -170,7 +170,7 @@ def lines(sheet: SensorDataSheet) -> list[str]:
     out.append(
         f"  noise budget [{unit}] at the scene's mean of {budget.scene_radiance:.4g} W m-2 sr-1"
         + (f" ({scene:.4g} K)" if scene else "")
-        + (": beyond saturation; of a pixel without an end" if full else "")
+        + (": above saturation; the budget is that of a pixel whose well never fills" if full else "")
     )
     for name, value in {"signal": budget.signal, **budget.noise}.items():
         if value or name in ("signal", "total_temporal"):
@@ -180,7 +180,7 @@ def lines(sheet: SensorDataSheet) -> list[str]:
     error = sheet.conversion_error
     if sheet.detector == "photon":
         out.append(
-            f"  photons of other spectra  {100 * error.at_280_k:+.2f} % at 280 K, {100 * error.at_320_k:+.2f} % at 320 K, "
+            f"  conversion error  {100 * error.at_280_k:+.2f} % at 280 K, {100 * error.at_320_k:+.2f} % at 320 K, "
             f"{100 * error.sunlight:+.3g} % for sunlight"
         )
     return out
