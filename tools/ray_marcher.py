@@ -198,7 +198,7 @@ def facet_glint(
         both = seen
     else:
         lit, pair = nested_density(facets.nested, to_sun, sun_edge), 0.0
-        if facets.coupling.size > 0 and view_edge < HIGHEST:
+        if view_edge < HIGHEST:
             pair = lit_exponent_kernel(0.5 * (to_view - to_sun), view_edge, sun_edge, facets.coupling)
         # shares of the visible area: of the viewer's leg alone, of the Sun's, of independent legs
         upright = max(view_mean, 0.0) / area

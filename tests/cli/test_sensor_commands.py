@@ -153,12 +153,12 @@ def test_bad_radiance_of_a_later_frame_names_file_and_frame(seaglint, scenario, 
     assert "frame 2: radiance: 1 of 64 pixels are not finite (first in row 5, column 6)" in answer.err
 
 
-def test_a_budget_beyond_saturation_says_so(seaglint, scenario) -> None:
+def test_a_budget_above_saturation_says_so(seaglint, scenario) -> None:
     # the default scene looks into the Sun's glint
-    assert "beyond saturation" in seaglint("sensor", scenario).out
+    assert "above saturation" in seaglint("sensor", scenario).out
     short = scenario.with_name("short.toml")
     short.write_text(TOML.replace("integration_time_s = 0.002", "integration_time_s = 0.0001"))
-    assert "beyond saturation" not in seaglint("sensor", short).out
+    assert "above saturation" not in seaglint("sensor", short).out
 
 
 def test_a_scenario_without_a_sensor_is_refused(seaglint, tmp_path) -> None:

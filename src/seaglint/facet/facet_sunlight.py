@@ -222,7 +222,7 @@ def seen_and_lit(
         sun_edge = sun / deviation[1]
         lit = math.exp(nested_exponent_kernel(mirroring[1], sun_edge, 1.0, rough.nested))
         both = seen * lit
-        if rough.coupling.shape[0] > 1 and edge < HIGHEST:
+        if edge < HIGHEST:
             both *= math.exp(lit_exponent_kernel(0.5 * (mirroring[0] - mirroring[1]), edge, sun_edge, rough.coupling))
     same = max(1.0 / max(seen, 1e-300), upright * (1.0 + hidden) / max(lit, 1e-300))
     opposite = max((1.0 + upright * hidden) / max(both, 1e-300), same)

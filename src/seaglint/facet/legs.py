@@ -166,7 +166,7 @@ def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: floa
         return seen
     lit = nested_ratio_kernel(sunward, legs.edge, 1.0, legs.ratio)
     both = seen * lit
-    if legs.coupling.size > 0 and view[1] < HIGHEST and legs.edge < HIGHEST:
+    if view[1] < HIGHEST and legs.edge < HIGHEST:
         both *= math.exp(lit_exponent_kernel(0.5 * (view[0] - sunward), view[1], legs.edge, legs.coupling))
     same = max(1.0 / seen, upright * (1.0 + legs.hidden) / lit)
     opposite = max((1.0 + upright * legs.hidden) / max(both, 1e-300), same)
