@@ -95,6 +95,36 @@ def main() -> None:
         scaled(figure, shown(axes[line, 2], counts, "counts, as radiance", warm, top, square, milliradians), axes[line])
     figure.savefig(IMAGES / "sensor_point_edge.png", dpi=110)
     write_sensor_plot(describe_sensor(scenario).sheet, IMAGES / "sensor_mtf.png")
+    draw_lenses()
+
+
+WIDE: dict[str, Any] = {
+    "seed": 4,
+    "sun": {"zenith_deg": 70.0, "azimuth_deg": 180.0},
+    "wind": {"speed_m_s": 7.0, "from_deg": 205.0},
+    "sensor": {"height_m": 30.0, "azimuth_deg": 196.0, "elevation_deg": -9.0, "projection": "pinhole", "pixels": [320, 200]},
+}
+
+
+def draw_lenses() -> None:
+    """Draw the sea through a wide lens without errors, and through one that distorts and darkens its corners."""
+    lens, pixels = {"focal_length_m": 0.005, "f_number": 1.4}, {"pitch_um": 17.0, "integration_time_s": 2e-4}
+    figure = Figure(figsize=(7.4, 8.6), layout="constrained")
+    for axes, (title, errors) in zip(
+        figure.subplots(2, 1),
+        (
+            ("a wide lens without errors", {}),
+            ("distortion = 0.12 (pincushion) and cos4 = true", {"distortion": 0.12, "cos4": True}),
+        ),
+        strict=True,
+    ):
+        run = prepare_sensed(parse_scenario({**WIDE, "sensor": {**WIDE["sensor"], "optics": lens | errors, "detector": pixels}}))
+        seen = run.sensed.model.focal_plane(run.fine.at(0.0).radiance, run.sensed.oversampling)
+        rows, columns = seen.shape
+        low, high = (0.0, 12.0)
+        drawn = shown(axes, seen, title, low, high, (0, columns, rows, 0), ("column", "row"))
+        scaled(figure, drawn, axes)
+    figure.savefig(IMAGES / "sensor_lens.png", dpi=90)
 
 
 if __name__ == "__main__":

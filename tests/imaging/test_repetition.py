@@ -9,6 +9,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.sea.field import WaveField
 from seaglint.sea.tiles import Tile
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.wave_spectra import spectrum
 
 SHORTEST = 16.0
 SPACING = 15.0
@@ -36,7 +37,7 @@ def _scene(tile_size, azimuth_deg=180.0, width_deg=14.0, lines=LINES):
         }
     )
     view = prepare.view(scenario)
-    return view, prepare.camera(scenario), prepare.spectrum(scenario), prepare.sea(scenario, view.slopes).waves
+    return view, prepare.camera(scenario), spectrum(scenario), prepare.sea(scenario, view.slopes).waves
 
 
 def _correlation(renderer):

@@ -168,3 +168,23 @@ def test_missing_file_and_folder(tmp_path):
         load_scenario(tmp_path / "nix.toml")
     with pytest.raises(ScenarioError, match="is a folder"):
         load_scenario(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ("2020-06-07T18:40:00", True),
+        ('"2020-06-07 18:40"', True),
+        ("2020-06-07T18:40:00Z", False),
+        ("2020-06-07T18:40:00-05:00", False),
+        ('"2020-06-07T18:40+02:00"', False),
+    ],
+)
+def test_a_time_without_a_zone_is_told(written, told, tmp_path, caplog):
+    path = tmp_path / "my.toml"
+    path.write_text(f"[time]\nutc = {written}\n[place]\nlatitude_deg = 30\nlongitude_deg = -78\n")
+    load_scenario(path)
+    said = [record.getMessage() for record in caplog.records]
+    assert bool(said) == told
+    if told:
+        assert "time.utc = 2020-06-07T18:40:00 has no time zone and is taken as UTC" in said[0]

@@ -2,14 +2,14 @@
 
 import shutil
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.files.waves import WaveChoice, read_waves
 from seaglint.files.waves.ndbc_waves import SUFFIXES as NDBC_SUFFIXES
+from seaglint.scenario.text.template import DATA
 from seaglint.sea.field import WaveField
 from seaglint.sea.spectra import MeasuredSpectrum
 from seaglint.sea.spectra.measured import possible_moments
@@ -17,7 +17,7 @@ from seaglint.sea.tiles import plan_tiles
 
 pytest.importorskip("wavespectra", reason="measured spectra need the extra seaglint[waves]")
 
-BUOY = Path(__file__).parent / "data" / "41010.data_spec"
+BUOY = DATA / "41010.data_spec"
 WIND_TO = np.radians(300.0)
 
 # WVHT [m] in NDBC's summary (41010.spec) ten minutes before each spectrum
@@ -188,3 +188,15 @@ def test_a_week_of_the_buoy_agrees_with_its_summary(every, data_dir):
             continue
         worst = max(worst, abs(sea.significant_height() - float(height)))
     assert worst < 0.15
+
+
+@pytest.mark.parametrize("site", ["41010", "1", None])
+def test_a_buoy_has_the_name_of_its_station(site):
+    found = read_waves(BUOY, WaveChoice(RECORDS[0][0], site=site)).spectrum
+    assert found.significant_height() == pytest.approx(RECORDS[0][1], abs=0.15)
+
+
+@pytest.mark.parametrize("site", ["41009", "2", "0", "-1"])
+def test_another_station_is_refused(site):
+    with pytest.raises(DomainError, match=f"'{site}' is not a site of .*allowed: 41010"):
+        read_waves(BUOY, WaveChoice(RECORDS[0][0], site=site))

@@ -7,6 +7,7 @@ from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.limits import TABLE_BANDS_UM, TABLE_HEIGHTS
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.wave_spectra import spectrum
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 
@@ -27,7 +28,7 @@ def test_angles_and_directions():
     )
     # waves and the steeper slopes go where the wind blows
     assert np.degrees(view.slopes.wind_to_azimuth) == pytest.approx(50.0)
-    assert np.degrees(prepare.spectrum(scenario).wind_to_azimuth) == pytest.approx(50.0)
+    assert np.degrees(spectrum(scenario).wind_to_azimuth) == pytest.approx(50.0)
     assert view.sensor_height == eye.height == 40.0
 
 
@@ -73,7 +74,7 @@ def test_a_buoy_without_a_time_is_refused(tmp_path):
     path.write_text("#YY MM DD hh mm\n")
     scenario = _scenario(sun={"zenith_deg": 60.0}, sea={"spectrum": {"kind": "file", "path": str(path)}})
     with pytest.raises(ScenarioError, match=r"sea\.spectrum\.time"):
-        prepare.spectrum(scenario)
+        spectrum(scenario)
 
 
 def test_a_response_outside_the_air_table_is_told_by_its_key(tmp_path):
@@ -117,11 +118,11 @@ def test_slope_models_with_skewness_follow_the_wind(kind):
         assert slopes.density(east, north) > 1.3 * slopes.density(-east, -north)
 
 
-@pytest.mark.parametrize("spectrum", ["elfouhaily", "pierson-moskowitz"])
-def test_slopes_of_the_waves_themselves(spectrum):
-    scenario = _scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": spectrum}})
+@pytest.mark.parametrize("kind", ["elfouhaily", "pierson-moskowitz"])
+def test_slopes_of_the_waves_themselves(kind):
+    scenario = _scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": kind}})
     slopes = prepare.slopes(scenario)
-    assert (slopes.mss_up, slopes.mss_cross) == pytest.approx(prepare.spectrum(scenario).mss(), rel=1e-12)
+    assert (slopes.mss_up, slopes.mss_cross) == pytest.approx(spectrum(scenario).mss(), rel=1e-12)
     assert prepare.slopes(_scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": "flat"}})).is_flat
     # the source article's mode has a slope model of its own
     assert prepare.article_view(scenario).slopes.is_isotropic
@@ -183,3 +184,20 @@ def test_a_calm_sea_is_the_same_from_everywhere_on_the_way():
     assert moving.layout.poses["sensor_east"].tolist() == [0.0, 50.0 / 25.0]
     assert moving.images(1)["radiance"].tobytes() == standing.images(1)["radiance"].tobytes()
     assert np.ndim(moving.layout.azimuth_deg) == 1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_spectrum_without_short_waves_is_told_once(seed, caplog):
+    rng = np.random.default_rng(seed)
+    speed, height, period = rng.uniform(8.0, 18.0), rng.uniform(0.5, 2.0), rng.uniform(8.0, 14.0)
+    swell = {"kind": "jonswap", "significant_height_m": height, "peak_period_s": period}
+    few = _scenario(wind={"speed_m_s": speed}, sea={"slopes": {"kind": "spectrum"}, "spectrum": swell})
+    for _ in range(2):
+        mss = prepare.slopes(few).mss
+    told = [record.getMessage() for record in caplog.records]
+    assert len(told) == 1
+    assert f"{mss:.2g}" in told[0]
+    assert "short waves are missing" in told[0]
+    whole = _scenario(wind={"speed_m_s": speed}, sea={"slopes": {"kind": "spectrum"}})
+    prepare.slopes(whole)
+    assert len(caplog.records) == 1

@@ -269,3 +269,21 @@ def test_the_chain_costs_little_beside_the_finer_drawing() -> None:
     coarse, fine, plane, expose = measured()
     assert plane + expose < 0.3 * fine
     assert fine < 9.0 * coarse
+
+
+def test_all_doors_take_the_same_image_of_a_run_with_counts_and_radiance(tmp_path) -> None:
+    """One default: what the detector gives, also where the radiance at the aperture stands beside it."""
+    from seaglint.files.export.stack import select
+    from seaglint.files.recording import open_recording
+    from seaglint.viewer.opening import open_path
+
+    sensor = {"pixels": [24, 16], "frames": 2, "optics": {"focal_length_m": 0.05, "f_number": 2.5}, "detector": {"pitch_um": 15.0}}
+    store = tmp_path / "run.zarr"
+    render(parse_scenario({"sensor": sensor}), store, radiance=True)
+    assert open_recording(store).units == "count"
+    assert next(iter(open_path(store).layers)) == "signal"
+    with open_sequence(store) as run:
+        assert {"signal", "radiance"} <= set(run.data_vars)
+        assert select(run).variable == "signal"
+        alone = run.drop_vars("radiance")
+        np.testing.assert_array_equal(sg.apparent_temperature(run), sg.apparent_temperature(alone))

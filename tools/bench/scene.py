@@ -22,6 +22,7 @@ from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.tiles import Tile
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.wave_spectra import spectrum
 
 LENGTH = 1024.0
 POINTS = 1024
@@ -47,9 +48,9 @@ def scene(
             "atmosphere": {"source": "none"},
         }
     )
-    spectrum = prepare.spectrum(scenario)
-    assert spectrum is not None
-    waves = WaveField.create(spectrum, (Tile(length, points, 0.0, 0.0, 2.0 * np.pi * points / (SHORTEST_WAVE * length)),), 1)
+    every_wave = spectrum(scenario)
+    assert every_wave is not None
+    waves = WaveField.create(every_wave, (Tile(length, points, 0.0, 0.0, 2.0 * np.pi * points / (SHORTEST_WAVE * length)),), 1)
     return prepare.view(scenario), prepare.camera(scenario), waves
 
 

@@ -5,6 +5,7 @@ Files, plot labels and the documentation read it; nothing else may name a unit.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
@@ -36,6 +37,9 @@ class Variable:
         unit = self.symbol or self.units
         return f"{self.long_name} [{unit}]" if unit else self.long_name
 
+
+IMAGES: Final = ("signal", "radiance", "texture")
+"""Images that every command and function takes where none is named, the first that exists: what a detector gives, else its radiance."""
 
 _RADIANCE = ("W m-2 sr-1", "W m⁻² sr⁻¹")
 
@@ -127,3 +131,13 @@ ARTICLE_RADIANCE_PER_SI: Final = 100.0
 """Number of uW cm-2 sr-1 in one W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""
 
 ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"
+
+
+def default_image(names: Iterable[str]) -> str | None:
+    """Return the image among several that is taken where none is named; None where there is none of them.
+
+    >>> default_image(["range", "radiance", "signal"])
+    'signal'
+    """
+    held = set(names)
+    return next((name for name in IMAGES if name in held), None)

@@ -23,16 +23,32 @@ def _list_presets(requested: bool) -> None:
 def init(
     output: Annotated[Path, typer.Argument(metavar="OUTPUT.toml", help="file to write")],
     preset: Annotated[str, typer.Option("--preset", help="scene to begin with")] = "glint",
+    camera: Annotated[
+        str | None,
+        typer.Option(
+            "--camera",
+            metavar="KEY=VALUE,...",
+            help="camera of a data sheet's numbers, as in the example, or a TOML file of the same",
+        ),
+    ] = None,
     overwrite: Overwrite = False,
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list the presets and leave")] = False,
 ) -> None:
     """Write a commented scenario file."""
     from seaglint.files.outputs import refuse_existing
-    from seaglint.scenario.text.template import write_template
+    from seaglint.scenario.camera import read_camera
+    from seaglint.scenario.text.template import PRESETS, write_template
 
     refuse_existing(output, overwrite=overwrite)
-    write_template(output, preset, overwrite=overwrite)
-    log(f"{output} written; next: seaglint render {output} -o {output.with_suffix('.zarr')} --preview")
+    chosen = None if camera is None else read_camera(camera)
+    write_template(output, preset, camera=chosen, overwrite=overwrite)
+    if PRESETS[preset].files:
+        log(f"beside it: {', '.join(PRESETS[preset].files)}")
+    for line in () if chosen is None else chosen.assumed:
+        log(f"camera: {line}")
+    log(f"{output} written; next: seaglint render {output} -o {output.with_suffix('.zarr')} --frames 0:1 --preview")
+    if chosen is not None:
+        log(f"what the camera does: seaglint sensor {output}")
 
 
 def schema() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -140,11 +141,11 @@ def sensor(
     if as_json:
         print_json(described.as_dict())
     else:
-        typer.echo("\n".join(lines(described.sheet)))
+        typer.echo("\n".join(lines(described.sheet, described.from_netd)))
 
 
-def lines(sheet: SensorDataSheet) -> list[str]:
-    """Return the figures of merit as lines of text."""
+def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
+    """Return the figures of merit as lines of text, with the key of the detector that follows from a stated NETD."""
     from seaglint.instrument.figures_of_merit import MTF_POINTS
 
     unit, budget, mtf = sheet.unit, sheet.noise_budget, sheet.mtf
@@ -153,6 +154,7 @@ def lines(sheet: SensorDataSheet) -> list[str]:
         f"{sheet.detector} detector, {low:g} to {high:g} um, F/{sheet.f_number:.3g}, focal length {1e3 * sheet.focal_length_m:.4g} mm",
         f"  IFOV                    {sheet.ifov_mrad:.5g} mrad, pictures drawn {sheet.oversampling} times finer",
         f"  NETD                    {1e3 * sheet.netd_k:.4g} mK at {sheet.background_k:g} K",
+        *(f"    as stated, which gives {key} = {value:.4g}" for key, value in from_netd.items()),
         f"  SiTF                    {sheet.sitf_counts_per_k:.5g} counts/K",
         f"  gain                    {sheet.electrons_per_count or sheet.nw_per_count:.5g} {unit}/count",
         f"  NEI                     {sheet.nei_w_m2:.4g} W m-2 at the aperture ({100 * sheet.point_share:.3g} % of a point in its pixel)",

@@ -5,22 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from seaglint.base.errors import DataError
+from seaglint.base.schema import default_image
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
 def pictures(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the variable that pictures are made of: ``radiance``, or ``signal`` where there is none.
+    """Return the variable that pictures are made of: ``signal``, or ``radiance`` where there is none.
 
     Raises
     ------
     DataError
         A dataset that has neither.
     """
-    for name in ("radiance", "signal"):
-        if name in dataset:
-            return dataset[name]
+    name = default_image(str(held) for held in dataset.data_vars)
+    if name is not None and name != "texture":
+        return dataset[name]
     available = ", ".join(map(str, dataset.data_vars)) or "none"
     raise DataError(
         f"the dataset has no variable 'radiance' (it has: {available}); give the variable itself, e.g. dataset['path_radiance'], or counts "

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import logging
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,8 @@ from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, table
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.scenario.text import display  # noqa: F401 - scenarios show themselves in notebooks
+
+log = logging.getLogger(__name__)
 
 
 def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
@@ -46,7 +50,29 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
         raise ScenarioError(f"{path}: holds a number of thousands of digits; write numbers as 1.5 or 2e3") from None
     except RecursionError:
         raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
-    return parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
+    scenario = parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
+    for key, given in _without_zone(raw):
+        log.warning(
+            "seaglint: %s: %s = %s has no time zone and is taken as UTC; end it in Z, or in its offset such as -05:00", path, key, given
+        )
+    return scenario
+
+
+def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the keys of dates and times without a zone, and their values as text."""
+    if isinstance(raw, Mapping):
+        for key, value in raw.items():
+            yield from _without_zone(value, f"{above}.{key}" if above else str(key))
+    elif isinstance(raw, list):
+        for place, value in enumerate(raw):
+            yield from _without_zone(value, f"{above}[{place}]")
+    elif above.rpartition(".")[2] in ("utc", "time"):
+        try:
+            moment = datetime.fromisoformat(raw) if isinstance(raw, str) else raw
+        except ValueError:
+            return
+        if isinstance(moment, datetime) and moment.tzinfo is None:
+            yield above, moment.isoformat()
 
 
 def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis import Recording
 from seaglint.base.errors import DataError, SeaglintError
-from seaglint.base.schema import VARIABLES
+from seaglint.base.schema import IMAGES, VARIABLES
 from seaglint.files.counts import count_line
 from seaglint.files.directions import directions
 from seaglint.files.netcdf import open_netcdf
@@ -25,9 +25,6 @@ from seaglint.files.store.manifest import DONE
 from seaglint.files.store.store import is_sequence
 from seaglint.files.store.stored_truth import GROUP
 from seaglint.plot.sequence_summary import to_temperature
-
-MAIN: Final = ("radiance", "signal", "texture")
-"""Layers that are shown first, where they exist."""
 
 _MAPS: Final = (".nc", ".nc4")
 
@@ -140,7 +137,7 @@ def _images(dataset: Any) -> list[str]:
         for name, values in dataset.data_vars.items()
         if (values.dims[-2:] == ("y", "x") and values.dims[:-2] in ((), ("time",))) and values.dtype.kind in "uif"
     ]
-    return sorted(names, key=lambda name: MAIN.index(name) if name in MAIN else len(MAIN))
+    return sorted(names, key=lambda name: IMAGES.index(name) if name in IMAGES else len(IMAGES))
 
 
 def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[], NDArray[np.int64]] | None) -> Opened:

@@ -50,7 +50,10 @@ _SHIP = (
 
 EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "": ("seaglint init my.toml", "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
-    "init": ("seaglint init calm.toml --preset calm",),
+    "init": (
+        "seaglint init calm.toml --preset calm",
+        "seaglint init uncooled.toml --camera pitch_um=17,pixels=640x512,focal_length_mm=35,f_number=1.1,netd_mk=50,band_um=7.5-13.5",
+    ),
     "schema": ("seaglint schema > scenario.schema.json",),
     "doctor": ("seaglint doctor --json",),
     "view": (*_RUN, "seaglint view example.zarr"),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from seaglint.base.errors import DataError
-from seaglint.files.counts import count_line
+from seaglint.files.counts import count_line, pictures
 from seaglint.files.dataset import format_named
 from seaglint.files.dataset.grey_levels import Bits, PictureLevels
 from seaglint.files.dataset.grey_picture import write_picture
@@ -68,16 +68,16 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
     """
     folder, form = Path(settings.folder), format_named(settings.format)
     with open_sequence(entry.store) as dataset:
-        variable = dataset["signal" if "signal" in dataset else "radiance"]
+        variable = pictures(dataset)
         levels = _levels(variable, settings.bits, entry) if form.pictures else None
         frames = [int(number) for number in dataset["frame"].to_numpy()]
         times = [float(time) for time in dataset["time"].to_numpy()]
-        pictures = tuple(
+        numbered = tuple(
             DatasetFrame(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(frames, times, strict=True)
         )
         scenario = json.loads(dataset.attrs["scenario"])
         objects = scenario.get("objects") or []
-        for index, picture in enumerate(pictures):
+        for index, picture in enumerate(numbered):
             if levels is not None:
                 about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes}
                 path = form.image_path(folder, entry.split, picture.name, settings.image)
@@ -92,7 +92,7 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
             levels=levels,
             names=tuple(item["name"] for item in objects),
             categories=tuple(_category(item, settings.classes) for item in objects),
-            pictures=pictures,
+            pictures=numbered,
             rows=rows,
             parameters=dict(entry.parameters),
         )

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.files.counts import pictures
 from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.grey_levels import Bits
 
@@ -49,7 +50,7 @@ class Stores(DatasetFormat):
         from seaglint.files.store.store import open_sequence
 
         with open_sequence(_store(folder, part.scene)) as dataset:
-            return np.asarray(dataset["signal" if "signal" in dataset else "radiance"][place].to_numpy())
+            return np.asarray(pictures(dataset)[place].to_numpy())
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.schema import default_image
 from seaglint.files.netcdf import labelled
 from seaglint.files.recording.arrays import stored_frame_rate
 from seaglint.version import __version__
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
 
 AXES: Final = ("time", "y", "x")
 """Dimensions of what is exported, frames first, row 0 on top."""
-
-DEFAULTS: Final = ("signal", "radiance", "texture")
-"""Default variables of an export, the first that exists."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +176,7 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     dataset : xarray.Dataset
         A run, opened lazily.
     variable : str, optional
-        Which images; by default the first of :data:`DEFAULTS` that is there, or the only ones.
+        Which images; by default those of :func:`~seaglint.base.schema.default_image`, or the only ones.
     frames : range, optional
         Numbers of the frames, counted in the whole sequence; all by default.
     source : str
@@ -194,7 +192,7 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
         one = any(values.dims == AXES[1:] for values in dataset.data_vars.values())
         remedy = "; a single image becomes a run of one frame by dataset.expand_dims('time')" if one else ""
         raise DataError(f"{source}: holds no images over (time, y, x); give a run of 'seaglint render'{remedy}")
-    chosen = variable or next((name for name in DEFAULTS if name in available), available[0] if len(available) == 1 else None)
+    chosen = variable or default_image(available) or (available[0] if len(available) == 1 else None)
     if chosen is None or chosen not in available:
         message = f"has no images '{chosen}'; it has" if chosen else "give one as variable:"
         raise DataError(f"{source}: {message} {', '.join(available)}")

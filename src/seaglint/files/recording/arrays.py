@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.free_form import Attributes
+from seaglint.base.schema import default_image
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.recording.stored import full_scale, grey
 
@@ -227,9 +228,11 @@ def open_labelled(path: Path, how: ArrayReading) -> Recording:
 
 
 def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
-    """Return the image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the chosen one; read when needed."""
+    """Return the image variable of an :class:`xarray.Dataset`: the chosen one, the default (counts before radiance), or the only
+    one; read when needed.
+    """
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
-    name = _choose(images, how.variable or next((n for n in ("radiance", "signal") if n in images), None), source)
+    name = _choose(images, how.variable or default_image(images), source)
     chosen = images[name]
     recording = of_array(
         _Lazy(chosen),

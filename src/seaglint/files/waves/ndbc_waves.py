@@ -54,7 +54,7 @@ def read_text(path: Path, choice: WaveChoice) -> Held:
         historical = _HISTORICAL.match(files[0].name) is not None
         return _moments(frequency, energy, columns, historical, f"{path} at {moment}")
 
-    return Held(bands, times[index : index + 1])
+    return Held(bands, times[index : index + 1], (_station(files[0]),))
 
 
 def read_netcdf(path: Path) -> Held:
@@ -73,6 +73,12 @@ def read_netcdf(path: Path) -> Held:
         return _moments(frequency, energy, [np.asarray(data[n].values, dtype=np.float64) for n in _DIRECTIONAL], False, str(path))
 
     return held_by(path, density, convert)
+
+
+def _station(path: Path) -> str:
+    """Return the name of the station, with which NDBC's files begin."""
+    historical = _HISTORICAL.match(path.name)
+    return historical[1] if historical is not None else path.name.partition(".")[0]
 
 
 def _five(path: Path) -> list[Path]:

@@ -27,7 +27,7 @@ class WaveChoice:
     latitude_deg, longitude_deg : float or None
         Place wanted, both or none [deg].
     site : str or None
-        Name or number of a site, as the file calls it.
+        Name of a site, as the file calls it, or its number from 1.
     time_tolerance : float
         Farthest the record may be from the time wanted [s].
     distance_tolerance_km : float
@@ -72,6 +72,8 @@ class WaveChoice:
     ) -> tuple[int, float | None]:
         """Return the index of the requested site, and its distance from the requested place [km]."""
         if self.site is not None:
+            if self.site.isdecimal() and 1 <= int(self.site) <= len(names) and self.site not in names:
+                return int(self.site) - 1, None
             if self.site not in names:
                 shown = f"{', '.join(names[:_LISTED])}{', ...' if len(names) > _LISTED else ''}"
                 raise DomainError(

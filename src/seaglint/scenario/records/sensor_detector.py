@@ -40,9 +40,25 @@ class PhotonDetector(Record):
     ] = None
     offset_counts: Annotated[float, Quantity("", ge=0, le=65_535), Field(description="counts without electrons")] = 0.0
     crosstalk: Annotated[float, Quantity(ge=0, le=0.8), Field(description="share of the electrons that the four neighbours get")] = 0.0
+    netd_k: Annotated[
+        Annotated[float, Quantity("K", gt=0, le=100)] | None,
+        Field(
+            description="noise-equivalent temperature difference of the data sheet: gives the read noise beside integration_time_s, the "
+            "integration time without it"
+        ),
+    ] = None
+    netd_temperature_k: Annotated[
+        float, Quantity("K", ge=200, le=400), Field(description="blackbody temperature for which netd_k is stated")
+    ] = 300.0
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:
+        if self.netd_k is not None and self.integration_time_s is not None and self.read_noise_e > 0.0:
+            text = (
+                f"= {self.netd_k:g} is given beside integration_time_s and read_noise_e, and any two of the three give the third; "
+                "leave one out ('seaglint sensor' prints it)"
+            )
+            raise rule("sensor.detector.netd_k", text, value=self.netd_k)
         if self.well_capacity_e is not None and self.well_capacity_e <= self.read_noise_e:
             text = f"= {self.well_capacity_e:g} is not above sensor.detector.read_noise_e = {self.read_noise_e:g}; correct one of them"
             raise rule("sensor.detector.well_capacity_e", text, value=self.well_capacity_e, allowed=f"above {self.read_noise_e:g}")
@@ -61,8 +77,10 @@ class ThermalDetector(Record):
     kind: Literal["thermal"]
     pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), Field(description="distance of the pixels' centres")]
     netd_k: Annotated[float, Quantity("K", gt=0, le=100), Field(description="noise-equivalent temperature difference of the data sheet")]
-    netd_f_number: Annotated[float, Quantity(ge=0.5, le=20), Field(description="f-number of the optics for which it is stated")] = 1.0
-    netd_temperature_k: Annotated[float, Quantity("K", ge=200, le=400), Field(description="blackbody for which it is stated")] = 300.0
+    netd_f_number: Annotated[float, Quantity(ge=0.5, le=20), Field(description="f-number of the optics for which netd_k is stated")] = 1.0
+    netd_temperature_k: Annotated[
+        float, Quantity("K", ge=200, le=400), Field(description="blackbody temperature for which netd_k is stated")
+    ] = 300.0
     time_constant_s: Annotated[float, Quantity("s", ge=0, le=10), Field(description="time constant of the exponential lag")] = 0.0
     fill_factor: Annotated[float, Quantity(gt=0, le=1), Field(description="share of a pixel's area that absorbs")] = 1.0
     absorptance: Annotated[float, Quantity(gt=0, le=1), Field(description="share of the power that is absorbed")] = 1.0

@@ -89,6 +89,11 @@ class Sensor(Record):
         return self.detector is not None
 
     @property
+    def fov_follows(self) -> bool:
+        """Return true where the field of view follows from the pixels and the focal length that the optics state."""
+        return self.optics is not None and self.detector is not None and bool(_focal_lengths(self.optics, self.detector))
+
+    @property
     def focal_length_m(self) -> float:
         """Return the focal length [m] from any of the keys that give it; all that are given agree."""
         assert self.optics is not None

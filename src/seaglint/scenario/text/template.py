@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pydantic import BaseModel
 
 from seaglint.base.errors import DataError, ScenarioError, StorageError
 from seaglint.base.free_form import JsonObject
-from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list
+from seaglint.scenario.camera import CameraTables, with_camera
+from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list, tag_name, tags
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.scene_presets import PRESETS, Preset
+from seaglint.scenario.records.sensor_table import Sensor
 from seaglint.scenario.text.toml_text import inline
+
+DATA: Final = Path(__file__).parents[1] / "data"
+"""Folder of the files that presets name."""
 
 __all__ = ["PRESETS", "json_schema", "template", "write_template"]
 
@@ -47,6 +53,14 @@ _EXAMPLES = {
     "pitch_um": "15.0",
     "quantum_efficiency_file": '"qe.csv"',
     "corrected_at_k": "[288, 308]",
+    "cold_shield_f_number": "2.0",
+    "integration_time_s": "0.003",
+    "short_integration_time_s": "0.0003",
+    "well_capacity_e": "7.2e6",
+    "gain_e_per_count": "440",
+    "netd_k": "0.05",
+    "period_s": "0.04",
+    "heading_deg": "90",
     "keyframes": "[{ time_s = 0, east_m = 0, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = 5 }, "
     "{ time_s = 4, east_m = 20, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = -5 }]",
 }
@@ -89,23 +103,28 @@ def json_schema() -> JsonObject:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "seaglint scenario"}
 
 
-def template(preset: str = "glint") -> str:
-    """Return the commented TOML text of a preset.
+def template(preset: str = "glint", camera: CameraTables | None = None) -> str:
+    """Return the commented TOML text of a preset, with a camera in place of its sensor where one is given.
 
     Raises
     ------
     ScenarioError
-        For a name that is no preset.
+        For a name that is no preset, or a camera that cannot be.
     """
     try:
         chosen = PRESETS[preset]
     except KeyError:
         raise ScenarioError(f"preset='{preset}' is not one of {', '.join(PRESETS)}") from None
+    if camera is not None:
+        values = with_camera(chosen.values, camera)
+        chosen = replace(chosen, values=values, notes=(*chosen.notes, *(f"Camera: {line}." for line in camera.assumed)))
     return "\n".join(_lines(chosen)) + "\n"
 
 
-def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool = False) -> Path:
-    """Write the commented scenario of a preset.
+def write_template(output: str | Path, preset: str = "glint", *, camera: CameraTables | None = None, overwrite: bool = False) -> Path:
+    """Write the commented scenario of a preset, with a camera in place of its sensor where one is given, and beside it the preset's files.
+
+    A file that is there already stays.
 
     Raises
     ------
@@ -114,10 +133,14 @@ def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool
     StorageError
         It cannot be written.
     """
-    output, text = Path(output), template(preset)
+    output, text = Path(output), template(preset, camera)
     try:
         if output.exists() and not overwrite:
             raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
+        for name in PRESETS[preset].files:
+            beside = output.with_name(name)
+            if not beside.exists():
+                beside.write_bytes((DATA / name).read_bytes())
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error
@@ -137,7 +160,8 @@ def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
     keys = list(fields_of(type(record), path))
     plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
     for key in plain:
-        yield _entry(key, getattr(record, key.path[-1]))
+        follows = key.path == ("sensor", "fov_deg") and isinstance(record, Sensor) and record.fov_follows
+        yield ("# " if follows else "") + _entry(key, getattr(record, key.path[-1]))
     for key in keys:
         if key not in plain:
             yield ""
@@ -177,10 +201,20 @@ def _section(key: Key, value: BaseModel | None) -> Iterator[str]:
         yield f"[{name}]  # {_first_line(type(value))}"
         yield from _table(value, key.path)
         return
-    yield f"# [{name}]  # {_first_line(key.records[0])}"
-    for inner in fields_of(key.records[0], key.path):
-        line = _entry(inner, None)
-        yield line if line.startswith("#") else f"# {line}"
+    first, *others = key.records
+    yield f"# [{name}]  # {_first_line(first)}"
+    for inner in fields_of(first, key.path):
+        yield _commented(inner)
+    for kind, other in zip(tags(key.path)[1:], others, strict=False):
+        yield f'# with {tag_name(key.path)} = "{kind}" instead: {_first_line(other)}'
+        yield from (_commented(inner) for inner in fields_of(other, key.path) if inner.path[-1] not in first.model_fields)
+
+
+def _commented(key: Key) -> str:
+    """Return the line of a key that is not in force, with its default where it has one."""
+    default = key.info.get_default()
+    shown = not key.info.is_required() and default is not None and not isinstance(default, BaseModel)
+    return f"# {_entry(key, default if shown else None).removeprefix('# ')}"
 
 
 def _first_line(record: type[BaseModel]) -> str:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from seaglint.base.free_form import JsonObject
+from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.data_sheet import SensorDataSheet
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import figures
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import TABLES
+from seaglint.scenario.records.sensor_detector import PhotonDetector
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.prepare.sensor_model import sensor_model
 
@@ -32,15 +35,18 @@ class SensorDescription:
         Figures of merit, with the noise budget for the mean of the scene.
     scenario : JsonObject
         Scenario as one table.
+    from_netd : dict of float
+        Key of the detector that follows from the stated NETD, with its value; empty where none does.
     """
 
     seed: int
     sheet: SensorDataSheet
     scenario: JsonObject
+    from_netd: dict[str, float] = field(default_factory=dict)
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text, as ``seaglint sensor --json`` prints them."""
-        return {"seed": self.seed, **self.sheet.as_dict(), "scenario": self.scenario}
+        return {"seed": self.seed, **self.sheet.as_dict(), "from_netd": self.from_netd, "scenario": self.scenario}
 
 
 def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> SensorDescription:
@@ -61,7 +67,16 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> Se
     """
     model = sensor_model(scenario)
     sheet = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
-    return SensorDescription(model.seed, sheet, json.loads(scenario.model_dump_json(exclude_none=True)))
+    return SensorDescription(model.seed, sheet, json.loads(scenario.model_dump_json(exclude_none=True)), _from_netd(scenario, model))
+
+
+def _from_netd(scenario: Scenario, model: SensorModel) -> dict[str, float]:
+    source = scenario.sensor.detector
+    if not isinstance(source, PhotonDetector) or source.netd_k is None or not isinstance(model.detector, PhotonPixels):
+        return {}
+    if source.integration_time_s is None:
+        return {"integration_time_s": model.detector.integration_time}
+    return {"read_noise_e": model.detector.read_noise}
 
 
 def mean_radiance(scenario: Scenario) -> float:

@@ -13,7 +13,7 @@ from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import Atmosphere, wavenumber_grid
 from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
-from seaglint.base.conventions import FloatArray, surface_range, travel_azimuth
+from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.facet.legs import VIEWER, Shadowing
@@ -36,13 +36,12 @@ from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT
 from seaglint.scenario.records.platform import Keyframe
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.field import WaveField
-from seaglint.sea.slopes.breon_henriot import breon_henriot
-from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
-from seaglint.sea.slopes.from_spectrum import spectrum_slopes
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.studies.prepare.floating_platform import afloat
-from seaglint.studies.prepare.wave_spectra import Waves, spectrum, waves
+from seaglint.studies.prepare.slope_laws import slopes
+from seaglint.studies.prepare.wave_spectra import Waves, waves
 
 RESOLVED_SHARE = 0.8
 """Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
@@ -141,29 +140,6 @@ def water(scenario: Scenario) -> WaterIndex:
             return sea_water.segelstein()
         case "article":
             return sea_water.article()
-        case other:
-            assert_never(other)
-
-
-def slopes(scenario: Scenario) -> SlopeStatistics:
-    """Slope statistics of the whole sea."""
-    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
-    match scenario.sea.slopes:
-        case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
-            return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkAnisotropic(extrapolate=extrapolate):
-            return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkGramCharlier(extrapolate=extrapolate):
-            return cox_munk_gram_charlier(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkSlick(extrapolate=extrapolate):
-            return cox_munk_slick(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.BreonHenriot(extrapolate=extrapolate):
-            return breon_henriot(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.SpectrumSlopes():
-            spectral = spectrum(scenario)
-            return flat() if spectral is None else spectrum_slopes(spectral)
-        case wanted_slopes.FlatSlopes():
-            return flat()
         case other:
             assert_never(other)
 

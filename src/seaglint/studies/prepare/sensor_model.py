@@ -17,6 +17,7 @@ from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.scan import ScanPattern
+from seaglint.instrument.stated_netd import integration_time_for, read_noise_for
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sensor_detector import PhotonDetector
@@ -85,7 +86,24 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         scanning=scan_rate(scenario) != 0.0,
         circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
     )
-    return _with_noise(model, scenario)
+    return _with_stated_netd(_with_noise(model, scenario), scenario)
+
+
+def _with_stated_netd(model: SensorModel, scenario: Scenario) -> SensorModel:
+    """The sensor with the read noise or the integration time that gives the NETD of its data sheet, where one is stated."""
+    source = scenario.sensor.detector
+    if not isinstance(source, PhotonDetector) or source.netd_k is None or not isinstance(model.detector, PhotonPixels):
+        return model
+    try:
+        if source.integration_time_s is None:
+            time = integration_time_for(model, source.netd_k, source.netd_temperature_k, _dwell(scenario))
+            return _with_noise(replace(model, detector=replace(model.detector, integration_time=time)), scenario)
+        read = read_noise_for(model, source.netd_k, source.netd_temperature_k)
+        return replace(model, detector=replace(model.detector, read_noise=read))
+    except DomainError as error:
+        key = "sensor.detector.netd_k"
+        mistake = Mistake(key, source.netd_k, error.allowed, f"{key} = {source.netd_k:g}: {error}")
+        raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
 
 
 def _photons(over: Band, detector: Any) -> Photons:
