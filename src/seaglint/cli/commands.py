@@ -31,7 +31,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     },
     "Look": {
         "view": CommandEntry("view.view", "Look at sequences, maps and scenarios in a browser."),
-        "info": CommandEntry("facts.info", "Say what a sequence or map holds and how it was made."),
+        "info": CommandEntry("facts.info", "Say what a file holds and how it was made."),
         "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, computed anew."),
     },
     "Compute": {

@@ -38,10 +38,11 @@ def _one_thread() -> None:
 
 def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMode, compute: Callable[..., Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing, require_ending
     from seaglint.files.tables.cases import read_cases, write_cases
 
     # The cases themselves may be the output: all their rows and columns are in it.
+    require_ending(output, (".csv", ".txt"), "the results are a CSV file")
     refuse_existing(output, overwrite=request.overwrite)
     cases = read_cases(path)
     with patient_progress(show, "rows x bands") as report:

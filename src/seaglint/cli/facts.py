@@ -1,7 +1,8 @@
-"""The commands ``seaglint info`` and ``seaglint doctor``: of a recording, and of the installation."""
+"""The commands ``seaglint info`` and ``seaglint doctor``: of a file, and of the installation."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,19 +14,31 @@ AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 
 
 def info(
-    path: Annotated[str, typer.Argument(metavar="RUN.zarr", help="sequence, finished or not, or a mean map; also a URL of a sequence")],
+    path: Annotated[
+        str,
+        typer.Argument(metavar="FILE", help="sequence, finished or not, also a URL; mean map; scenario; recording of any format"),
+    ],
+    everything: Annotated[bool, typer.Option("--all", help="with all that was noted when it was made")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Say what a sequence or map holds and how it was made."""
+    """Say what a file holds and how it was made."""
     from seaglint.cli.info import describe, lines
+    from seaglint.cli.input_facts import describe_recording, describe_scenario, is_ours
     from seaglint.cli.terminal.start import only_numpy
 
     only_numpy()
-    facts = describe(place_given(path))
-    if as_json:
-        print_json(facts.as_dict())
+    place = place_given(path)
+    if is_ours(place):
+        held = describe(place)
+        told, plain = lines(held, everything=everything), held.as_dict
     else:
-        typer.echo("\n".join(lines(facts)))
+        assert isinstance(place, Path)
+        facts = describe_scenario(place) if place.suffix.lower() == ".toml" else describe_recording(place)
+        told, plain = facts.lines, facts.as_dict
+    if as_json:
+        print_json(plain())
+    else:
+        typer.echo("\n".join(told))
 
 
 def doctor(as_json: AsJson = False) -> None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.free_form import JsonObject
+from seaglint.cli.input_facts import scene_line
 from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
 from seaglint.files.netcdf import open_netcdf
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 _HIDDEN = frozenset(
     {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
 )
+_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})
+"""Variables that no user looks at."""
 
 
 @dataclass(frozen=True)
@@ -204,8 +208,8 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def lines(facts: FileFacts) -> list[str]:
-    """Return the facts as lines of text."""
+def lines(facts: FileFacts, *, everything: bool = False) -> list[str]:
+    """Return the facts as at most ten lines of text, or with ``everything`` that was noted when the file was made."""
     nx, ny = facts.pixels
     out = [f"{facts.path}: {facts.title}"]
     if (held := facts.frames) is not None:
@@ -220,16 +224,22 @@ def lines(facts: FileFacts) -> list[str]:
         ]
     else:
         out.append(f"  pixels            {nx} x {ny}, periodic along every axis")
-    out += [
-        f"  variables         {', '.join(facts.variables)}",
-        f"  size              {facts.bytes / 1e6:.1f} MB",
-        f"  seed              {facts.seed}",
-    ]
+    if facts.scenario is not None:
+        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
+            out.append(f"  scene             {scene_line(facts.scenario)}")
     if facts.summary is not None:
         out.append(f"  radiance          {facts.summary.line}")
     if shares := facts.saturated_share:
         out.append(
             f"  saturated         {100 * sum(shares) / len(shares):.3g} % of the pixels, {100 * max(shares):.3g} % in the worst frame"
         )
-    out += [f"  {key:17} {value}" for key, value in facts.provenance.items()]
+    named = facts.variables if everything else [name for name in facts.variables if name not in _BOOKS]
+    out += [
+        f"  variables         {', '.join(named)}",
+        f"  file              {facts.bytes / 1e6:.1f} MB, seed {facts.seed}",
+    ]
+    if everything:
+        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
+    if facts.provenance:
+        out.append(f"  how it was made   seaglint info --all {facts.path}")
     return out

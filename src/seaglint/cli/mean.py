@@ -7,15 +7,11 @@ from typing import Annotated
 
 import typer
 
-from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import files_read, log, naming_file
 from seaglint.cli.terminal.options import PreviewScale
 from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
 from seaglint.cli.terminal.records import takes_records
 from seaglint.studies.mean.mean_requests import MeanRequest
-
-_NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
-"""Endings that say another kind of file is meant than a mean map."""
 
 
 @takes_records(order="scenario output overwrite preview scale")
@@ -29,14 +25,13 @@ def mean(
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.start import only_numpy
     from seaglint.files.netcdf import write_netcdf
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing, require_ending
     from seaglint.scenario.load import load_scenario
 
     only_numpy()
     show_logs()
-    if output.suffix.lower() in _NO_MAPS:
-        sequence = "; 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""
-        raise DataError(f"{output}: a mean map is a NetCDF file; give a name that ends in .nc{sequence}")
+    sequence = ", and 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""
+    require_ending(output, (".nc", ".nc4"), f"a mean map is a NetCDF file{sequence}")
     loaded = load_scenario(request.scenario)
     picture, inputs = output.with_suffix(".png"), files_read(request.scenario, loaded)
     refuse_existing(output, overwrite=request.overwrite, inputs=inputs)

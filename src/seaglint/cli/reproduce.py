@@ -190,7 +190,9 @@ def table1(
 def _made(folder: Path) -> Path:
     """The folder, made where it is missing."""
     from seaglint.files.failures import storage_errors
+    from seaglint.files.outputs import refuse_file_ending
 
+    refuse_file_ending(folder, "the output")
     with storage_errors(folder, "choose another folder with -o"):
         folder.mkdir(parents=True, exist_ok=True)
     return folder

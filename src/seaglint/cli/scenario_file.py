@@ -35,10 +35,11 @@ def init(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list the presets and leave")] = False,
 ) -> None:
     """Write a commented scenario file."""
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing, require_ending
     from seaglint.scenario.camera import read_camera
     from seaglint.scenario.text.template import PRESETS, write_template
 
+    require_ending(output, (".toml",), "a scenario is a TOML file")
     refuse_existing(output, overwrite=overwrite)
     chosen = None if camera is None else read_camera(camera)
     write_template(output, preset, camera=chosen, overwrite=overwrite)

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Final
 
 from seaglint.base.errors import DataError
 from seaglint.files.failures import storage_errors
 
 ELSEWHERE = "choose another place; nothing was written"
+
+_KINDS: Final = (
+    "nc nc4 cdf h5 hdf5 mat npy npz fits parquet bin raw dat csv tsv txt json jsonl toml yaml yml xml ini md html htm pdf svg "
+    "png jpg jpeg bmp tif tiff gif mp4 mkv avi mov webm ply stl obj glb zip tar gz tgz bz2 xz 7z xlsx py ipynb"
+)
+
+FILE_ENDINGS: Final = frozenset(f".{kind}" for kind in _KINDS.split(" "))
+"""Endings of files: what ends so is no folder."""
 
 
 def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iterable[str | Path] = ()) -> Path:
@@ -33,6 +42,32 @@ def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iter
         if output.exists() and not overwrite:
             raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
     return output
+
+
+def require_ending(output: Path, allowed: Sequence[str], what: str) -> Path:
+    """Return the path of an output file; refuse an ending that says another kind of file.
+
+    Raises
+    ------
+    DataError
+        The name has an ending, and it is none of those allowed.
+    """
+    if output.suffix and output.suffix.lower() not in allowed:
+        raise DataError(f"{output}: {what}; give a name that ends in {' or '.join(allowed)}")
+    return output
+
+
+def refuse_file_ending(folder: Path, what: str) -> Path:
+    """Return the path of an output folder; refuse a name that ends as a file's does.
+
+    Raises
+    ------
+    DataError
+        The name ends in one of :data:`FILE_ENDINGS`.
+    """
+    if folder.suffix.lower() in FILE_ENDINGS:
+        raise DataError(f"{folder}: {what} is a folder; give a name without {folder.suffix}, e.g. {folder.with_suffix('')}")
+    return folder
 
 
 def require_folder(output: Path) -> None:

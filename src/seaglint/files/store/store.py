@@ -13,7 +13,7 @@ import time
 from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
 from seaglint.base.processor import processor
 from seaglint.files.failures import storage_errors
-from seaglint.files.outputs import ELSEWHERE
+from seaglint.files.outputs import ELSEWHERE, FILE_ENDINGS
 from seaglint.files.provenance import PROCESSORS_MIXED, differences
 from seaglint.files.store.consolidated import consolidate
 from seaglint.files.store.filling import Filling, Interrupted, Spread
@@ -48,9 +48,6 @@ __all__ = [
 ]
 
 log = logging.getLogger(__name__)
-
-_OTHER_KINDS: Final = frozenset({".nc", ".nc4", ".h5", ".hdf5", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
-"""Endings of other kinds of files."""
 
 
 def write_sequence(
@@ -224,9 +221,10 @@ def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: 
     if resume and overwrite:
         raise DataError("resume=True keeps what is there and overwrite=True replaces it; give one of the two")
     name = Path(str(output))
-    if name.suffix.lower() in _OTHER_KINDS:
+    if name.suffix.lower() in FILE_ENDINGS:
         raise DataError(
-            f"{output}: a sequence is a Zarr store; give a name that ends in .zarr (a mean map, {name.stem}.nc, is made by 'seaglint mean')"
+            f"{output}: a sequence is a Zarr store, a folder; give a name that ends in .zarr "
+            f"(a mean map, {name.stem}.nc, is made by 'seaglint mean')"
         )
     place.check(inputs)
     return place

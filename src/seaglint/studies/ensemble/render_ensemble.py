@@ -15,6 +15,7 @@ from seaglint.base.free_form import TableRow
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Failed, Here, Job, Workers
 from seaglint.files.failures import storage_errors
+from seaglint.files.outputs import refuse_file_ending
 from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
 from seaglint.files.store.store import Interrupted, check_output, write_sequence
@@ -158,7 +159,7 @@ def render_ensemble(
     SeaglintError
         See :func:`draw`; nothing is written then.
     """
-    folder = Folder(Path(output))
+    folder = Folder(refuse_file_ending(Path(output), "an ensemble"))
     folder.check(resume=resume, overwrite=overwrite)
     drawn = draw(ensemble)
     with ExitStack() as held:

@@ -21,7 +21,7 @@ from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.grey_picture import ImageKind
 from seaglint.files.dataset.part import FOLDER, Catalogue, DatasetScene, Entry, part_path
 from seaglint.files.failures import storage_errors
-from seaglint.files.outputs import ELSEWHERE, require_folder
+from seaglint.files.outputs import ELSEWHERE, refuse_file_ending, require_folder
 from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
 from seaglint.files.store.store import Interrupted, partial_path
@@ -111,7 +111,7 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
     StorageError
         Nothing can be written in the folder.
     """
-    partial = partial_path(output)
+    partial = partial_path(refuse_file_ending(output, "a data set"))
     if resume and overwrite:
         raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
     with storage_errors(output, ELSEWHERE):
