@@ -299,3 +299,54 @@ def test_every_shipped_table_has_its_checksum():
 
     root = Path(package.__file__).parent
     assert set(read_checksums(root / "checksums.sha256")) == set(data_files(root))
+
+
+HOSTILE = "a\x1b[31mb\u202ec\u2066d\x07"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("render", f"{HOSTILE}.toml", "-o", "run.zarr"),
+        ("render", "my.toml", "-o", f"{HOSTILE}.zip"),
+        ("render", "my.toml", "-o", "run.zarr", "--frames", HOSTILE),
+        ("render", "my.toml", "-o", "run.zarr", "--scale", HOSTILE),
+        ("init", "x.toml", "--preset", HOSTILE),
+        ("init", "x.toml", "--camera", HOSTILE),
+        ("analyze", f"{HOSTILE}.npy"),
+        ("info", f"{HOSTILE}.zarr"),
+        (HOSTILE,),
+        (f"--{HOSTILE}",),
+        ("mean", f"--{HOSTILE}"),
+    ],
+)
+def test_what_steers_a_terminal_is_never_repeated_raw(seaglint, scenario, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    answer = seaglint(*arguments)
+    assert answer.code == 2
+    assert not set(answer.out + answer.err) & set("\x1b\u202e\u2066\x07")
+    assert "\\x1b" in answer.err
+
+
+@pytest.mark.parametrize(
+    "arguments", [("init", "x.toml", "--preset"), ("analyze", "my.toml", "--border"), ("render", "my.toml", "-o", "r.zarr", "--frames")]
+)
+@pytest.mark.parametrize("value", ["y" * 100_000, "y " * 50_000])
+def test_what_fills_the_screen_is_cut(seaglint, scenario, tmp_path, monkeypatch, arguments, value):
+    monkeypatch.chdir(tmp_path)
+    answer = seaglint(*arguments, value)
+    assert answer.code == 2
+    assert len(answer.err) < 5000
+
+
+def test_a_file_s_own_words_are_not_obeyed_either(seaglint, pipeline, scenario, tmp_path):
+    run = tmp_path / "run.zarr"
+    assert seaglint("render", scenario, "-o", run, "--progress", "none").code == 0
+    attributes = run / "zarr.json"
+    held = json.loads(attributes.read_text())
+    held["attributes"]["title"] = HOSTILE
+    attributes.write_text(json.dumps(held))
+    answer = seaglint("info", run)
+    assert answer.code == 0
+    assert "\x1b" not in answer.out
+    assert "\\x1b[31m" in answer.out

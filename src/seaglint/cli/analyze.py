@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.cli.terminal.messages import tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import takes_records
@@ -60,7 +61,7 @@ def analyze(
 
         typer.echo(json.dumps(analysis.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        typer.echo("\n".join(lines(analysis.summary())))
+        tell(lines(analysis.summary()))
 
 
 def _require_words(request: AnalysisRequest) -> None:

@@ -21,7 +21,7 @@ from seaglint.base.errors import ScenarioError, SeaglintError
 from seaglint.cli.commands import Commands, write_groups
 from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import epilog
-from seaglint.cli.terminal.messages import log, option_names, spelled_as_options
+from seaglint.cli.terminal.messages import log, option_names, printable, spelled_as_options
 from seaglint.cli.terminal.start import collect_later
 
 
@@ -46,6 +46,17 @@ def _termination() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
+@contextmanager
+def _printable_usage() -> Iterator[None]:
+    """Let complaints about the command line repeat only what a terminal shows as it is."""
+    try:
+        yield
+    except Exception as error:
+        if hasattr(error, "format_message") and isinstance(getattr(error, "message", None), str):
+            error.message = printable(error.message)
+        raise
+
+
 class _Program(TyperGroup):
     """Errors that the user can mend are one line each on stderr; anything else keeps its traceback."""
 
@@ -57,15 +68,20 @@ class _Program(TyperGroup):
         """Write the commands by what a person wants."""
         write_groups(formatter)
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the program's own options."""
+        with _printable_usage():
+            return super().parse_args(ctx, args)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command chosen."""
         words = [*ctx._protected_args, *ctx.args]
         try:
-            with _termination():
+            with _termination(), _printable_usage():
                 return super().invoke(ctx)
         except SeaglintError as error:
             text = spelled_as_options(str(error), option_names(self, words), of_file=isinstance(error, ScenarioError))
-            for line in text.splitlines():
+            for line in text.split("\n"):
                 log(f"seaglint: {line}")
             sys.exit(error.exit_code)
         except OSError as error:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from seaglint.cli.terminal.numbers import between
 
 if TYPE_CHECKING:
@@ -27,7 +25,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     import warnings
 
     from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.messages import log, print_json
+    from seaglint.cli.terminal.messages import log, print_json, tell
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.tables.detection_tables import DetectionFiles
@@ -62,7 +60,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
         print_json(result)
     else:
         for case in study.good:
-            typer.echo("\n".join([*([f"{case.named}:"] if case.named else []), *lines(case.done.result)]))
+            tell([*([f"{case.named}:"] if case.named else []), *lines(case.done.result)])
     if study.errors:
         failed = "\n".join(study.errors)
         raise DataError(f"{failed}\n{len(study.errors)} of {len(study.cases)} cases failed{'; the others are written' if files else ''}")

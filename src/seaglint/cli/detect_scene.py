@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from seaglint.cli.terminal.numbers import between
 from seaglint.cli.terminal.progress import ProgressMode
 
@@ -29,7 +27,7 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
 
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.messages import files_read, log, print_json
+    from seaglint.cli.terminal.messages import files_read, log, print_json, tell
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.detection_parts import parts_folder
     from seaglint.files.outputs import refuse_existing
@@ -77,7 +75,7 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
     if results.as_json:
         print_json(result)
     else:
-        typer.echo("\n".join(lines(study)))
+        tell(lines(study))
     if study.errors:
         failed = "\n".join(study.errors)
         where = "; what was computed is written" if files is not None else ""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.cli.terminal.messages import log
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.records import takes_records
 from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
@@ -50,7 +51,7 @@ def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMod
     replaced = write_cases(cases, columns, output, overwrite=request.overwrite)
     more = ", ..." if len(replaced) > 3 else ""
     note = f"; {len(replaced)} columns of {path} computed anew: {', '.join(replaced[:3])}{more}" if replaced else ""
-    print(f"{output}: {len(cases)} rows written{note}", file=sys.stderr, flush=True)
+    log(f"{output}: {len(cases)} rows written{note}")
 
 
 @evaluate.command()

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import log, print_json
+from seaglint.cli.terminal.messages import log, print_json, tell
 from seaglint.cli.terminal.options import place_given
 
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
@@ -38,7 +38,7 @@ def info(
     if as_json:
         print_json(plain())
     else:
-        typer.echo("\n".join(told))
+        tell(told)
 
 
 def doctor(as_json: AsJson = False) -> None:
@@ -49,7 +49,7 @@ def doctor(as_json: AsJson = False) -> None:
     if as_json:
         print_json(report.as_dict())
     else:
-        typer.echo("\n".join(report.lines))
+        tell(report.lines)
     if report.problems:
         for problem in report.problems:
             log(f"seaglint: {problem}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import Without, takes_records
 from seaglint.cli.terminal.run_options import RunOptions
@@ -62,7 +62,7 @@ def likelihood(
     if as_json:
         print_json(summary.as_dict())
     else:
-        typer.echo("\n".join(lines(summary)))
+        tell(lines(summary))
 
 
 def lines(summary: LikelihoodSummary) -> list[str]:

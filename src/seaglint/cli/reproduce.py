@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import log, print_json
+from seaglint.cli.terminal.messages import log, print_json, tell
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 
@@ -27,7 +27,7 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
         return
     from seaglint.cli.terminal.text_table import table
 
-    typer.echo("\n".join(table(computed)))
+    tell(table(computed))
 
 
 @reproduce.command()
@@ -183,7 +183,7 @@ def table1(
         return
     from seaglint.cli.terminal.text_table import table
 
-    typer.echo("\n".join(table(result.rows())))
+    tell(table(result.rows()))
     typer.echo("; ".join(f"{key} = {value}" for key, value in result.settings().items()))
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
 from seaglint.cli.terminal.records import Without, takes_records
 from seaglint.cli.terminal.run_options import RunOptions
@@ -141,7 +141,7 @@ def sensor(
     if as_json:
         print_json(described.as_dict())
     else:
-        typer.echo("\n".join(lines(described.sheet, described.from_netd)))
+        tell(lines(described.sheet, described.from_netd))
 
 
 def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import Without, takes_records
@@ -65,7 +65,7 @@ def fit(
     if as_json:
         print_json(result.stored.to_dict())
     else:
-        typer.echo("\n".join(fit_lines(result)))
+        tell(fit_lines(result))
 
 
 @texture.command()
@@ -127,7 +127,7 @@ def compare(
     if as_json:
         print_json({**comparison.as_dict(), "likelihood": None if likelihood is None else asdict(likelihood)})
     else:
-        typer.echo("\n".join(comparison_lines(comparison.distances, likelihood)))
+        tell(comparison_lines(comparison.distances, likelihood))
 
 
 @texture.command()

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import log, print_json
+from seaglint.cli.terminal.messages import log, print_json, tell
 
 if TYPE_CHECKING:
     from seaglint.weather.table_facts import WeatherFacts
@@ -94,7 +94,7 @@ def info(
     if as_json:
         print_json(facts.as_dict())
     else:
-        typer.echo("\n".join(lines(facts)))
+        tell(lines(facts))
     if plot is not None:
         from seaglint.plot.weather_figure import write_weather_plot
 

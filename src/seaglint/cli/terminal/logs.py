@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-import sys
+
+from seaglint.cli.terminal.messages import log
 
 
 class _Stderr(logging.Handler):
@@ -11,7 +12,7 @@ class _Stderr(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one line."""
-        print(record.getMessage(), file=sys.stderr, flush=True)
+        log(record.getMessage())
 
 
 def show_logs(*, quiet: bool = False) -> None:

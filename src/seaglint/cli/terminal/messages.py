@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import typer
 
@@ -15,6 +16,19 @@ from seaglint.base.errors import DomainError, Mistake, ScenarioError
 
 if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
+
+
+LONGEST_WORD: Final = 500
+"""Characters from which a word is cut: longer than the path of any file that a user gives a name."""
+
+KEPT_OF_WORD: Final = 80
+"""Characters that are kept of such a word."""
+
+LONGEST_LINE: Final = 4000
+"""Characters after which a line is cut."""
+
+_STEERING: Final = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
+"""Classes of characters that a terminal does not show but obeys, or that are none."""
 
 
 def option_names(group: Any, words: Sequence[str]) -> dict[str, str]:
@@ -65,9 +79,34 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
     return re.sub(rf"{alone}({long})(?![\w\-/(=]|\.\w)", lambda match: options[match[1]], text) if long else text
 
 
+def printable(text: str) -> str:
+    r"""Return a text that a terminal shows as it is: what would steer it stands as an escape, what fills the screen is cut.
+
+    Values and names of files come from anywhere: control characters, those that reverse the direction of writing, and separators of
+    lines are written as Python writes them; words of more than :data:`LONGEST_WORD` characters keep their beginning.
+
+    Examples
+    --------
+    >>> print(printable("name = 'a\x1b[31mb'"))
+    name = 'a\x1b[31mb'
+    >>> printable("x" * 1000).endswith("x... (1000 characters)")
+    True
+    """
+    shown = "".join(one if one in "\n\t" or unicodedata.category(one) not in _STEERING else ascii(one)[1:-1] for one in text)
+    shown = re.sub(rf"\S{{{LONGEST_WORD},}}", lambda word: f"{word[0][:KEPT_OF_WORD]}... ({len(word[0])} characters)", shown)
+    return "\n".join(
+        line if len(line) <= LONGEST_LINE else f"{line[:LONGEST_LINE]}... ({len(line)} characters)" for line in shown.split("\n")
+    )
+
+
 def log(text: str) -> None:
     """Print one line for the user, on stderr."""
-    print(text, file=sys.stderr, flush=True)
+    print(printable(text), file=sys.stderr, flush=True)
+
+
+def tell(lines: Iterable[str]) -> None:
+    """Print lines of a result for people, on stdout."""
+    typer.echo(printable("\n".join(lines)))
 
 
 @contextmanager

@@ -9,6 +9,8 @@ from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
+from seaglint.cli.terminal.messages import log
+
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
@@ -45,7 +47,7 @@ def progress(mode: ProgressMode, what: str, began: Began | None = None, clock: C
         with _bar(what) as report:
             yield report
     elif mode is ProgressMode.LOG:
-        yield log_lines(what, lambda line: print(line, file=sys.stderr, flush=True), clock, began)
+        yield log_lines(what, log, clock, began)
     else:
         yield lambda done, total: None
 
