@@ -170,7 +170,7 @@ def test_dead_rows_and_pixels_are_left_out_and_named() -> None:
     frames[:, 60, 17] = 4000.0
     found = result(frames)
     assert any("2 rows left out" in note and "5, 40" in note for note in found["notes"])
-    assert any("1 dead pixel" in note for note in found["notes"])
+    assert any("1 pixels left out: they never change" in note for note in found["notes"])
     region = found["regions"]["all"]
     assert region["pixels"] == 94 * 128 - 1
     assert region["mean"] == pytest.approx(100.0, abs=0.1)
@@ -330,11 +330,25 @@ def test_a_bad_line_is_named_and_left_out_of_correlation_and_fits(line: str, whe
 
 
 @quick
+@pytest.mark.parametrize("rows", [3, 40])
+def test_rows_of_a_sky_without_noise_are_left_out(rows: int) -> None:
+    """A rendered sky differs along its rows and never changes; it is neither dead pixels nor a still scene, however much there is."""
+    frames = WHITE[:20].copy()
+    frames[:, :rows] = np.linspace(90.0, 95.0, rows)[:, np.newaxis] + np.linspace(0.0, 1.0, frames.shape[2])
+    found = result(frames, AnalysisOptions(border="keep"))
+    assert [note for note in found["notes"] if "change" in note] == [
+        f"{rows} rows left out ({', '.join(map(str, range(min(rows, 6))))}{', ...' if rows > 6 else ''}): none of their pixels ever "
+        "changes, as in the sky of a sequence rendered without noise"
+    ]
+    assert found["regions"]["all"]["pixels"] == (96 - rows) * 128
+
+
+@quick
 def test_a_dead_column_is_told_once() -> None:
     frames = SMALL.copy()
     frames[:, :, 30] = 0.0
     notes = result(frames)["notes"]
-    assert any("48 dead pixels left out" in note for note in notes)
+    assert any("48 pixels left out: they never change" in note for note in notes)
     assert not any("even from top to bottom" in note for note in notes)
 
 

@@ -79,7 +79,7 @@ def test_loops_are_exported_and_told(seaglint, model, tmp_path) -> None:
     assert seaglint("texture", "sample", model, "--size", "32x32", "--frames", 8, "-o", loop).code == 0
     assert seaglint("export", loop, "-o", tmp_path / "loop.npy").code == 0
     assert np.load(tmp_path / "loop.npy").shape == (8, 32, 32)
-    told = seaglint("info", loop)
+    told = seaglint("info", "--all", loop)
     assert told.code == 0, told.err
     assert "loop_frames" in told.out
     video = pytest.importorskip("av") and seaglint(

@@ -17,7 +17,7 @@ from seaglint.files.store.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, write_picture
-from seaglint.plot.scale import scale_of, sea_pixels
+from seaglint.plot.scale import scale_of, tick_labels
 from seaglint.plot.sequence_summary import GLINT_FACTOR, grid_of, summarise, to_temperature
 from seaglint.plot.video import captioned, grey, video_available, write_video
 
@@ -200,18 +200,23 @@ def test_a_logarithmic_scale_is_even_in_decades_and_turns_back():
     assert not scale_of(np.linspace(1.0, 2.0, 10_001)).logarithmic
 
 
-def test_a_bright_horizon_does_not_set_the_limits(tmp_path):
-    """Sensor at 20 m: horizon 0.14 deg below the horizontal; rows from 1 to -7 deg."""
-    image = np.full((1, 64, 32), 40.0)
-    image[0, 20:] = 30.0 + np.linspace(0.0, 0.5, 32)
-    image[0, 10:20] = 45.0
-    scenario = json.dumps({"sensor": {"height_m": 20.0}, "sea": {"temperature_k": SEA}})
-    dataset = sequence(tmp_path, image, scenario=scenario)
-    sea = sea_pixels(dataset)
-    # elevation[k] = -7 k / 63 deg; a tenth of the 6.86 deg below the horizon is left out
-    assert np.flatnonzero(sea[:, 0])[0] == 8
-    found = scale_of(image[0], np.repeat((np.arange(64) >= 20)[:, None], 32, axis=1))
-    assert (found.low, found.high, found.logarithmic) == (pytest.approx(30.0, abs=0.01), pytest.approx(30.5, abs=0.01), False)
+def test_the_scale_spans_horizon_and_sky_too():
+    """Night in long wave: sea at 30, horizon at 45, cold sky at 5; each keeps a brightness of its own, none is cut off."""
+    image = np.full((64, 32), 5.0)
+    image[10:20] = 45.0
+    image[20:] = 30.0 + np.linspace(0.0, 0.5, 32)
+    found = scale_of(image)
+    assert (found.low, found.high, found.logarithmic) == (5.0, 45.0, False)
+
+
+@pytest.mark.parametrize("low", [-1.0, 0.0, 28.0, 285.0])
+@pytest.mark.parametrize("span", [1e-3, 0.03, 1.0, 400.0])
+def test_labels_of_a_bar_differ(low, span):
+    for width in (span, 1e-3 * span):
+        values = Scale(low, low + span, width).value(np.linspace(0.0, 1.0, 9))
+        labels = tick_labels(values)
+        assert len(set(labels)) == 9
+        assert [float(label) for label in labels] == sorted(float(label) for label in labels)
 
 
 def test_the_caption_has_time_bar_and_ends():

@@ -177,6 +177,15 @@ def test_one_band_is_smiths():
     assert lit_of_seen(-0.3, 0.5, 0.7, 1) == 1.0
 
 
+@pytest.mark.parametrize("nodes", [0, 1])
+@pytest.mark.parametrize(("view", "sun"), [(0.0, 0.0), (0.5, 0.7), (9.0, 0.2), (9.0, 9.0)])
+def test_an_empty_table_and_its_stand_in_couple_nothing(nodes: int, view: float, sun: float) -> None:
+    """What lies behind them in memory is never read."""
+    around = np.full((64, 64, 64), 5.0)
+    around[0, 0, 0] = 0.0
+    assert lit_exponent_kernel(-0.3, view, sun, around[:nodes, :nodes, :nodes]) == 0.0
+
+
 @pytest.mark.parametrize(("mu", "t"), [(0.3, -0.5), (1.0, 0.2), (2.5, -1.0)])
 def test_the_quick_exponent_is_the_ratios(mu, t):
     assert np.exp(nested_exponent_kernel(t, mu, 1.0, ratio_table(5))) == pytest.approx(

@@ -250,7 +250,7 @@ def test_small_pictures_keep_the_field_of_view(pixels):
 def _picture(rows=4, columns=8, grid=True):
     values = np.arange(rows * columns, dtype=np.float32).reshape(rows, columns)
     edges = ((170.0, 186.0), (4.0, -4.0)) if grid else (None, None)
-    return PreviewPicture(values, 280 + values, *edges, (512, 256), None, 0.5)
+    return PreviewPicture(values, 280 + values, *edges, (512, 256), 0.5)
 
 
 def test_the_map_holds_the_pixels_top_row_first_and_round_angles():

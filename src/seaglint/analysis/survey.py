@@ -236,6 +236,14 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
         )
     if recording.frames >= FEWEST_FOR_DEAD:
         still = ~dead & (moments.minimum == moments.maximum)
+        rows = (still | dead).all(axis=1) & still.any(axis=1)
+        if recording.columns > 1 and rows.any() and not (still | dead).all():
+            dead[rows], still[rows] = True, False
+            where = np.flatnonzero(rows)
+            notes.append(
+                f"{where.size} rows left out ({_listed(where)}): none of their pixels ever changes, as in the sky of a sequence rendered "
+                "without noise"
+            )
         share = still.sum() / max((~dead).sum(), 1)
         if share > MOST_DEAD:
             notes.append(
@@ -243,7 +251,7 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
             )
         elif still.any():
             dead |= still
-            notes.append(f"{int(still.sum())} dead pixels left out: they never change")
+            notes.append(f"{int(still.sum())} pixels left out: they never change, as dead ones or a sky rendered without noise")
     return dead, notes
 
 

@@ -88,7 +88,8 @@ def lines(result: AnalysisSummary) -> list[str]:
     regions = result.regions
     for name, region in regions.items():
         if region is None:
-            out.append(f"{name}: none")
+            single = "; glint all over the picture counts as background" if name == "glint" else ""
+            out.append(f"{name}: no region of its own{single}")
             continue
         if name == "background" and regions["glint"] is None and region.pixels == result.present["all"].pixels:
             out.append("background: the same as all")

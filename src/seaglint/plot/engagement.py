@@ -78,7 +78,7 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementW
     FigureCanvasAgg(figure)
     panels = figure.subplot_mosaic([["colours", "grey"], ["side", "side"]], height_ratios=[1.9, 1.0])
     radiance = dataset["radiance"].isel(time=index).to_numpy()
-    scale = scale_of(radiance, None, "linear")
+    scale = scale_of(radiance, "linear")
     kelvin = to_temperature(np.maximum(radiance, 0.0), stored_band(dataset.attrs))
     limits = to_temperature(np.maximum([scale.low, scale.high], 0.0), stored_band(dataset.attrs))
     band = stored_band(dataset.attrs)

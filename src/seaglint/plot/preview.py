@@ -16,7 +16,7 @@ from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
-from seaglint.plot.scale import Kind, scale_of, sea_pixels
+from seaglint.plot.scale import Kind, scale_of, tick_labels
 from seaglint.plot.sequence_summary import images, to_temperature
 
 if TYPE_CHECKING:
@@ -97,10 +97,11 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
         # A second axis would be linear beside this one.
         even = np.linspace(0.0, 1.0, 9)
         ticks = scale.value(even)
-        bar.set_ticks(ticks, labels=[f"{v:.3g} ({ARTICLE_RADIANCE_PER_SI * v:.3g})" for v in ticks])
+        pairs = zip(tick_labels(ticks), tick_labels(ARTICLE_RADIANCE_PER_SI * ticks), strict=True)
+        bar.set_ticks(ticks, labels=[f"{si} ({article})" for si, article in pairs])
         bar.set_label(f"{symbol} ({ARTICLE_RADIANCE_SYMBOL}), logarithmic", fontsize=8)
         kelvin = np.asarray(warm.inverse(even))
-        thermal.set_ticks(kelvin, labels=[f"{t:.4g}" for t in kelvin])
+        thermal.set_ticks(kelvin, labels=tick_labels(kelvin, 4))
         bar.minorticks_off()
         thermal.minorticks_off()
     else:
@@ -144,7 +145,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     radiance = images(dataset)[0]
     band = stored_band(dataset.attrs)
     temperature = to_temperature(radiance, band)
-    chosen = scale_of(radiance, sea_pixels(dataset), scale)
+    chosen = scale_of(radiance, scale)
     bright, warm = _norms(chosen, band)
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1

@@ -63,7 +63,8 @@ class Summary:
         return (
             f"{self.frames} frame{'s' if self.frames != 1 else ''}, mean {self.mean:.4g} W m⁻² sr⁻¹ ({u * self.mean:.4g} "
             f"{ARTICLE_RADIANCE_SYMBOL}, {self.mean_apparent_temperature:.1f} K), peak {self.peak:.4g} ({u * self.peak:.4g}, "
-            f"{self.peak_apparent_temperature:.1f} K), glint {100.0 * self.glint_fraction:.3g} % of the pixels{bad}"
+            f"{self.peak_apparent_temperature:.1f} K), "
+            f"{100.0 * self.glint_fraction:.3g} % of the pixels over twice the water's blackbody radiance{bad}"
         )
 
     def as_dict(self) -> dict[str, float | int]:

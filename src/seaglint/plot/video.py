@@ -18,7 +18,7 @@ from seaglint.files.counts import pictures
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording.arrays import stored_frame_rate
-from seaglint.plot.scale import Kind, scale_of, sea_pixels
+from seaglint.plot.scale import Kind, scale_of
 from seaglint.plot.sequence_summary import Images, images, to_temperature
 from seaglint.plot.video_formats import video_format
 
@@ -172,7 +172,7 @@ def _scale(dataset: xr.Dataset, frames: Images, kind: Kind) -> Scale:
     """Scale from some of the frames."""
     count = len(frames)
     sampled = np.stack([frames[i] for i in np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))])
-    return scale_of(sampled, sea_pixels(dataset), kind)
+    return scale_of(sampled, kind)
 
 
 def _ends(dataset: xr.Dataset, variable: str, scale: Scale) -> str:

@@ -125,9 +125,10 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
     """Logarithm from :func:`coupling_table`, interpolated linearly between its nodes.
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
-    in rms slopes; both elevations at least 0, the Sun opposite to the viewer. 0 from the empty table of one band.
+    in rms slopes; both elevations at least 0, the Sun opposite to the viewer. 0 from the empty table of one band, and from
+    the single zero that stands for it in a stack.
     """
-    if table.shape[0] == 0:
+    if table.shape[0] < _PAIR_NODES:
         return 0.0
     a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
     x, y = a * ((_PAIR_NODES - 1) / _PAIR_TOP), b * ((_PAIR_NODES - 1) / _PAIR_TOP)

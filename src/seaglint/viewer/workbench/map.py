@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.brightness import Scale, eight_bit
 from seaglint.base.schema import VARIABLES
-from seaglint.plot.scale import scale_of
+from seaglint.plot.scale import scale_of, tick_labels
 from seaglint.viewer.workbench.small_pictures import PreviewPicture
 
 Quantity = Literal["radiance", "apparent_temperature"]
@@ -25,7 +25,7 @@ _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
     """Return the picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and a colour bar."""
     values = picture.radiance if quantity == "radiance" else picture.temperature
-    scale = scale_of(values, picture.sea)
+    scale = scale_of(values)
     rows, columns = values.shape
     width = _WIDTH - _LEFT - _RIGHT
     x, y, names = _axes(picture)
@@ -92,11 +92,12 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
         f'<image x="{left:.1f}" y="{_TOP:g}" width="12" height="{height:.1f}" preserveAspectRatio="none" '
         f'href="{_png(shares, _colours(quantity))}"/>'
     )
-    for share, value in zip(np.linspace(0.0, 1.0, 5), scale.value(np.linspace(0.0, 1.0, 5)), strict=True):
+    shown = np.linspace(0.0, 1.0, 5)
+    labels = tick_labels(scale.value(shown), 4 if quantity == "apparent_temperature" else 3)
+    for share, label in zip(shown, labels, strict=True):
         at = _TOP + height * (1.0 - share)
-        digits = ".4g" if quantity == "apparent_temperature" else ".3g"
         y = min(max(at, _TOP + 5), _TOP + height - 5)
-        yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{value:{digits}}</text>'
+        yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{label}</text>'
     unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + 68, _TOP + height / 2
     unit += ", log" if scale.logarithmic else ""
     yield f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" transform="rotate(-90 {x:.1f} {y:.1f})">{unit}</text>'

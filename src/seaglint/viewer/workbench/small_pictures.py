@@ -46,7 +46,6 @@ class PreviewPicture:
     azimuth: tuple[float, float] | None
     elevation: tuple[float, float] | None
     pixels: tuple[int, int]
-    sea: NDArray[np.bool_] | None
     seconds: float
 
 
@@ -78,7 +77,6 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
         What the models do not cover.
     """
     from seaglint.files.provenance import stored_band
-    from seaglint.plot.scale import sea_pixels
     from seaglint.plot.sequence_summary import to_temperature
     from seaglint.studies.mean.mean_map import mean
     from seaglint.studies.sequence.image import image
@@ -92,9 +90,7 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     else:
         temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
     edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
-    return PreviewPicture(
-        radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(dataset), time.perf_counter() - begin
-    )
+    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, time.perf_counter() - begin)
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:
