@@ -9,6 +9,7 @@ import sys
 import h5py
 import numpy as np
 import pytest
+import tifffile
 import xarray as xr
 from PIL import Image
 
@@ -73,16 +74,21 @@ def parsed_fits(path):
     return cards, stored
 
 
+def tiff_text(path):
+    """JSON of a TIFF: in ImageJ's Info, of BigTIFF the description."""
+    with tifffile.TiffFile(path) as file:
+        return json.loads(file.imagej_metadata["Info"] if file.is_imagej else file.pages[0].description)
+
+
 def read_back(path):
     """Physical values and metadata by a reader that had no part in the writing."""
     if path.suffix == ".tif":
-        pages, text = [], ""
+        pages = []
         with Image.open(path) as image:
-            text = image.tag_v2[270]
             for n in range(image.n_frames):
                 image.seek(n)
                 pages.append(np.array(image))
-        stored, about = np.stack(pages), json.loads(text)
+        stored, about = np.stack(pages), tiff_text(path)
     elif path.suffix == ".npy":
         stored, about = np.load(path), json.loads(path.with_name(path.name + ".json").read_text())["metadata"]
     elif path.suffix == ".raw":
@@ -227,8 +233,9 @@ def test_directions_of_single_pixels_and_dates(tmp_path):
         assert file[0].header["DATE-OBS"] == "2024-05-01T12:00:00.200"
     with h5py.File(tmp_path / "x.nc") as file:
         np.testing.assert_array_equal(file["azimuth"][:], azimuth)
-    with Image.open(tmp_path / "x.tif") as image:
-        assert "azimuth" not in json.loads(image.tag_v2[270])["coordinates"]
+    assert "azimuth" not in tiff_text(tmp_path / "x.tif")["coordinates"]
+    with tifffile.TiffFile(tmp_path / "x.tif") as file:
+        assert file.imagej_metadata["unit"] == "pixel"
 
 
 @pytest.mark.parametrize("dtype", [None, "uint16"])
@@ -268,15 +275,45 @@ def test_our_own_analysis_reads_what_is_exported(run, tmp_path, ending):
     write_stack(select(run, frames=range(3, 8, 2)), tmp_path / f"x.{ending}")
     opened = open_recording(tmp_path / f"x.{ending}")
     np.testing.assert_array_equal(opened.read(0, opened.frames), FRAMES[::2])
-    if ending not in ("tif", "npy"):
+    if ending != "npy":
         assert (opened.frame_rate, opened.units) == (pytest.approx(RATE / 2), "W m-2 sr-1")
 
 
-@pytest.mark.parametrize("ending", ["nc", "h5", "fits"])
+@pytest.mark.parametrize("ending", ["nc", "h5", "fits", "tif"])
 def test_our_own_analysis_takes_the_scale_of_counts(run, tmp_path, ending):
     told = write_stack(select(run), tmp_path / f"x.{ending}", dtype="uint16", limits=EXTREMES)
     opened = open_recording(tmp_path / f"x.{ending}")
     np.testing.assert_allclose(opened.read(0, 5), FRAMES, rtol=0.0, atol=HALF * told.scale_factor)
+
+
+@pytest.mark.parametrize("dtype", [None, "uint16"])
+def test_imagej_finds_unit_interval_and_scale(run, tmp_path, dtype):
+    told = write_stack(select(run), tmp_path / "x.tif", dtype=dtype)
+    with tifffile.TiffFile(tmp_path / "x.tif") as file:
+        assert file.is_imagej
+        known, page = file.imagej_metadata, file.pages[0]
+        assert (known["unit"], known["vunit"], known["frames"]) == ("deg", "W m-2 sr-1", 5)
+        assert known["finterval"] == pytest.approx(1.0 / RATE)
+        assert known["fps"] == pytest.approx(RATE)
+        across, down = (page.tags[name].value for name in ("XResolution", "YResolution"))
+        assert across[0] / across[1] == pytest.approx(1.0 / abs(AZIMUTH[1] - AZIMUTH[0]), rel=1e-6)
+        assert down[0] / down[1] == pytest.approx(1.0 / abs(ELEVATION[1] - ELEVATION[0]), rel=1e-6)
+        # ImageJ reads a stack as one run of bytes behind the first page's offset
+        assert [p.dataoffsets[0] - page.dataoffsets[0] for p in file.pages] == [n * page.nbytes for n in range(5)]
+        if dtype is None:
+            assert "cf" not in known
+        else:
+            assert known["cf"] == 0
+            assert (known["c0"], known["c1"]) == (pytest.approx(told.add_offset), pytest.approx(told.scale_factor))
+
+
+def test_a_stack_that_imagej_calibrated_is_read_in_its_units(tmp_path):
+    counts = np.arange(60, dtype=np.uint16).reshape(3, 4, 5)
+    about = {"axes": "TYX", "finterval": 0.04, "vunit": "K", "cf": 0, "c0": 280.0, "c1": 0.5}
+    tifffile.imwrite(tmp_path / "x.tif", counts, imagej=True, metadata=about)
+    opened = open_recording(tmp_path / "x.tif")
+    assert (opened.frame_rate, opened.units, opened.saturation) == (pytest.approx(25.0), "K", None)
+    np.testing.assert_allclose(opened.read(0, 3), 280.0 + 0.5 * counts)
 
 
 def test_large_stacks_are_bigtiff(run, tmp_path, monkeypatch):

@@ -37,6 +37,14 @@ def test_a_map_comes_back_with_cf_attributes(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["mean.nc"]
 
 
+def test_coordinates_have_no_fill_value(tmp_path):
+    """CF 1.11, 2.5.1; images may have one."""
+    import h5py
+
+    with h5py.File(write_netcdf(dataset(), tmp_path / "mean.nc")) as file:
+        assert [name for name in dataset().coords if "_FillValue" in file[name].attrs] == []
+
+
 def test_an_existing_map_is_kept_unless_told_otherwise(tmp_path):
     path = tmp_path / "mean.nc"
     path.write_text("mine")

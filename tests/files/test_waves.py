@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import shutil
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -248,6 +249,12 @@ def test_the_scenario_knows_the_formats_that_are_read() -> None:
 
 def test_distances() -> None:
     assert distance_km(0.0, 0.0, np.array([0.0, 90.0]), np.array([180.0, 0.0])) == pytest.approx([20015.1, 10007.5], abs=0.1)
+
+
+def test_a_buoys_files_are_read_without_a_warning(recwarn: pytest.WarningsRecorder) -> None:
+    """Those of libraries about their own libraries are nothing that who has a buoy's file can mend."""
+    read_waves(Path(str(files("seaglint.scenario") / "data" / "41010.data_spec")), WaveChoice("2020-06-08T03:50Z"))
+    assert [str(warning.message) for warning in recwarn] == []
 
 
 @pytest.mark.parametrize("row", ["2020-06-08T03:50Z", "2020-06-02T05:50Z"])

@@ -17,6 +17,7 @@ from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.sea_export import export_sea
 from seaglint.studies.prepare.wave_spectra import spectrum, waves
+from seaglint.studies.sequence.image import image
 
 SWELL = {"kind": "jonswap", "significant_height_m": 1.5, "peak_period_s": 8.0, "from_deg": 300.0, "spreading_deg": 15.0}
 
@@ -30,6 +31,28 @@ def from_deg(sea) -> float:
     """Where the waves at the peak come from [deg]."""
     azimuth = (np.arange(720) + 0.5) * np.pi / 360
     return float(np.degrees(np.angle(-np.sum(sea.spreading(sea.peak_wavenumber, azimuth) * np.exp(1j * azimuth)))) % 360.0)
+
+
+@pytest.mark.parametrize("kind", ["elfouhaily", "pierson-moskowitz"])
+def test_wind_seas_join_a_sea_without_waves(kind: str) -> None:
+    """Winds from 0 on have a sea: energy and slopes fall evenly below the models' lightest wind, and pass into it without a step."""
+    winds = np.array([1e-6, 0.1, 0.25, 0.4999, 0.5, 0.5001])
+    seas = [spectrum(scenario({"kind": kind}, wind={"speed_m_s": wind, "from_deg": 200.0})) for wind in winds]
+    for found in ([sea.height_variance() for sea in seas], [sum(sea.mss()) for sea in seas]):
+        np.testing.assert_allclose(np.array(found) / found[4], [2e-6, 0.2, 0.5, 0.9998, 1.0, 1.0], rtol=1e-2)
+        assert np.diff(found).min() > 0.0
+    assert spectrum(scenario({"kind": kind}, wind={"speed_m_s": 0.0, "from_deg": 200.0})) is None
+    assert from_deg(seas[1]) == pytest.approx(200.0, abs=0.1)
+
+
+def test_images_of_light_winds_pass_from_one_to_the_next() -> None:
+    sensor = {"pixels": [48, 32], "fov_deg": [6, 4], "elevation_deg": -12, "azimuth_deg": 180}
+    winds = [0.0, 1e-3, 0.1, 0.3, 0.49, 0.51]
+    scenes = [scenario({"kind": "elfouhaily"}, wind={"speed_m_s": wind, "from_deg": 200.0}, sensor=sensor) for wind in winds]
+    images = [image(scene)["radiance"].to_numpy() for scene in scenes]
+    steps = np.diff([float(found.mean()) for found in images]) / images[0].mean()
+    assert np.abs(steps[[0, -1]]).max() < 0.01
+    assert all(np.isfinite(found).all() for found in images)
 
 
 def test_jonswap_waves_come_from_where_they_are_said_to() -> None:

@@ -79,6 +79,12 @@ def plain_attributes(attributes: Mapping[Any, Any]) -> Attributes:
     return out
 
 
+def coordinate_encoding(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
+    """Return the encoding of coordinates and bounds that have all their values: no ``_FillValue``, which CF 1.11, 2.5.1, forbids them."""
+    beside = {**dataset.coords, **{name: values for name, values in dataset.data_vars.items() if values.ndim < 2}}
+    return {name: {"_FillValue": None} for name, values in beside.items() if not bool(values.isnull().any())}
+
+
 def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
     """Write a dataset; variables named in :mod:`seaglint.base.schema` get their CF attributes.
 
@@ -92,7 +98,8 @@ def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = F
     from xarray.backends import H5NetCDFStore
 
     output = refuse_existing(output, overwrite=overwrite)
-    encoding = {name: {"zlib": True, "complevel": 3} for name, variable in dataset.data_vars.items() if variable.ndim >= 2}
+    images = [name for name, variable in dataset.data_vars.items() if variable.ndim >= 2]
+    encoding = coordinate_encoding(dataset) | {name: {"zlib": True, "complevel": 3} for name in images}
     content = BytesIO()
     # What Dataset.to_netcdf does, which asks Dask for a lock first: where Dask is installed that loads all of it, 0.1 to 0.3 s.
     store = H5NetCDFStore.open(content, mode="w", lock=False)

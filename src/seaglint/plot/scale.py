@@ -32,7 +32,7 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto") -> Scale:
 
     Examples
     --------
-    >>> scale_of(np.linspace(1.0, 2.0, 1001)).logarithmic, scale_of(np.geomspace(1.0, 1e4, 1001)).logarithmic
+    >>> scale_of(np.linspace(1.0, 2.0, 1001)).logarithmic, scale_of(np.geomspace(1.0, 1e6, 1001)).logarithmic
     (False, True)
     """
     low, high = scale_limits(values)

@@ -93,7 +93,7 @@ def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDA
     import h5netcdf
 
     from seaglint.files.export.stack import AXES
-    from seaglint.files.netcdf import plain_attributes
+    from seaglint.files.netcdf import coordinate_encoding, plain_attributes
     from seaglint.files.stopping import stop_on_signal
 
     rest = stack.dataset.drop_vars(stack.variable)
@@ -106,7 +106,7 @@ def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDA
     with stop_on_signal() as stopped:
         disk = _Disk(path)
         try:
-            disk.write(rest.to_netcdf(engine="h5netcdf"))
+            disk.write(rest.to_netcdf(engine="h5netcdf", encoding=coordinate_encoding(rest)))
             disk.require()
             with h5netcdf.File(disk, "a") as file:
                 for name, size in zip(AXES, stack.shape, strict=True):

@@ -151,8 +151,8 @@ def _plain(value: Any) -> Any:
 
 
 def image_variables(dataset: xr.Dataset) -> list[str]:
-    """Return the names of the variables that hold images over time."""
-    return [str(name) for name, values in dataset.data_vars.items() if values.dims == AXES and values.dtype.kind in "uif"]
+    """Return the names of the variables that hold images over time, sorted: stores list theirs in any order."""
+    return sorted(str(name) for name, values in dataset.data_vars.items() if values.dims == AXES and values.dtype.kind in "uif")
 
 
 def frame_numbers(dataset: xr.Dataset) -> NDArray[np.int64]:

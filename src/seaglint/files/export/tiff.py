@@ -1,4 +1,4 @@
-"""TIFF: a page for each frame, uncompressed, which every reader opens; what is known stands as JSON in the first page's description."""
+"""TIFF: a page for each frame, uncompressed, which every reader opens, calibrated as ImageJ reads it; what else is known stands as JSON in its Info."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     from seaglint.files.export.stack import Stack
 
 _SMALL: Final = (1 << 32) - (1 << 25)
-"""Bytes that places of 32 bits reach, less the pages' own tables; larger files are BigTIFF."""
+"""Bytes that places of 32 bits reach, less the pages' own tables; larger files are BigTIFF, which ImageJ does not read alone."""
+
+_IMAGEJ: Final = ("uint8", "uint16", "float32")
+"""Types of numbers that ImageJ has; files of others, and BigTIFF, hold the JSON as their description."""
 
 
 class Tiff(ExportFormat):
@@ -40,9 +43,37 @@ def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDA
     text = json.dumps({**stack.metadata(), **numbers.attributes}, allow_nan=False)
     # A page takes its pixels and a table of some 300 bytes.
     big = count * (rows * columns * numbers.dtype.itemsize + 512) + len(text) > _SMALL
-    with tifffile.TiffWriter(path, bigtiff=big) as file:
-        for i, frame in enumerate(frames):
-            file.write(
-                frame, photometric="minisblack", metadata=None, contiguous=False, software=f"seaglint {__version__}",
-                description=text if i == 0 else None,
-            )  # fmt: skip
+    known = numbers.dtype in _IMAGEJ and not big
+    about = {"metadata": _calibration(stack, numbers, text), "resolution": _per_pixel(stack)} if known else {"description": text}
+    if not known:
+        about["metadata"] = None
+    with tifffile.TiffWriter(path, bigtiff=big, imagej=known) as file:
+        file.write(
+            iter(frames), shape=stack.shape, dtype=numbers.dtype, photometric="minisblack", software=f"seaglint {__version__}", **about
+        )
+
+
+def _calibration(stack: Stack, numbers: NumberFormat, text: str) -> dict[str, Any]:
+    """Properties that ImageJ reads: unit of length, interval of the frames [s], unit and straight line of the values."""
+    values = {"vunit": stack.units or "Gray Value"}
+    if numbers.counts is not None:  # function 0 is a straight line from c0 with slope c1
+        values = {"cf": 0, "c0": numbers.counts.offset, "c1": numbers.counts.scale, **values}
+    rate = stack.frame_rate
+    times = {} if rate is None else {"finterval": 1.0 / rate, "fps": rate}
+    unit = "pixel" if _steps(stack) is None else "deg"
+    return {"axes": "TYX", "unit": unit, **times, **values, "Info": text}
+
+
+def _steps(stack: Stack) -> tuple[float, float] | None:
+    """Angle between columns and between rows [deg] where they are even; None for other cameras."""
+    axes = [stack.dataset.coords.get(name) for name in ("azimuth", "elevation")]
+    if any(axis is None or axis.ndim != 1 or axis.size < 2 for axis in axes):
+        return None
+    across, down = (abs(float(axis[-1] - axis[0])) / (axis.size - 1) for axis in axes if axis is not None)
+    return across, down
+
+
+def _per_pixel(stack: Stack) -> tuple[float, float]:
+    """Pixels per unit of length along columns and rows."""
+    steps = _steps(stack)
+    return (1.0, 1.0) if steps is None else (1.0 / steps[0], 1.0 / steps[1])

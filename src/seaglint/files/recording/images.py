@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from seaglint.analysis.recording import Recording
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.optional import optional
 from seaglint.files.recording.stored import full_scale, grey
+from seaglint.files.recording.tiff_facts import TiffFacts
 
 ENDINGS = (".png", ".tif", ".tiff")
 
@@ -43,6 +44,7 @@ class _File:
     shape: tuple[int, ...]
     dtype: np.dtype[Any]
     one_page: bool = False
+    facts: TiffFacts = field(default_factory=TiffFacts)
 
     def read(self, start: int, stop: int) -> NDArray[Any]:
         """Return frames as stored, shape (stop - start, rows, columns[, channels])."""
@@ -81,6 +83,7 @@ def open_images(paths: Sequence[Path], channel: str | None) -> Recording:
             sizes = " x ".join(map(str, other.shape[:2])), " x ".join(map(str, first.shape[:2]))
             raise DataError(f"{other.path}: is {sizes[0]}, {first.path.name} is {sizes[1]}; give one size")
     ends = list(accumulate(file.pages for file in files))
+    facts = first.facts if len(files) == 1 else TiffFacts()  # files of one sequence may differ in their lines, which have no common scale
 
     def read(start: int, stop: int) -> NDArray[Any]:
         block = np.empty((stop - start, *first.shape[:2]), dtype=np.float32)
@@ -89,7 +92,7 @@ def open_images(paths: Sequence[Path], channel: str | None) -> Recording:
             i = bisect_right(ends, at)
             before = ends[i] - files[i].pages
             last = min(stop, ends[i])
-            block[at - start : last - start] = _grey(files[i].read(at - before, last - before), files[i].path, channel)
+            block[at - start : last - start] = facts.values(_grey(files[i].read(at - before, last - before), files[i].path, channel))
             at = last
         return block
 
@@ -97,7 +100,8 @@ def open_images(paths: Sequence[Path], channel: str | None) -> Recording:
     several = f"{first.path.parent} ({len(paths)} images {first.path.name} ... {paths[-1].name}{pages})"
     notes = (*_channel_note(first, channel), *_missing_numbers(paths))
     source = str(first.path) if len(paths) == 1 else several
-    return Recording(source, ends[-1], first.shape[0], first.shape[1], read, saturation=full_scale(first.dtype), notes=notes)
+    full = full_scale(first.dtype) if facts.plain else None  # counts of an export end at the largest value, which is no saturation
+    return Recording(source, ends[-1], first.shape[0], first.shape[1], read, facts.frame_rate, facts.units, full, notes)
 
 
 def _missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
@@ -185,14 +189,14 @@ def _look_tiff(path: Path) -> _File:
         with tifffile.TiffFile(path) as file:
             page = file.pages[0]
             shape, dtype = tuple(int(n) for n in page.shape), np.dtype(page.dtype)
-            pages, stack = len(file.pages), tuple(int(n) for n in file.series[0].shape)
+            pages, stack, facts = len(file.pages), tuple(int(n) for n in file.series[0].shape), TiffFacts.of(file)
     except Exception as error:
         raise DataError(f"{path}: cannot be read as TIFF ({_first_line(error)}); write it again") from error
     one_page = pages == 1 and len(stack) > len(shape)
     coloured = len(shape) == 3 and shape[-1] <= 4
     if len(shape) - coloured != 2 or (one_page and len(stack) != len(shape) + 1):
         raise DataError(f"{path}: holds pages of shape {shape} in a stack of {stack}; give pages of grey or RGB(A) images")
-    return _File(path, stack[0] if one_page else pages, shape, dtype, one_page)
+    return _File(path, stack[0] if one_page else pages, shape, dtype, one_page, facts)
 
 
 def _first_line(error: BaseException) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,9 +57,15 @@ def reader(name: str) -> Callable[..., Any]:
 
 
 def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
-    """Return the result of a parser; its exceptions, which are of any type, become an error of one line."""
+    """Return the result of a parser; its exceptions, which are of any type, become an error of one line.
+
+    Libraries' warnings of what their own libraries will change are theirs to act on, and not shown.
+    """
     try:
-        return parse()
+        with warnings.catch_warnings():
+            for category in (DeprecationWarning, FutureWarning):
+                warnings.simplefilter("ignore", category)
+            return parse()
     except SeaglintError:
         raise
     except Exception as error:

@@ -1,6 +1,7 @@
 """Directional wavenumber spectra of the sea: one model per file, one interface."""
 
 from seaglint.sea.spectra.binned import BinnedSpectrum
+from seaglint.sea.spectra.calm import CalmSpectrum
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
@@ -10,6 +11,7 @@ from seaglint.sea.spectra.systems import CombinedSpectrum
 
 __all__ = [
     "BinnedSpectrum",
+    "CalmSpectrum",
     "CombinedSpectrum",
     "DirectionalSpectrum",
     "ElfouhailySpectrum",

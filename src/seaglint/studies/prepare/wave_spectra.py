@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, assert_never
 
@@ -12,11 +13,15 @@ from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_spectrum as wanted
+from seaglint.sea.spectra.calm import CalmSpectrum
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.spectra.systems import CombinedSpectrum
+
+_LIGHTEST: Final = 0.5
+"""Lightest wind at 10 m that the models of wind seas allow [m/s]."""
 
 _ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
 
@@ -67,11 +72,16 @@ def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
         case _ if speed == 0.0:
             return Waves(None)  # no wind, no wind sea
         case wanted.Elfouhaily():
-            return Waves(ElfouhailySpectrum(speed, to))
+            return Waves(_wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed))
         case wanted.PiersonMoskowitz():
-            return Waves(PiersonMoskowitzSpectrum.of_u10(speed, to))
+            return Waves(_wind_sea(lambda wind: PiersonMoskowitzSpectrum.of_u10(wind, to), speed))
         case other:
             assert_never(other)
+
+
+def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
+    """Sea of a model at a wind [m/s]; of winds too light for it, that of the lightest with less energy."""
+    return model(speed) if speed >= _LIGHTEST else CalmSpectrum(model(_LIGHTEST), speed / _LIGHTEST)
 
 
 def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
