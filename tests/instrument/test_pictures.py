@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from sensors import camera, flat
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.instrument.figures_of_merit import mtf, point_share
+from seaglint.instrument.figures_of_merit import mtf, point_response, point_share
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
@@ -104,9 +106,21 @@ def test_a_point_and_a_field_agree() -> None:
     assert float((model.readout.units(seen) - model.readout.background).sum()) == pytest.approx(electrons, rel=0.01)
 
 
-def test_the_middle_pixel_has_the_share_that_is_told() -> None:
-    model = camera()
-    assert float(model.focal_plane(point(9, 4, 4), 9)[32, 32]) == pytest.approx(point_share(model), rel=0.02)
+@pytest.mark.parametrize(
+    ("fill", "detector", "optics"),
+    [
+        (1.0, {}, {}),
+        (0.5, {}, {}),
+        (0.8, {"crosstalk": 0.1}, {"stray_share": 0.05}),
+        (0.9, {}, {"drift": (0.2, 0.1), "jitter": 4e-5}),
+    ],
+)
+def test_the_middle_pixel_has_the_response_that_is_told(fill: float, detector: dict[str, Any], optics: dict[str, Any]) -> None:
+    """With crosstalk, stray light, motion and a fill factor: the picture's own pixel, of a point drawn into one fine pixel of 9 x 9."""
+    model = camera(optics=SensorOptics(0.05, 0.1, **optics), fill_factor=fill, **detector)
+    seen = float(model.focal_plane(point(9, 4, 4, 65), 9)[32, 32])
+    assert seen == pytest.approx(point_response(model), rel=0.02)
+    assert point_share(model) == pytest.approx(fill * point_response(model), rel=1e-12)
 
 
 @pytest.mark.parametrize("temperature", [275.0, 300.0, 315.0])

@@ -157,7 +157,9 @@ def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
         *(f"    as stated, which gives {key} = {value:.4g}" for key, value in from_netd.items()),
         f"  SiTF                    {sheet.sitf_counts_per_k:.5g} counts/K",
         f"  gain                    {sheet.electrons_per_count or sheet.nw_per_count:.5g} {unit}/count",
-        f"  NEI                     {sheet.nei_w_m2:.4g} W m-2 at the aperture ({100 * sheet.point_share:.3g} % of a point in its pixel)",
+        f"  NEI                     {sheet.nei_w_m2:.4g} W m-2 at the aperture",
+        f"  point in its pixel      {sheet.point_response:.3g} of the contrast of a pixel full of its light "
+        f"({100 * sheet.point_share:.3g} % of its light on the sensitive area)",
         f"  NEP                     {sheet.nep_w:.4g} W on the pixel",
     ]
     if sheet.dynamic_range_db is not None:

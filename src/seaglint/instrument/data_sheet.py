@@ -126,7 +126,10 @@ class SensorDataSheet:
     nep_w : float
         Noise-equivalent power on the pixel [W].
     point_share : float
-        Share of a point's light on its pixel [1].
+        Share of a point's light on the sensitive area of the pixel at whose centre it stands [1].
+    point_response : float
+        Contrast of a point in that pixel, over that of the same light spread evenly over the whole pixel: the share over the fill
+        factor [1].
     electrons_per_count, nw_per_count : float or None
         Gain in the unit of the detector; the other one is None.
     offset_counts : float
@@ -166,6 +169,7 @@ class SensorDataSheet:
     nei_w_m2: float
     nep_w: float
     point_share: float
+    point_response: float
     electrons_per_count: float | None
     nw_per_count: float | None
     offset_counts: float

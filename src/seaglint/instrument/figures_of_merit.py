@@ -123,14 +123,28 @@ def signal_slope(model: SensorModel, temperature: float) -> float:
     return model.readout.per_radiance * model.photons.radiance_slope(temperature)
 
 
-def point_share(model: SensorModel) -> float:
-    """Share of a point's light on the pixel at whose centre it stands [1]."""
+def point_response(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) -> float:
+    """Contrast of a point in the pixel at whose centre it stands, over that of the same light spread evenly over the whole pixel [1].
+
+    ``s = (1 - stray) p^2 int H_optics H_detector H_crosstalk H_motion d^2f`` with the pixel's angle ``p``: what a point of the intensity
+    ``I`` at the distance ``R`` adds to the radiance ``I / (R^2 p^2)`` of its pixel. The fill factor is not in it, as the radiance of a
+    pixel is that over its sensitive area; :func:`point_share` has it.
+    """
     f = (np.arange(-512, 512) + 0.5) * (4.0 * model.optics.cutoff(1e-6 * model.photons.band.min_um) / 1024)
     frequency, table = model.blur.table()
-    width = model.detector.active_width / model.optics.focal_length
-    along = square_mtf(f, width)
-    total = np.interp(np.hypot(f[:, None], f[None, :]), frequency, table, right=0.0)
-    return float(np.sum(total * along[:, None] * along[None, :]) * (f[1] - f[0]) ** 2 * width**2)
+    along, across = f[None, :], f[:, None]
+    width, smear = model.detector.active_width / model.optics.focal_length, model.smear(rates)
+    total = np.interp(np.hypot(across, along), frequency, table, right=0.0) * square_mtf(along, width) * square_mtf(across, width)
+    if isinstance(model.detector, PhotonPixels) and model.detector.crosstalk:
+        total = total * crosstalk_mtf(along, across, model.detector.crosstalk, model.ifov)
+    if any(smear):
+        total = total * motion_mtf(along * smear[0] + across * smear[1], 1.0)
+    return float((1.0 - model.optics.stray_share) * np.sum(total) * (f[1] - f[0]) ** 2 * model.ifov**2)
+
+
+def point_share(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) -> float:
+    """Share of a point's light on the sensitive area of the pixel at whose centre it stands [1]: the response times the fill factor."""
+    return model.detector.fill_factor * point_response(model, rates)
 
 
 def figures(
@@ -165,7 +179,8 @@ def figures(
     time = detector.integration_time if isinstance(detector, PhotonPixels) else model.frame_interval
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
     ceiling = (line.full_scale - line.background) / line.per_radiance
-    share = point_share(model)
+    response = point_response(model, rates)
+    share = model.detector.fill_factor * response
     curves = TransferCurves(
         frequency_cycles_per_mrad=(1e-3 * frequency).tolist(),
         along=transfer["along"]["total"].tolist(),
@@ -189,6 +204,7 @@ def figures(
         nei_w_m2=noise.total / (per_watt * optics.pupil_area * optics.transmission * share),
         nep_w=noise.total / per_watt,
         point_share=share,
+        point_response=response,
         electrons_per_count=line.gain if photon else None,
         nw_per_count=None if photon else line.gain,
         offset_counts=line.offset,

@@ -1,4 +1,7 @@
-"""TIFF: a page for each frame, uncompressed, which every reader opens, calibrated as ImageJ reads it; what else is known stands as JSON in its Info."""
+"""TIFF: a page for each frame, uncompressed, which every reader opens, calibrated as ImageJ reads it.
+
+What else is known stands as JSON in ImageJ's Info.
+"""
 
 from __future__ import annotations
 

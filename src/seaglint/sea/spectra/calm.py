@@ -15,9 +15,9 @@ from seaglint.sea.spectra.directional import DirectionalSpectrum
 class CalmSpectrum(DirectionalSpectrum):
     """Spectrum of a model with a share of its energy, ``S(k) = share S_0(k)``; lengths and spreading stay.
 
-    Light winds have no spectrum of their own in the models, which begin at 0.5 m/s; there the significant height is 6 mm. From there to no wind and
-    no waves its energy, and so its slope variance, falls in proportion to the wind, as the measured slope variances of Cox and Munk
-    (1954, J. Opt. Soc. Am. 44, 838) do. Below 0.5 m/s this is an interpolation, not a measurement.
+    Light winds have no spectrum of their own in the models, which begin at 0.5 m/s; there the significant height is 6 mm. From there to no
+    wind and no waves its energy, and so its slope variance, falls in proportion to the wind, as the measured slope variances of Cox and
+    Munk (1954, J. Opt. Soc. Am. 44, 838) do. Below 0.5 m/s this is an interpolation, not a measurement.
 
     Attributes
     ----------

@@ -15,6 +15,7 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.fine_spot import FineSpot
 from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.figures_of_merit import point_response
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -144,7 +145,7 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
 
 
 def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
-    """A point behind the sensor, and the share of its light in its pixel when it is centred there; without a sensor the pixel alone."""
+    """A point behind the sensor, and its :func:`~seaglint.instrument.figures_of_merit.point_response`; without a sensor the pixel alone."""
     if model is None:
         return GaussianSpot(0.05), 1.0
     steps = max(model.oversampling, FINEST)
@@ -154,7 +155,7 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
     picture = np.zeros((size * steps, size * steps))
     middle = _AROUND * steps + steps // 2
     picture[middle, middle] = float(steps * steps)
-    return spot_of(fine_response(picture, steps, blur), steps)
+    return spot_of(fine_response(picture, steps, blur), steps)[0], point_response(model)
 
 
 def _blur(model: SensorModel, size: int, steps: int) -> Callable[[NDArray[np.float32]], NDArray[Any]]:
@@ -260,6 +261,13 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     size = 2 * reach + 1
     padded = np.pad(difference, reach * steps)
     picture = padded[row * steps : (row + size) * steps, column * steps : (column + size) * steps]
+    if not drawn.sights[0].whole > 0.0:  # a point, wherever it stands in its pixel
+        shape, share = point_shape(model)
+        where = np.argwhere(difference).mean(axis=0)
+        centre = [(float(at) + 0.5) / steps - 0.5 for at in where]
+        extent = int(columns_seen[0]) // steps, int(columns_seen[-1]) // steps + 1
+        among = alone if scenario.sea.resolve_waves else None
+        return Seen(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
     if model is None:
         response = fine_response(picture, steps, lambda p: p.reshape(size, steps, size, steps).mean(axis=(1, 3)))
     else:

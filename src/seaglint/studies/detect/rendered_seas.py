@@ -168,7 +168,9 @@ def run_scene(
             break
         target = min(2 * target, wanted.seas)
     result = found.as_dict() | {"units": "W m-2 sr-1", "frame_rate_hz": options.frame_rate, "seas": source.count}
-    result |= {"objects": wanted.objects, "contrast_unit": strength.unit, "stopped": reason, "point_share": share}
+    result |= {"objects": wanted.objects, "contrast_unit": strength.unit, "stopped": reason}
+    fill = 1.0 if seas.model is None or wanted.objects != "point" or wanted.shape is not None else seas.model.detector.fill_factor
+    result |= {"point_response": share, "point_share": fill * share}
     result["notes"].append(told)
     if sign < 0.0:
         result["notes"].append("objects are darker than what is behind them: the frames are judged with their sign turned")
