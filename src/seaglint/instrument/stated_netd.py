@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from scipy.optimize import brentq
 
 from seaglint.base.errors import DomainError
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import budget, signal_slope
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def read_noise_for(model: SensorModel, stated: float, temperature: float) -> flo
     DomainError
         The other noise alone exceeds it.
     """
-    quiet = replace(model, detector=replace(model.detector, read_noise=0.0))
+    quiet = replace(model, detector=replace(_photon_pixels(model), read_noise=0.0))
     slope, least = signal_slope(quiet, temperature), netd(quiet, temperature)
     if stated < least:
         raise DomainError(
@@ -86,12 +87,13 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
     DomainError
         No integration time up to the longest gives it, or the pixel is full before.
     """
+    pixels = _photon_pixels(model)
 
     def over(time: float) -> float:
         return math.log(netd(exposed(time), temperature) / stated)
 
     def exposed(time: float) -> SensorModel:
-        return replace(model, detector=replace(model.detector, integration_time=time))
+        return replace(model, detector=replace(pixels, integration_time=time))
 
     if over(longest) > 0.0:
         raise DomainError(
@@ -119,3 +121,10 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
             value=stated,
         )
     return time
+
+
+def _photon_pixels(model: SensorModel) -> PhotonPixels:
+    """The detector, which has to be one of photons."""
+    if not isinstance(model.detector, PhotonPixels):
+        raise DomainError("a thermal detector states its NETD itself; read noise and integration time are a photon detector's")
+    return model.detector

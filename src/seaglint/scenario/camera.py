@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -171,7 +171,8 @@ def _plain(text: str) -> Any:
 @cache
 def _keys() -> dict[str, tuple[str, ...]]:
     """Return the places of all keys of a camera by their last name; those of two tables by both names alone."""
-    tables = {(): table_keys(("sensor",)), **{(name,): table_keys(("sensor", name)) for name in ("detector", "optics", "noise", "scan")}}
+    tables: dict[tuple[str, ...], Iterable[str]] = {(): table_keys(("sensor",))}
+    tables |= {(name,): table_keys(("sensor", name)) for name in ("detector", "optics", "noise", "scan")}
     out: dict[str, tuple[str, ...]] = {}
     for table, names in tables.items():
         for name in names:

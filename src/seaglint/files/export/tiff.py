@@ -47,9 +47,9 @@ def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDA
     # A page takes its pixels and a table of some 300 bytes.
     big = count * (rows * columns * numbers.dtype.itemsize + 512) + len(text) > _SMALL
     known = numbers.dtype in _IMAGEJ and not big
-    about = {"metadata": _calibration(stack, numbers, text), "resolution": _per_pixel(stack)} if known else {"description": text}
-    if not known:
-        about["metadata"] = None
+    about: dict[str, Any] = {"description": text, "metadata": None}
+    if known:
+        about = {"metadata": _calibration(stack, numbers, text), "resolution": _per_pixel(stack)}
     with tifffile.TiffWriter(path, bigtiff=big, imagej=known) as file:
         file.write(
             iter(frames), shape=stack.shape, dtype=numbers.dtype, photometric="minisblack", software=f"seaglint {__version__}", **about
@@ -58,7 +58,7 @@ def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDA
 
 def _calibration(stack: Stack, numbers: NumberFormat, text: str) -> dict[str, Any]:
     """Properties that ImageJ reads: unit of length, interval of the frames [s], unit and straight line of the values."""
-    values = {"vunit": stack.units or "Gray Value"}
+    values: dict[str, Any] = {"vunit": stack.units or "Gray Value"}
     if numbers.counts is not None:  # function 0 is a straight line from c0 with slope c1
         values = {"cf": 0, "c0": numbers.counts.offset, "c1": numbers.counts.scale, **values}
     rate = stack.frame_rate

@@ -31,8 +31,8 @@ class TiffFacts:
         if own is not None:
             scale, offset = _number(own.get("scale_factor")), _number(own.get("add_offset"))
             units = own.get("attributes", {}).get("units")
-            counts = {} if scale is None else {"scale": scale, "offset": offset or 0.0, "blank": _number(own.get("_FillValue"))}
-            return cls(_positive(own.get("frame_rate_hz")), str(units) if units else None, **counts)
+            rate, unit = _positive(own.get("frame_rate_hz")), str(units) if units else None
+            return cls(rate, unit) if scale is None else cls(rate, unit, scale, offset or 0.0, _number(own.get("_FillValue")))
         interval = _positive(imagej.get("finterval"))
         units = imagej.get("vunit")
         straight = imagej.get("cf") == 0 and None not in (slope := _number(imagej.get("c1")), zero := _number(imagej.get("c0")))

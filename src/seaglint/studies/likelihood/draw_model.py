@@ -27,6 +27,7 @@ from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.weather.conditions import GeographicRegion, Times, timestamp
 from seaglint.weather.ephemeris import Ephemeris
 from seaglint.weather.looks import Search
@@ -196,9 +197,7 @@ class LikelihoodModel:
         def slopes_at(wind: float) -> SlopeStatistics:
             if article:
                 return cox_munk_isotropic(wind, height=WIND_HEIGHT)
-            return prepare.slopes(
-                scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})})
-            )
+            return slopes(scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})}))
 
         return seas(slopes_at, self.winds, shadowing)
 
@@ -297,10 +296,10 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
 
 def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[float, float]:
     """Winds of seas and air; stronger ones of the weather count as the strongest, and how many is told."""
-    slopes = scenario.sea.slopes
-    if isinstance(slopes, wanted_slopes.SpectrumSlopes | wanted_slopes.FlatSlopes):
-        top = WIND_PROFILE[1] if isinstance(slopes, wanted_slopes.FlatSlopes) else NAVY_AEROSOL_WIND[1]
-        if isinstance(slopes, wanted_slopes.SpectrumSlopes) and scenario.sea.spectrum.kind not in (
+    law = scenario.sea.slopes
+    if isinstance(law, wanted_slopes.SpectrumSlopes | wanted_slopes.FlatSlopes):
+        top = WIND_PROFILE[1] if isinstance(law, wanted_slopes.FlatSlopes) else NAVY_AEROSOL_WIND[1]
+        if isinstance(law, wanted_slopes.SpectrumSlopes) and scenario.sea.spectrum.kind not in (
             "elfouhaily",
             "pierson-moskowitz",
             "jonswap",
@@ -310,7 +309,7 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
                 "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
             )
     else:
-        top = WIND_PROFILE[1] if slopes.extrapolate else slopes.winds[1]
+        top = WIND_PROFILE[1] if law.extrapolate else law.winds[1]
     strong = table["wind_speed_m_s"] > top
     if strong.any():
         share = float(table.probability[strong].sum())

@@ -22,6 +22,7 @@ from seaglint.sea.tiles import Tile
 from seaglint.sea.wander import Wander
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.memory import memory_available
+from seaglint.studies.prepare.slope_laws import slopes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -185,7 +186,7 @@ def export_sea(
     """
     if not math.isfinite(time):
         raise DomainError(f"time = {time:g} s must be finite")
-    statistics = prepare.slopes(scenario)
+    statistics = slopes(scenario)
     sea = prepare.sea(scenario, statistics)
     if sea.waves is None:
         raise ScenarioError(

@@ -34,6 +34,7 @@ from seaglint.sea.field import WaveField
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.memory import require_memory
+from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.studies.sequence.spread import over
 
@@ -248,7 +249,7 @@ def prepare_sequence(
 
 @single_threaded_algebra()
 def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
-    prepare.require_drawable(scenario, prepare.slopes(scenario))
+    prepare.require_drawable(scenario, slopes(scenario))
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
@@ -262,7 +263,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
             view = prepare.under(first, sun)
             return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
     else:
-        sea, imager, at = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
+        sea, imager, at = prepare.sea(scenario, slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
         track = prepare.track(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> Scene:
