@@ -60,6 +60,30 @@ def test_python_gives_what_the_command_prints(seaglint, clip: Path) -> None:
     assert json.loads(answer.out) == json.loads(json.dumps(found))
 
 
+def test_a_recording_is_judged_by_its_own_clutter(seaglint, tmp_path: Path) -> None:
+    """White noise over a slope: contrasts of its deviation, a threshold that leaves one pixel in 10,000, and an answer from 0 to 1."""
+    import seaglint as sg
+
+    frames = (np.random.default_rng(3).normal(0.0, 2.0, (8, 160, 160)) + 300.0).astype(np.float32)
+    np.save(tmp_path / "clip.npy", frames)
+    answer = seaglint("detect", "recording", tmp_path / "clip.npy", "--json", "--progress", "none")
+    assert answer.code == 0, answer.err
+    found = json.loads(answer.out)
+    assert found["detector"] == "matched-local"
+    assert [case["contrast"] for case in found["cases"]] == pytest.approx([1.0, 2.0, 4.0, 8.0, 16.0, 32.0], rel=0.01)
+    p_d = [case["p_d"] for case in found["cases"]]
+    assert p_d == sorted(p_d)
+    assert p_d[0] < 0.02
+    assert p_d[-1] == 1.0
+    assert 3e-5 < found["p_fa"] < 3e-4
+    assert found["threshold_sigma"] == pytest.approx(3.72, abs=0.25)  # of a Gaussian
+    assert json.loads(json.dumps(sg.detect(tmp_path / "clip.npy")))["cases"] == found["cases"]
+    told = seaglint("detect", "recording", tmp_path / "clip.npy", "--progress", "none").out
+    assert "16 standard deviations of the clutter" in told
+    assert "not to be believed" not in told
+    assert "not to be believed" in seaglint("detect", "recording", tmp_path / "clip.npy", "--tails", "--progress", "none").out
+
+
 def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:
     from seaglint.cli.terminal.records import READERS
 
@@ -107,7 +131,6 @@ def test_the_help_of_the_group_tells_the_four_and_the_spelling_without_them(seag
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("recording", "clip.npy"), "--contrast is missing"),
         (("recording", "clip.npy", "--contrast", "4", "--bearings", "0"), "--bearings"),
         (("recording", "clip.npy", "--contrast", "4", "--vary", "wind.speed_m_s=2"), "--vary wind.speed_m_s: of a recording"),
         (("recording", "clip.npy", "--contrast", "4", "--psf", "psf.csv", "--object-sigma-px", "1"), "--psf and --object-sigma-px are two"),

@@ -393,7 +393,7 @@ def test_command_writes_tidy_tables_pictures_and_a_report(path: Path, tmp_path: 
     assert not (tmp_path / "none.parts").exists()
     np.save(tmp_path / "clip.npy", np.zeros((2, 32, 32), np.float32))
     assert "for scenarios" in seaglint("detect", tmp_path / "clip.npy", "--contrast", "4", "--design")[2]
-    assert "--contrast is missing" in seaglint("detect", tmp_path / "clip.npy")[2]
+    assert "do not vary" in seaglint("detect", tmp_path / "clip.npy")[2]
 
 
 @pytest.mark.parametrize(

@@ -32,9 +32,9 @@ def detect(
     source: Scenario | xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
     contrast: float | Sequence[float] | None = None,
     *,
-    detector: str = "threshold",
+    detector: str | None = None,
     filter: str = "none",
-    threshold: float = 4.0,
+    threshold: float | None = None,
     threshold_law: Literal["sigma", "frame", "fixed", "design"] = "sigma",
     injections: int = 2000,
     object_sigma_px: float | None = None,
@@ -87,11 +87,12 @@ def detect(
     import numpy as np
 
     from seaglint.api.inputs import recording_of
-    from seaglint.base.errors import DataError
     from seaglint.files.detection_parts import parts_folder
     from seaglint.scenario.model import Scenario
     from seaglint.studies.detect.performance import detect as judged
+    from seaglint.studies.detect.recordings import judged_of
     from seaglint.studies.detect.rendered_seas import Clock, run_scene
+    from seaglint.studies.detect.unstated import options_of
 
     request = SpotRequest(
         "scenario",
@@ -116,8 +117,6 @@ def detect(
         with parts_folder(None) as (parts, _):
             done = run_scene(source, rendered.scene_options(), parts, clock=Clock(time_budget), name=rendered.source, progress=progress)
         return Judgement(done.result)
-    if request.contrast is None:
-        raise DataError("contrast is missing: what an object adds to its pixel, in the units of the frames; give e.g. contrast=4")
     opened = recording_of(source, frame_rate, units, variable)
-    result = judged(opened, request.detection(request.contrast, opened.frame_rate), name=opened.source, progress=progress)
-    return Judgement(result.as_dict(), units=opened.units, frame_rate_hz=opened.frame_rate)
+    found = judged(opened, options_of(request, opened), name=opened.source, progress=progress)
+    return Judgement(judged_of(found, opened).result)

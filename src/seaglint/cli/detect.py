@@ -22,6 +22,11 @@ BARE: Final = "SOURCE"
 """Name under which the command without a name is registered; nobody types it."""
 
 
+EveryTail = Annotated[
+    bool, typer.Option("--tails", help="print extrapolated rates that are not to be believed too", rich_help_panel="Results")
+]
+
+
 class DetectGroup(TyperGroup):
     """Group whose first word may be a file instead of a command: then it is the command without a name, with all options."""
 
@@ -61,12 +66,15 @@ detect = typer.Typer(
 @detect.command("recording", cls=RecordCommand)
 @takes_records(order="frame_rate pixel_mrad")
 def recording(
-    request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "threads", "resume"))]
+    request: RecordingRequest,
+    results: ResultOptions,
+    run: Annotated[RunOptions, Without((*ALONE, "threads", "resume"))],
+    every_tail: EveryTail = False,
 ) -> None:
     """Detection on a recording without objects."""
     from seaglint.cli.detect_recording import detect_recording
 
-    detect_recording(request, results, run)
+    detect_recording(request, results, run, every_tail=every_tail)
 
 
 @detect.command("scene", cls=RecordCommand)
@@ -120,6 +128,7 @@ def detect_source(
     find_range: Annotated[
         bool, typer.Option("--range", help="range up to which an object of the scenario is detected", rich_help_panel="Range")
     ] = False,
+    every_tail: EveryTail = False,
 ) -> None:
     """Probabilities of detection and false alarm of a detector.
 
@@ -148,7 +157,7 @@ def detect_source(
     from seaglint.cli.detect_recording import detect_recording
 
     run.done_here("a recording is judged")
-    detect_recording(recorded, results, run)
+    detect_recording(recorded, results, run, every_tail=every_tail)
 
 
 def given(*requests: Any, besides: tuple[Any, ...]) -> list[str]:

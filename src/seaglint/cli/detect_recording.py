@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.study import Study
 
 
-def detect_recording(request: RecordingRequest, results: ResultOptions, run: RunOptions) -> None:
-    """Evaluate a detector on a recording and write the results.
+def detect_recording(request: RecordingRequest, results: ResultOptions, run: RunOptions, *, every_tail: bool = False) -> None:
+    """Evaluate a detector on a recording and write the results; ``every_tail`` prints rates that are not to be believed too.
 
     Raises
     ------
     DataError
-        No contrast, or what the study refuses.
+        What the study refuses.
     """
     import warnings
 
@@ -30,21 +30,20 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.tables.detection_tables import DetectionFiles
     from seaglint.studies.detect.recordings import run_recording, settings_of
+    from seaglint.studies.detect.unstated import options_of
 
     o = request
-    if o.contrast is None:
-        raise DataError("--contrast is missing: what an object adds to its pixel, in the recording's units; give e.g. --contrast 4")
     inputs: list[str | Path] = [o.source, *o.files]
     files = None if results.output is None else DetectionFiles.at(results.output, overwrite=run.overwrite, inputs=inputs)
     if results.report is not None:
         refuse_existing(results.report, overwrite=run.overwrite, inputs=inputs)
     settings = settings_of(o.vary or ())
     opened = o.opened(o.source)
-    judged = o.detection(o.contrast, opened.frame_rate, _pixel(o.source, o.pixel_mrad))
     with warnings.catch_warnings():
         # Of numbers that do not exist (a detector that divides by 0): the result says what is absent and why.
         warnings.simplefilter("ignore", RuntimeWarning)
         with patient_progress(run.show, "frames and objects") as progress:
+            judged = options_of(o, opened, _pixel(o.source, o.pixel_mrad))
             study = run_recording(opened, judged, settings, progress=progress)
     result = study.as_dict() if o.vary else study.good[0].done.result
     if files is not None:
@@ -59,8 +58,10 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     if results.as_json:
         print_json(result)
     else:
+        if o.contrast is None:
+            tell(["contrasts of 0.5 to 16 standard deviations of the clutter, as none is stated; --contrast states others"])
         for case in study.good:
-            tell([*([f"{case.named}:"] if case.named else []), *lines(case.done.result)])
+            tell([*([f"{case.named}:"] if case.named else []), *lines(case.done.result, every_tail=every_tail)])
     if study.errors:
         failed = "\n".join(study.errors)
         raise DataError(f"{failed}\n{len(study.errors)} of {len(study.cases)} cases failed{'; the others are written' if files else ''}")
@@ -101,8 +102,8 @@ def _pixel(recording: str, pixel_mrad: float | None) -> tuple[float, float] | No
     return None if source is None or source.step is None else (degrees(source.step[1]), degrees(source.step[0]))
 
 
-def lines(result: JsonObject) -> list[str]:
-    """The result as a few lines of text."""
+def lines(result: JsonObject, *, every_tail: bool = False) -> list[str]:
+    """The result as a few lines of text; extrapolated rates that are not to be believed where they are asked for."""
     unit = f" {result['units']}" if result["units"] else ""
     out = [
         f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, detector {result['detector']}, "
@@ -121,6 +122,8 @@ def lines(result: JsonObject) -> list[str]:
             f"contrast {entry['contrast']:g}{unit}: P_d {entry['p_d']:.4g}{between(entry['p_d_interval'])} of {entry['injections']}{place}"
         )
     for rare in result["tail"]["rare"]:
+        if not (rare["believed"] or every_tail):
+            continue
         doubt = "" if rare["believed"] else ", not to be believed"
         out.append(
             f"P_fa {rare['p_fa']:.1g} at {rare['threshold_sigma']:.4g} sigma{between(rare['p_fa_interval'])}, by extrapolation{doubt}"

@@ -250,10 +250,12 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
         excess, n = (middle[edge:] - u)[n > 0], n[n > 0]
         # A step of the data as wide as a tenth of the tail shows as empty bins; the fit would describe the steps.
         if excess.size < 20:
-            return (
-                None,
-                f"exceedances of {u:.2f} sigma take {excess.size} different values only (saturated or coarse steps); no tail is fitted",
-            )
+            filled = excess.size / max(round(float(excess[-1] - excess[0]) / BIN) + 1, 1)
+            why = (
+                f"take {excess.size} different values only (saturated or coarse steps)" if excess.size < 3 or filled < 0.5
+                else f"end within {excess.size * BIN:.2g} sigma: the tail is too short to be continued"
+            )  # fmt: skip
+            return None, f"exceedances of {u:.2f} sigma {why}; no tail is fitted"
         fit = fit_pareto(excess, n)
         # As many values, evenly spread over the ranks, as there are observations; binned values are spread over their bin by the rank.
         size = min(number, _TEST_SIZE)

@@ -99,8 +99,8 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "texture place": (*_FIT, "seaglint texture place model.json example.toml -o placed.zarr"),
     "ensemble": (*_WINDS, "seaglint ensemble winds.toml -o scenes --draw-only"),
     "analyze": (*_RUN, "seaglint analyze example.zarr --report clutter.html"),
-    "detect": (*_RUN, "seaglint detect recording example.zarr --contrast 0.05:0.4:0.05 -o found"),
-    "detect recording": (*_RUN, "seaglint detect recording example.zarr --contrast 0.1,0.2 --report detected.html"),
+    "detect": (*_RUN, "seaglint detect recording example.zarr -o found"),
+    "detect recording": (*_RUN, "seaglint detect recording example.zarr --contrast 5:40:5 --report detected.html"),
     "detect scene": (*_BOAT, "seaglint detect scene boat.toml --contrast 0.2,0.5 --frames 4 -o seas"),
     "detect design": (*_BOAT, "seaglint detect design boat.toml --p-fa 3e-3 --frames 4 -o need"),
     "detect range": (

@@ -36,6 +36,10 @@ FINEST: Final = 5
 _AROUND = 20
 
 
+SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+"""Contrasts where none are stated [standard deviations of the clutter]."""
+
+
 @dataclass(frozen=True)
 class Strength:
     """Contrasts as they are stated.

@@ -79,6 +79,9 @@ def run_recording(
 def judged_of(found: Performance, source: Recording) -> Judged:
     """Return the numbers of a judged recording, as :func:`seaglint.studies.detect.rendered_seas.run_scene` gives that of a scene."""
     result = found.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
+    result["cases"] = [
+        {key: entry[key] for key in ("contrast", "p_d", "p_d_interval", "injections", "detected")} for entry in result["sweep"]
+    ]
     result["notes"] += list(source.notes)
     rows = found.rows()
     rows_px, columns_px = (np.arange(n, dtype=np.float64) for n in found.size[1:])

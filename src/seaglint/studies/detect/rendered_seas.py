@@ -25,15 +25,12 @@ from seaglint.files.detection_parts import Parts
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
 from seaglint.studies.detect.designer import Design, design
-from seaglint.studies.detect.injected import Strength, point_shape, seen_object
+from seaglint.studies.detect.injected import SWEEP, Strength, point_shape, seen_object
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 FIRST_SEAS: Final = 8
 """Seas before the precision is looked at for the first time; twice as many each time after it."""
-
-SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
-"""Contrasts where none is stated, in standard deviations of a frame."""
 
 Reason = Literal["precision", "time budget", "frames"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from seaglint.base.parameters import Parameter
 from seaglint.studies.reading_requests import ReadingRequest, WeightsFile, filter_of, values_of
@@ -24,6 +24,13 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.rendered_seas import SceneOptions
 
 
+USUAL_DETECTOR: Final = "threshold"
+"""Detector of a request that names none."""
+
+USUAL_THRESHOLD: Final = 4.0
+"""Threshold of a request that gives none, in the unit of its law."""
+
+
 @dataclass(frozen=True)
 class DetectorRequest:
     """Parameters that all kinds of request share: the detector and the injection of objects.
@@ -33,14 +40,18 @@ class DetectorRequest:
 
     source: Annotated[str, Parameter("recording or scenario", "")]
     detector: Annotated[
-        str,
+        str | None,
         Parameter(
             "threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, os-cfar, "
             "os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or package.module:function",
             "Detector",
             subject="detector:",
+            python="Detector: threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, "
+            "os-cfar, os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or "
+            "package.module:function.",
+            detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local.",
         ),
-    ] = "threshold"
+    ] = None
     filter: Annotated[
         str,
         Parameter(
@@ -51,7 +62,15 @@ class DetectorRequest:
     ] = "none"
     kernel: Annotated[Any, Parameter("CSV or .npy of filter weights of your own, instead of `filter`", "Detector", "weights")] = None
     signature: Annotated[Any, Parameter("CSV or .npy of the target for `filter` matched", "Detector", "weights")] = None
-    threshold: Annotated[float, Parameter("in the unit of `threshold_law`", "Detector", subject="threshold")] = 4.0
+    threshold: Annotated[
+        float | None,
+        Parameter(
+            "in the unit of `threshold_law`; 4 where nothing is said",
+            "Detector",
+            subject="threshold",
+            detail="Of a recording without `contrast` that of one false alarm in 10,000 pixels.",
+        ),
+    ] = None
     threshold_law: Annotated[
         Literal["sigma", "frame", "fixed", "design"],
         Parameter(
@@ -127,7 +146,8 @@ class DetectorRequest:
             raise DataError(f"threshold_law = {self.threshold_law!r} is not one of sigma, frame, fixed, design; give one of them")
         law, level, limit = self.threshold_law, self.level, self.time_limit
         objects, chosen = self.injected(contrasts), self._filter()
-        return DetectionOptions(objects, self.detector, chosen, self.threshold, law, level, frame_rate, pixel_deg, limit)
+        detector, threshold = self.detector or USUAL_DETECTOR, USUAL_THRESHOLD if self.threshold is None else self.threshold
+        return DetectionOptions(objects, detector, chosen, threshold, law, level, frame_rate, pixel_deg, limit)
 
     def _filter(self) -> Filter:
         return filter_of(self.filter, self.kernel, self.signature)
@@ -141,11 +161,11 @@ class SpotRequest(DetectorRequest):
         tuple[float, ...] | None,
         Parameter(
             "what an object centred on a pixel adds to it: 4, several 1,2,4, or FIRST:LAST:STEP [units of INPUT]; "
-            "of a scenario the in-band contrast at the aperture [W m-2 sr-1]",
+            "of a scenario the in-band contrast at the aperture [W m-2 sr-1]; without it 0.5 to 16 standard deviations of the clutter",
             "Object",
             "numbers",
             python="What an object centred on a pixel adds to it [units of the source]; of a scenario the in-band contrast at the aperture "
-            "[W m-2 sr-1], and without it a sweep in standard deviations of its frames.",
+            "[W m-2 sr-1]; without it 0.5 to 16 standard deviations of the clutter.",
         ),
     ] = None
     object_sigma_px: Annotated[
