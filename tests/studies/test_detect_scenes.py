@@ -14,6 +14,7 @@ import pytest
 from scipy.stats import norm
 from stored_frames import StoredFrames
 
+from seaglint.analysis import Recording
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.random import stream
@@ -37,6 +38,7 @@ from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import Design, told_threshold
 from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
+from seaglint.studies.detect.near_object import NearRows, background_of, fewer_rows
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import RangeOptions, detection_range, placed_at
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
@@ -531,3 +533,38 @@ def test_seas_hide_a_post_as_lines_of_sight_over_the_same_seas_say() -> None:
     # 0.538 hidden and 0.118 m seen, over 840 lines of sight in 120 other seas; three standard errors of 40 seas
     assert np.mean(shares < 1e-3) == pytest.approx(0.538, abs=3.0 * math.sqrt(0.25 / seas))
     assert shares.mean() == pytest.approx(0.118, abs=3.0 * 0.19 / math.sqrt(seas))
+
+
+def test_rows_near_the_object_are_those_of_its_background() -> None:
+    """Sea far below the horizon, sky far above it, and both near it; a slope from row to row and a level are no clutter."""
+    sensor = {"pixels": [32, 200], "fov_deg": [1.6, 10.0], "elevation_deg": 0.0, "azimuth_deg": 0.0, "height_m": 20.0}
+    seas = IndependentSeas.of(parse_scenario({"sensor": sensor, "render": {"tile_size": 128}, "sea": {"shortest_wave_m": 4.0}}))
+    horizon = 99.5 + math.degrees(math.sqrt(40.0 / EFFECTIVE_EARTH_RADIUS)) / 0.05
+    for row, kind in ((20, "sky"), (95, "horizon"), (103, "horizon"), (150, "sea"), (199, "sea")):
+        found, first, end = background_of(seas, row, 4)
+        assert (found, first <= row < end) == (kind, True)
+        assert kind != "sea" or first > horizon
+        assert kind != "sky" or end < horizon
+    slope = np.arange(200.0)[:, np.newaxis] * 5.0 + 300.0
+    noise = np.random.default_rng(2).normal(0.0, 1.0, (3, 200, 32))
+    whole = Recording("slope", 3, 200, 32, lambda start, stop: (slope + noise)[start:stop])
+    near = NearRows(whole, 120, 170)
+    frames = near.read(0, 3)
+    assert (near.rows, near.columns, frames.shape) == (50, 32, (3, 50, 32))
+    assert frames.std() == pytest.approx(noise.std(), rel=0.03)
+
+
+@pytest.mark.parametrize("projection", ["equal-angle", "pinhole"])
+@pytest.mark.parametrize("rows", [64, 65, 40])
+def test_fewer_rows_keep_their_directions(projection: str, rows: int) -> None:
+    sensor = {"pixels": [32, 200], "fov_deg": [3.2, 20.0], "elevation_deg": -3.0, "azimuth_deg": 0.0, "projection": projection}
+    light = {"render": {"tile_size": 128}, "sea": {"shortest_wave_m": 4.0}}
+    scenario = parse_scenario({"sensor": sensor | {"pixel_shape": "any"}, **light})
+    fewer = fewer_rows(scenario, rows)
+    count = fewer.sensor.pixels[1]
+    first = (200 - count) // 2
+    assert rows - 1 <= count <= rows
+    for whole, part in zip(IndependentSeas.of(scenario).directions, IndependentSeas.of(fewer).directions, strict=True):
+        expected = whole[first : first + count] if whole.shape[0] == 200 else whole
+        np.testing.assert_allclose(part, expected, atol=1e-6)
+    assert fewer_rows(scenario, 300) is scenario

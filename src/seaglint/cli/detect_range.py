@@ -90,3 +90,5 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
         low, high = one.range_interval_m
         reached = one.note if one.range_m is None else f"detected with P_d {one.p_d:g} to {one.range_m:.0f} m ({low:.0f} to {high:.0f})"
         typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}")
+        for warning in one.warnings:
+            typer.echo(f"  note: {warning}")

@@ -32,6 +32,8 @@ class RangePoint:
         Whether that threshold is to be believed; None where nothing was judged.
     background_sigma : float or None
         Standard deviation of the statistic without objects; None where nothing was judged.
+    background : str or None
+        What the object is seen against: sea, horizon or sky, whose rows nearby give the statistics; None where nothing was judged.
     """
 
     range_m: float
@@ -43,10 +45,11 @@ class RangePoint:
     note: str | None = None
     believed: bool | None = None
     background_sigma: float | None = None
+    background: str | None = None
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text; of a range at which nothing was judged without what judging gives."""
-        judged = ("believed", "background_sigma")
+        judged = ("believed", "background_sigma", "background")
         return {name: value for name, value in asdict(self).items() if name not in judged or value is not None}
 
     @classmethod
@@ -77,6 +80,8 @@ class DetectionRange:
         Ranges tried, nearest first.
     parameters : TableRow
         Keys that were varied, with their values.
+    warnings : list of str
+        Why the range is to be doubted.
     """
 
     object: str
@@ -87,6 +92,7 @@ class DetectionRange:
     range_interval_m: list[float | None]
     points: list[RangePoint]
     parameters: TableRow = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
 
     @property
     def named(self) -> str:

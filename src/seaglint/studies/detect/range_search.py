@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
@@ -21,7 +22,8 @@ from seaglint.files.detection_range import DetectionRange, RangePoint
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.detect.designer import Design, rate_threshold
-from seaglint.studies.detect.injected import seen_object
+from seaglint.studies.detect.injected import Seen, seen_object
+from seaglint.studies.detect.near_object import AROUND, NearRows, background_of, fewer_rows
 from seaglint.studies.detect.performance import detect
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
@@ -112,13 +114,13 @@ def p_d_at(
     Waves that are geometry hide some of the object: as many seas as there are frames of say which share is seen, and P_d is the mean over
     them of that at the share's part of the contrast.
     """
-    scene = placed_at(scenario, asked.name, range_m, bearing)
-    key = hashlib.sha256(pickle.dumps((scene.model_dump_json(), wanted, asked.design), protocol=5)).hexdigest()[:16]
+    whole = placed_at(scenario, asked.name, range_m, bearing)
+    key = hashlib.sha256(pickle.dumps((whole.model_dump_json(), wanted, asked.design), protocol=5)).hexdigest()[:16]
     kept = parts.case(f"range-{key}")
     if kept is not None:
         return RangePoint.of(kept)
     try:
-        seen = seen_object(scene, asked.name)
+        scene, seen = seen_nearby(whole, asked.name)
     except DataError as error:
         point = RangePoint(range_m, note=str(error))
     else:
@@ -132,12 +134,14 @@ def p_d_at(
         name = frames_key(scene, length)
         source = SceneFrames(seas, parts.frames(name), length)
         source.grow(wanted.seas)
-        row = round(seen.row)
+        background, first, end = background_of(seas, round(seen.row), seen.shape.half)
+        near = NearRows(source, first, end)
+        row = round(seen.row) - first
         levels, weights = levels_of(shares)
         contrasts = tuple(float(abs(seen.contrast) * level) for level in levels)
         objects = replace(wanted.options.objects, shape=seen.shape, contrasts=contrasts, only_rows=(row - ROWS, row + ROWS + 1))
         options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
-        found = detect(Rescaled(source, -1.0) if seen.contrast < 0 else source, options, name=asked.name)
+        found = detect(Rescaled(near, -1.0) if seen.contrast < 0 else near, options, name=asked.name)
         at = rate_threshold(found, asked.design)
         rates = [by_windows(scores, at.sigma, options.level) for scores in found.trials.scores]
         p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, shares.size)
@@ -152,10 +156,26 @@ def p_d_at(
             note=dark if seen.contrast < 0 else None,
             believed=at.believed,
             background_sigma=found.background[1],
+            background=background,
         )
         parts.forget_frames(name)
     parts.keep_case(f"range-{key}", point.as_dict())
     return point
+
+
+def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
+    """Return the scenario with the rows about the object alone, and the object as it is seen there.
+
+    Raises
+    ------
+    DataError
+        Nothing of it is seen.
+    """
+    scene = fewer_rows(whole, 2 * AROUND + 16)
+    seen = seen_object(scene, name)
+    if 2 * seen.shape.half < AROUND:
+        return scene, seen
+    return whole, seen if scene is whole else seen_object(whole, name)
 
 
 def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -236,4 +256,28 @@ def detection_range(
             raise
         ends, note = [near, far], f"between {near:.0f} and {far:.0f} m: {error}"
     tried = sorted(points, key=lambda point: point.range_m)
-    return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried)
+    return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried, warnings=doubts(tried, ends))
+
+
+def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
+    """Return why a range is to be doubted: P_d that rises with the range, thresholds beyond belief, what lies behind the object.
+
+    Examples
+    --------
+    >>> near, far = RangePoint(500.0, 0.2, [0.1, 0.3]), RangePoint(900.0, 0.8, [0.7, 0.9])
+    >>> doubts([near, far], [0.0, 500.0])
+    ['P_d is 0.2 at 500 m and 0.8 at 900 m: it rises with the range, and the range found is one of several']
+    """
+    out = []
+    for near, far in itertools.pairwise(tried):
+        if near.p_d_interval is not None and far.p_d_interval is not None and near.p_d_interval[1] < far.p_d_interval[0]:
+            where = f"P_d is {near.p_d:.3g} at {near.range_m:.0f} m and {far.p_d:.3g} at {far.range_m:.0f} m"
+            out.append(f"{where}: it rises with the range, and the range found is one of several")
+            break
+    last = [point for point in tried if point.range_m in ends]
+    if any(point.believed is False for point in last):
+        out.append("the threshold of so few false alarms is not to be believed: the range hangs on an extrapolated tail; give more frames")
+    behind = sorted({point.background for point in last if point.background in ("sky", "horizon")})
+    if behind:
+        out.append(f"at this range the object stands before the {' and the '.join(map(str, behind))}: the range is that of a level sensor")
+    return out

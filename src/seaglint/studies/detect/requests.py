@@ -49,7 +49,7 @@ class DetectorRequest:
             python="Detector: threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, "
             "os-cfar, os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or "
             "package.module:function.",
-            detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local.",
+            detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local; of a range matched.",
         ),
     ] = None
     filter: Annotated[
@@ -113,6 +113,11 @@ class DetectorRequest:
 
         return GaussianSpot(0.8)
 
+    @property
+    def usual_detector(self) -> str:
+        """Detector where none is named."""
+        return USUAL_DETECTOR
+
     def injected(self, contrasts: tuple[float, ...]) -> InjectedObjects:
         """Return the objects to inject, at some contrasts."""
         from seaglint.detection.trials import InjectedObjects
@@ -146,7 +151,7 @@ class DetectorRequest:
             raise DataError(f"threshold_law = {self.threshold_law!r} is not one of sigma, frame, fixed, design; give one of them")
         law, level, limit = self.threshold_law, self.level, self.time_limit
         objects, chosen = self.injected(contrasts), self._filter()
-        detector, threshold = self.detector or USUAL_DETECTOR, USUAL_THRESHOLD if self.threshold is None else self.threshold
+        detector, threshold = self.detector or self.usual_detector, USUAL_THRESHOLD if self.threshold is None else self.threshold
         return DetectionOptions(objects, detector, chosen, threshold, law, level, frame_rate, pixel_deg, limit)
 
     def _filter(self) -> Filter:
@@ -345,6 +350,11 @@ class RangeRequest(RateRequest, CasesRequest):
     bearings: Annotated[
         tuple[float, ...] | None, Parameter("from the Sun's azimuth, clockwise, e.g. 0:330:30 [deg]", "Range", "numbers")
     ] = None
+
+    @property
+    def usual_detector(self) -> str:
+        """Detector where none is named: the matched filter, as the means of the rows near the object are taken off its frames."""
+        return "matched"
 
     def range_options(self, names: list[str]) -> RangeOptions:
         """Return what range is looked for, in a scenario that has objects of these names.

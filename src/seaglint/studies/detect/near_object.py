@@ -1,0 +1,123 @@
+"""Background near an object: rows of the sea, of the sky, or about the horizon, each less its own mean."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, Literal
+
+import numpy as np
+
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.detection.sources import FrameSource, PlainFrames
+
+if TYPE_CHECKING:
+    from seaglint.detection.counting import Counting
+    from seaglint.detection.interface import Frames
+    from seaglint.scenario.model import Scenario
+    from seaglint.studies.detect.scene_frames import IndependentSeas
+
+Background = Literal["sea", "horizon", "sky"]
+
+AROUND: Final = 24
+"""Rows above and below the object whose statistics are those of its background."""
+
+MARGIN: Final = 3
+"""Rows on either side of the horizon that optics blur into one another."""
+
+FEWEST: Final = 20
+"""Least number of rows of sea, or of sky, that are a background of their own; else it is that about the horizon."""
+
+
+@dataclass(frozen=True)
+class NearRows(PlainFrames):
+    """Rows of a source, each less its mean over its columns in each frame.
+
+    Sea brightens and sky darkens away from the horizon, in steps from row to row that are many times the clutter of a row. They are known
+    wherever the horizon is, so that no detector need take them for clutter.
+
+    Attributes
+    ----------
+    source : FrameSource
+        Whole frames.
+    first, end : int
+        Rows taken, the last one not included.
+    """
+
+    source: FrameSource
+    first: int
+    end: int
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return self.source.frames
+
+    @property
+    def rows(self) -> int:
+        """Rows taken [px]."""
+        return self.end - self.first
+
+    @property
+    def columns(self) -> int:
+        """Columns of a frame [px]."""
+        return self.source.columns
+
+    @property
+    def sequence_length(self) -> int:
+        """Number of frames of each independent sequence; 0 where all belong together."""
+        return self.source.sequence_length
+
+    @property
+    def saturation(self) -> float | None:
+        """Unknown: the means that are taken off differ from row to row."""
+        return None
+
+    @property
+    def counting(self) -> Counting | None:
+        """Counting of an object's light."""
+        return self.source.counting
+
+    def read(self, start: int, stop: int) -> Frames:
+        """Frames ``start`` to ``stop`` (not included) [u]."""
+        frames = self.source.read(start, stop)[:, self.first : self.end].astype(np.float64)
+        return np.asarray(frames - np.nanmean(frames, axis=2, keepdims=True), np.float32)
+
+
+def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Background, int, int]:
+    """Return what lies around a row of the picture, and the first and end of the rows that are like it.
+
+    A row is sea, or sky, where all of its pixels are, by their elevation against the dip of the horizon ``sqrt(2 h / R)`` with standard
+    refraction, :data:`MARGIN` rows apart. The background is that about the horizon where the object, ``half`` rows either way, comes near
+    it, and where fewer than :data:`FEWEST` rows are alike.
+    """
+    rows = seas.size[0]
+    elevation = np.asarray(seas.directions[1])
+    high, low = (elevation, elevation) if elevation.ndim == 1 else (elevation.max(axis=1), elevation.min(axis=1))
+    dip = math.degrees(math.sqrt(2.0 * max(seas.scenario.sensor.height_m, 0.0) / EFFECTIVE_EARTH_RADIUS))
+    apart = MARGIN * seas.pixel_deg[0]
+    at = min(max(row, 0), rows - 1)
+    window = np.zeros(rows, dtype=bool)
+    window[max(at - AROUND, 0) : at + AROUND + 1] = True
+    kinds: tuple[tuple[Background, np.ndarray], ...] = (("sea", high < -dip - apart), ("sky", low > -dip + apart))
+    own = slice(max(at - half - 3, 0), at + half + 4)
+    for kind, like in kinds:
+        if like[own].all() and np.count_nonzero(like & window) >= min(FEWEST, rows):
+            inside = np.flatnonzero(like & window)
+            return kind, int(inside[0]), int(inside[-1]) + 1
+    return "horizon", max(at - AROUND, 0), min(at + AROUND + 1, rows)
+
+
+def fewer_rows(scenario: Scenario, most: int) -> Scenario:
+    """Return the scenario with the middle rows of its picture alone, at most ``most`` of them; pixels keep their angles."""
+    sensor = scenario.sensor
+    columns, rows = sensor.pixels
+    if rows <= most:
+        return scenario
+    kept = most - (rows - most) % 2  # an even number less, so that the middle stays where it is
+    width, height = sensor.fov_deg
+    share = kept / rows
+    angle = height * share
+    if sensor.projection == "pinhole":
+        angle = 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * height))))
+    return scenario.model_copy(update={"sensor": sensor.model_copy(update={"pixels": (columns, kept), "fov_deg": (width, angle)})})
