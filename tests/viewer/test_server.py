@@ -135,6 +135,11 @@ def test_nothing_is_served_by_path(app, path):
     assert b"import" not in found.content
 
 
+def test_the_icon_that_browsers_ask_for_is_there(app):
+    found = ask(app, "/favicon.ico")
+    assert (found.status_code, found.headers["content-type"]) == (200, "image/svg+xml")
+
+
 def test_folder_offers_what_lies_in_it_and_no_link_out(store, tmp_path):
     inside = tmp_path / "data"
     inside.mkdir()

@@ -223,7 +223,7 @@ def test_saving_replaces_the_file_and_sees_others_changes(tmp_path):
     assert draft.save(scenario) == path
     assert not draft.changed_outside
     assert load_scenario(path) == scenario
-    assert draft.commands()[0] == "seaglint render my.toml -o my.zarr --preview"
+    assert draft.commands() == ["seaglint render my.toml -o my.zarr --preview", "seaglint mean my.toml -o my_mean.nc --preview"]
     with pytest.raises(SeaglintError, match="no scenario file was opened"):
         Draft().save(scenario)
 

@@ -119,6 +119,7 @@ class _Pages:
         table_of: list[tuple[str, Answer, str]] = [
             ("/", self.page, "GET"),
             ("/static/{name}", self.static, "GET"),
+            ("/favicon.ico", self.icon, "GET"),
             ("/api/session", self.session, "GET"),
             ("/api/source/{source:int}", self.source, "GET"),
             (f"/api/frame/{frame}", self.frame, "GET"),
@@ -158,6 +159,10 @@ class _Pages:
     def static(self, request: Request) -> Response:
         """Return script and style."""
         return self._file(str(request.path_params["name"]))
+
+    def icon(self, request: Request) -> Response:
+        """Return the icon, which browsers ask for by this name where a page names none."""
+        return self._file("icon.svg")
 
     def _file(self, name: str) -> Response:
         path = _FILES.get(name)

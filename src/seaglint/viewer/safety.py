@@ -165,7 +165,7 @@ class Guard:
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on with a bounded body, and with headers that keep the answer within this site."""
         path = str(scope["path"])
-        own = path == "/" or path.startswith(("/static/", "/api/"))
+        own = path in ("/", "/favicon.ico") or path.startswith(("/static/", "/api/"))
         policy = (b"content-security-policy", (_STRICT if own else _POLICY).encode())
 
         async def sealed(message: Message) -> None:

@@ -187,7 +187,7 @@ class Draft:
     def commands(self) -> list[str]:
         """Return command lines that compute the displayed pictures."""
         stem = Path(self.name).stem
-        name, run, mean = (shlex.quote(text) for text in (self.name, f"{stem}.zarr", f"{stem}.nc"))
+        name, run, mean = (shlex.quote(text) for text in (self.name, f"{stem}.zarr", f"{stem}_mean.nc"))
         return [f"seaglint render {name} -o {run} --preview", f"seaglint mean {name} -o {mean} --preview"]
 
 
