@@ -38,7 +38,7 @@ from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import Design, told_threshold
 from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
-from seaglint.studies.detect.near_object import NearRows, background_of, fewer_rows
+from seaglint.studies.detect.near_object import NearRows, background_of, middle_of
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import RangeOptions, detection_range, placed_at
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
@@ -560,11 +560,11 @@ def test_fewer_rows_keep_their_directions(projection: str, rows: int) -> None:
     sensor = {"pixels": [32, 200], "fov_deg": [3.2, 20.0], "elevation_deg": -3.0, "azimuth_deg": 0.0, "projection": projection}
     light = {"render": {"tile_size": 128}, "sea": {"shortest_wave_m": 4.0}}
     scenario = parse_scenario({"sensor": sensor | {"pixel_shape": "any"}, **light})
-    fewer = fewer_rows(scenario, rows)
+    fewer = middle_of(scenario, rows)
     count = fewer.sensor.pixels[1]
     first = (200 - count) // 2
     assert rows - 1 <= count <= rows
     for whole, part in zip(IndependentSeas.of(scenario).directions, IndependentSeas.of(fewer).directions, strict=True):
         expected = whole[first : first + count] if whole.shape[0] == 200 else whole
         np.testing.assert_allclose(part, expected, atol=1e-6)
-    assert fewer_rows(scenario, 300) is scenario
+    assert middle_of(scenario, 300) is scenario

@@ -82,6 +82,8 @@ class DetectionRange:
         Keys that were varied, with their values.
     warnings : list of str
         Why the range is to be doubted.
+    first_estimate_m : float or None
+        Range by the Gaussian law, before any frame was searched [m].
     """
 
     object: str
@@ -93,6 +95,7 @@ class DetectionRange:
     points: list[RangePoint]
     parameters: TableRow = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    first_estimate_m: float | None = None
 
     @property
     def named(self) -> str:

@@ -80,8 +80,13 @@ class NearRows(PlainFrames):
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included) [u]."""
-        frames = self.source.read(start, stop)[:, self.first : self.end].astype(np.float64)
-        return np.asarray(frames - np.nanmean(frames, axis=2, keepdims=True), np.float32)
+        return less_row_means(self.source.read(start, stop)[:, self.first : self.end])
+
+
+def less_row_means(frames: Frames) -> Frames:
+    """Return frames less the mean of each of their rows."""
+    wide = frames.astype(np.float64)
+    return np.asarray(wide - np.nanmean(wide, axis=2, keepdims=True), np.float32)
 
 
 def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Background, int, int]:
@@ -108,16 +113,21 @@ def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Backgroun
     return "horizon", max(at - AROUND, 0), min(at + AROUND + 1, rows)
 
 
-def fewer_rows(scenario: Scenario, most: int) -> Scenario:
-    """Return the scenario with the middle rows of its picture alone, at most ``most`` of them; pixels keep their angles."""
+def middle_of(scenario: Scenario, rows: int, columns: int | None = None) -> Scenario:
+    """Return the scenario with the middle of its picture alone, at most so many rows and columns; pixels keep their angles."""
     sensor = scenario.sensor
-    columns, rows = sensor.pixels
-    if rows <= most:
+    sides = list(zip(sensor.pixels, sensor.fov_deg, (columns, rows), strict=True))
+    kept = [_kept(side, angle, most, plane=sensor.projection == "pinhole") for side, angle, most in sides]
+    if [side for side, _ in kept] == list(sensor.pixels):
         return scenario
-    kept = most - (rows - most) % 2  # an even number less, so that the middle stays where it is
-    width, height = sensor.fov_deg
-    share = kept / rows
-    angle = height * share
-    if sensor.projection == "pinhole":
-        angle = 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * height))))
-    return scenario.model_copy(update={"sensor": sensor.model_copy(update={"pixels": (columns, kept), "fov_deg": (width, angle)})})
+    parts = {"pixels": (kept[0][0], kept[1][0]), "fov_deg": (kept[0][1], kept[1][1])}
+    return scenario.model_copy(update={"sensor": sensor.model_copy(update=parts)})
+
+
+def _kept(side: int, angle: float, most: int | None, *, plane: bool) -> tuple[int, float]:
+    """Pixels that stay of a side, an even number less so that its middle stays where it is, and their angle [deg]."""
+    if most is None or side <= most:
+        return side, angle
+    fewer = most - (side - most) % 2
+    share = fewer / side
+    return fewer, 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * angle)))) if plane else angle * share

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError
+from seaglint.clutter.filters import Unfiltered
 from seaglint.detection.design import by_windows
 from seaglint.detection.level import Rescaled
 from seaglint.files.detection_parts import Parts
@@ -22,14 +23,24 @@ from seaglint.files.detection_range import DetectionRange, RangePoint
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.detect.designer import Design, rate_threshold
+from seaglint.studies.detect.first_estimate import COLUMNS, estimated_p_d
 from seaglint.studies.detect.injected import Seen, seen_object
-from seaglint.studies.detect.near_object import AROUND, NearRows, background_of, fewer_rows
+from seaglint.studies.detect.near_object import AROUND, NearRows, background_of, middle_of
 from seaglint.studies.detect.performance import detect
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 PRECISION: Final = 0.04
 """Share of the range at which the bisection ends."""
+
+ESTIMATED: Final = 0.12
+"""Share of the range at which its first estimate ends."""
+
+STEP: Final = 1.25
+"""Factor by which the frames look to either side of the first estimate."""
+
+_ROWS: Final = 2 * AROUND + 16
+"""Rows that are rendered about an object that is small in them."""
 
 ROWS: Final = 1
 """Rows above and below the object's own in which it is injected: the sea there is as far away."""
@@ -171,7 +182,7 @@ def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
     DataError
         Nothing of it is seen.
     """
-    scene = fewer_rows(whole, 2 * AROUND + 16)
+    scene = middle_of(whole, _ROWS)
     seen = seen_object(scene, name)
     if 2 * seen.shape.half < AROUND:
         return scene, seen
@@ -208,6 +219,29 @@ def _over_seas(
     return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]
 
 
+def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | None) -> float:
+    """Range at which P_d falls below what is wanted, by :func:`~seaglint.studies.detect.first_estimate.estimated_p_d` [m].
+
+    The nearest range tried where P_d is below at once, the farthest where it never is.
+    """
+    near, far = asked.limits
+
+    def detected(at: float) -> bool:
+        placed = middle_of(placed_at(scenario, asked.name, at, bearing), _ROWS, COLUMNS)
+        try:
+            seen = seen_object(placed, asked.name)
+            return estimated_p_d(placed, seen, asked.design) >= asked.design.p_d
+        except DataError:
+            return False
+
+    if not detected(near):
+        return near
+    while far / near - 1.0 > ESTIMATED:
+        middle = math.sqrt(near * far)
+        near, far = (middle, far) if detected(middle) else (near, middle)
+    return math.sqrt(near * far)
+
+
 def detection_range(
     scenario: Scenario,
     wanted: SceneOptions,
@@ -219,7 +253,8 @@ def detection_range(
 ) -> DetectionRange:
     """Range up to which an object is detected.
 
-    P_d is taken to fall with the range. The bisection is in the logarithm of the range; its ends are the interval told.
+    P_d is taken to fall with the range. A first estimate, by the Gaussian law, says where frames begin to look; from there they go out
+    until P_d is above and below what is wanted, and bisect the logarithm of the range between. The ends are the interval told.
 
     Returns
     -------
@@ -237,26 +272,44 @@ def detection_range(
     goal = asked.design.p_d
     middle_of_ends, note = None, None
     ends: list[float | None]
+    estimate = first_estimate(scenario, asked, bearing_deg)
+    say(f"{asked.name}: first estimate {estimate:.3g} m, by mean contrast, deviation of the clutter and the Gaussian law; frames refine it")
+    low, high = max(near, estimate / STEP), min(far, estimate * STEP)
     try:
-        if rate(near) < goal:
+        while rate(low) < goal and low > near:
+            low, high = max(near, low / STEP**2), low
+        if points[-1].p_d < goal:
             ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m"
-        elif rate(far) >= goal:
-            ends, note = [far, None], f"P_d is still {goal:g} or more at the farthest range of {far:g} m"
         else:
-            while far / near - 1.0 > asked.precision:
-                middle = math.sqrt(near * far)
-                if rate(middle) >= goal:
-                    near = middle
-                else:
-                    far = middle
-            ends, middle_of_ends = [near, far], math.sqrt(near * far)
+            if len(points) == 1:
+                while rate(high) >= goal and high < far:
+                    low, high = high, min(far, high * STEP**2)
+            if points[-1].p_d >= goal and high == far:
+                ends, note = [far, None], f"P_d is still {goal:g} or more at the farthest range of {far:g} m"
+            else:
+                while high / low - 1.0 > asked.precision:
+                    middle = math.sqrt(low * high)
+                    low, high = (middle, high) if rate(middle) >= goal else (low, middle)
+                ends, middle_of_ends = [low, high], math.sqrt(low * high)
     except DataError as error:
         # one range that cannot be judged ends its bisection, not the others'
         if not points:
             raise
-        ends, note = [near, far], f"between {near:.0f} and {far:.0f} m: {error}"
+        ends, note = [low, high], f"between {low:.0f} and {high:.0f} m: {error}"
     tried = sorted(points, key=lambda point: point.range_m)
-    return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried, warnings=doubts(tried, ends))
+    doubtful = doubts(tried, ends)
+    if middle_of_ends is not None and 2.0 * middle_of_ends <= asked.limits[1]:
+        other = "top-hat" if wanted.options.detector != "top-hat" else "matched"
+        twice = p_d_at(scenario, with_detector(wanted, other), asked, 2.0 * middle_of_ends, bearing_deg, parts)
+        say(f"{asked.name} at {twice.range_m:.0f} m, {other}: P_d {twice.p_d:.3g}")
+        if twice.p_d >= goal:
+            doubtful.append(f"{other} still detects it with P_d {twice.p_d:.3g} at twice that range, {twice.range_m:.0f} m")
+    return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried, warnings=doubtful, first_estimate_m=estimate)
+
+
+def with_detector(wanted: SceneOptions, name: str) -> SceneOptions:
+    """Return the settings with another detector, and no filter before it."""
+    return replace(wanted, options=replace(wanted.options, detector=name, filter=Unfiltered()))
 
 
 def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
