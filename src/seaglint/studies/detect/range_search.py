@@ -279,7 +279,8 @@ def detection_range(
         while rate(low) < goal and low > near:
             low, high = max(near, low / STEP**2), low
         if points[-1].p_d < goal:
-            ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m"
+            why = f": {points[-1].note}" if points[-1].note and not points[-1].p_d else ""
+            ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m{why}"
         else:
             if len(points) == 1:
                 while rate(high) >= goal and high < far:
@@ -332,5 +333,6 @@ def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[st
         out.append("the threshold of so few false alarms is not to be believed: the range hangs on an extrapolated tail; give more frames")
     behind = sorted({point.background for point in last if point.background in ("sky", "horizon")})
     if behind:
-        out.append(f"at this range the object stands before the {' and the '.join(map(str, behind))}: the range is that of a level sensor")
+        before = " and the ".join(map(str, behind))
+        out.append(f"at this range the object stands before the {before}, whose rows are taken as level and known: who rolls sees less far")
     return out
