@@ -225,6 +225,17 @@ def test_difference_of_two_sizes_is_told_and_both_are_shown(chromium, store, tmp
 
 
 @pytest.mark.validation
+def test_a_shorter_sequence_beside_says_where_it_ends(chromium, store, tmp_path):
+    np.save(tmp_path / "long.npy", np.arange(6000.0).reshape(10, 20, 30))
+    np.save(tmp_path / "one.npy", np.arange(600.0).reshape(1, 20, 30))
+    viewer = Served(tmp_path / "long.npy", tmp_path / "one.npy")
+    seen = Seen(chromium, viewer)
+    seen.until("document.getElementById('frame-number').textContent === 'frame 0 / 9, B ends at 0'")
+    seen.end()
+    viewer.end()
+
+
+@pytest.mark.validation
 def test_store_being_written_goes_on_and_vanishing_is_told(chromium, half):
     viewer = Served(half)
     seen = Seen(chromium, viewer)

@@ -78,7 +78,8 @@ function aside() { probe(); retrace(); if (state.region) region(); files(); }
 function readouts() {
   const { frames, done, start_s: start } = state.meta.a;
   $("scrub").value = state.frame;
-  $("frame-number").textContent = `frame ${state.frame} / ${frames - 1}`;
+  const cut = state.b !== null && last() < (state.meta.a.last ?? 0) ? `, B ends at ${last()}` : "";
+  $("frame-number").textContent = `frame ${state.frame} / ${frames - 1}${cut}`;
   $("frame-number").dataset.frame = state.frame;
   const rateKnown = state.meta.a.frame_rate_hz;
   $("time").textContent = rateKnown ? `${((start || 0) + state.frame / rateKnown).toFixed(2)} s` : "";
