@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from scipy.stats import norm
 from stored_frames import StoredFrames
 
@@ -23,6 +24,7 @@ from seaglint.detection.counting import Counting
 from seaglint.detection.design import WhiteFrames, as_threshold, contrast_for, gaussian_threshold, loss_db
 from seaglint.detection.fine_spot import FineSpot
 from seaglint.detection.level import Rescaled, level_shift
+from seaglint.detection.matched import Matched
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.rare_alarms import rare_tail
 from seaglint.detection.scoring import interval_of_sequences
@@ -34,6 +36,7 @@ from seaglint.files.detection_parts import Parts
 from seaglint.files.detection_range import RangePoint
 from seaglint.imaging.wave_surface import course, height
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.detect import first_estimate
 from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import Design, told_threshold
@@ -98,6 +101,7 @@ def white(monkeypatch, request) -> None:
     if "validation" not in request.keywords:
         monkeypatch.setattr(detect_scene, "IndependentSeas", WhiteSeas)
         monkeypatch.setattr(detect_range, "IndependentSeas", WhiteSeas)
+        monkeypatch.setattr(first_estimate, "IndependentSeas", WhiteSeas)
 
 
 @pytest.fixture
@@ -295,6 +299,65 @@ def test_range_is_found_by_bisection(path: Path, tmp_path: Path, monkeypatch) ->
     assert moved.sensor.elevation_deg == pytest.approx(-math.degrees(30.0 / 2000.0), abs=0.05)
     with pytest.raises(DataError, match="raft"):
         placed_at(scenario, "raft", 2000.0, None)
+
+
+@dataclass(frozen=True)
+class WarmHorizon(WhiteSeas):
+    """White noise over a sea that brightens towards a horizon 12 pixels above the object, and a sky brighter still."""
+
+    @property
+    def directions(self) -> tuple[np.ndarray, np.ndarray]:
+        rows, columns = self.size
+        dip = math.degrees(math.sqrt(2.0 * self.scenario.sensor.height_m / EFFECTIVE_EARTH_RADIUS))
+        return np.linspace(-0.6, 0.6, columns), -dip - 0.025 * (np.arange(rows) - (rows / 2 - 12.5))
+
+    def sea(self, number: int, length: int) -> np.ndarray:
+        rows = self.size[0]
+        under = np.arange(rows) - (rows / 2 - 12.5)
+        level = np.where(under > 0.0, 60.0 / (1.0 + 0.2 * np.abs(under)), 90.0 + under)
+        return super().sea(number, length) + np.asarray(level[:, np.newaxis], np.float32)
+
+
+@pytest.mark.parametrize(
+    ("columns", "blur_px", "amplitude", "extinction_m", "p_fa"),
+    [
+        (160, 0.8, 4e7, 1e9, 1e-2),
+        (96, 0.6, 2e8, 8000.0, 1e-2),
+        (128, 1.2, 1e9, 4000.0, 3e-3),
+        (200, 1.0, 6e6, 1e9, 1e-3),
+        (160, 1.5, -4e8, 5000.0, 1e-2),
+    ],
+)
+def test_ranges_are_those_of_the_closed_form_under_a_warm_sky(
+    tmp_path: Path, monkeypatch, columns: int, blur_px: float, amplitude: float, extinction_m: float, p_fa: float
+) -> None:
+    """Five cameras and objects: contrast A exp(-r/L) / r^2, P_d = Q(Q^-1(P_fa) - c h.s / (sigma |h|)), whatever the sky is like."""
+    for module in (detect_range, first_estimate):
+        monkeypatch.setattr(module, "IndependentSeas", WarmHorizon)
+    spot = GaussianSpot(blur_px)
+
+    def contrast(at: float) -> float:
+        return amplitude * math.exp(-at / extinction_m) / at**2
+
+    def seen(scene: Any, name: str) -> Seen:
+        return Seen(spot, contrast(math.hypot(*_place(scene))), scene.sensor.pixels[1] / 2, columns / 2)
+
+    monkeypatch.setattr(detect_range, "seen_object", seen)
+    sensor = {"pixels": [columns, 96], "fov_deg": [0.025 * columns, 2.4], "elevation_deg": -3.0}
+    boat = {"name": "boat", "preset": "small-boat", "north_m": 2000.0}
+    scenario = parse_scenario({"seed": 5, "wind": {"speed_m_s": 5.0}, "sensor": sensor, "objects": [boat]})
+    weights, signature = Matched(spot.stamps(np.zeros((1, 2)))[0]).weights, spot.stamps(np.zeros((1, 2)))[0]
+    gain = float((weights * signature).sum() / np.sqrt((weights**2).sum()))
+    exact = brentq(lambda r: abs(contrast(r)) * gain / SIGMA - norm.isf(p_fa) - norm.isf(0.1), 100.0, 1e5)
+    template = InjectedObjects(spot, (1.0,), 400, "centre", 0.0, seed=2)
+    wanted = SceneOptions(DetectionOptions(template, "matched", threshold=3.0), seas=24, shape=spot)
+    asked = RangeOptions("boat", (300.0, 40_000.0), Design(p_fa=p_fa))
+    found = detection_range(scenario, wanted, asked, parts_at(tmp_path))
+    print(f"closed form {exact:.0f} m, first estimate {found.first_estimate_m:.0f} m, found {found.range_m:.0f} m")
+    assert found.range_m == pytest.approx(exact, rel=0.10)
+    assert found.first_estimate_m == pytest.approx(exact, rel=0.15)
+    assert {point.background for point in found.points} == {"sea" if blur_px < 1.5 else "horizon"}  # wide ones come near it
+    assert not any("rises" in warning for warning in found.warnings)
 
 
 def _place(scene: Any) -> tuple[float, float]:
