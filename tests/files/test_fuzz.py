@@ -23,6 +23,7 @@ import numpy as np
 import pytest
 import wave_files
 import xarray as xr
+from hdf5_walker import Hdf5Walker
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
@@ -235,14 +236,24 @@ READERS: dict[str, tuple[Callable[[Path], bytes], Callable[[Path], object]]] = {
 }
 
 
+@pytest.fixture
+def hdf5() -> Iterator[Hdf5Walker]:
+    """Says which damaged files no reader that rests on HDF5 can get through."""
+    walker = Hdf5Walker()
+    yield walker
+    walker.close()
+
+
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", READERS)
 @quick_and_all(MANY_FILES)
-def test_files(tmp_path, name, numbers):
+def test_files(tmp_path, name, numbers, hdf5):
     make, read = READERS[name]
     whole, path = make(tmp_path), tmp_path / name
     for number in numbers:
         path.write_bytes(mutated(whole, random.Random(number)))
+        if hdf5.hangs(path):
+            continue
         with quietly():
             try:
                 read(path)
@@ -267,13 +278,15 @@ FLAT = WaveChoice(THEN.time, THEN.latitude_deg, THEN.longitude_deg, from_deg=230
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("kind", WAVES)
 @numbers_of(MANY_FILES // 5)
-def test_wave_files(tmp_path, kind, numbers):
+def test_wave_files(tmp_path, kind, numbers, hdf5):
     pytest.importorskip("wavespectra", reason="wave files need the extra seaglint[waves]")
     path = getattr(wave_files, kind)(tmp_path)
     whole, choice = path.read_bytes(), FLAT if kind == "triaxys_plain" else THEN
     assert read_waves(path, choice).spectrum.significant_height() > 1.0
     for number in numbers:
         path.write_bytes(mutated(whole, random.Random(number)))
+        if hdf5.hangs(path):
+            continue
         with quietly():
             try:
                 assert math.isfinite(read_waves(path, choice).spectrum.significant_height())
