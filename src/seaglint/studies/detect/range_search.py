@@ -330,9 +330,11 @@ def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[st
             break
     last = [point for point in tried if point.range_m in ends]
     if any(point.believed is False for point in last):
-        out.append("the threshold of so few false alarms is not to be believed: the range hangs on an extrapolated tail; give more frames")
+        out.append("the threshold is extrapolated from too few false alarms, and the range with it; give more frames")
     behind = sorted({point.background for point in last if point.background in ("sky", "horizon")})
     if behind:
         before = " and the ".join(map(str, behind))
-        out.append(f"at this range the object stands before the {before}, whose rows are taken as level and known: who rolls sees less far")
+        out.append(
+            f"at this range the {before} lies behind the object; the mean of each row was removed, so expect less of a camera that rolls"
+        )
     return out

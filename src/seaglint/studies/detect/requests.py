@@ -65,7 +65,7 @@ class DetectorRequest:
     threshold: Annotated[
         float | None,
         Parameter(
-            "in the unit of `threshold_law`; 4 where nothing is said",
+            "in the unit of `threshold_law`; default: 4",
             "Detector",
             subject="threshold",
             detail="Of a recording without `contrast` that of one false alarm in 10,000 pixels.",
@@ -239,7 +239,7 @@ class CasesRequest(DetectorRequest):
     """Parameters of a request that renders scenes: which cases of a scenario, and how many seas of each."""
 
     source: Annotated[str, Parameter("scenario file; 'seaglint init my.toml' writes one", "", metavar="SCENARIO.toml")]
-    frames: Annotated[int | None, Parameter("independent seas at most; 32 where nothing is said", "Scenes", least=1)] = None
+    frames: Annotated[int | None, Parameter("independent seas at most; default: 32", "Scenes", least=1)] = None
     vary: Annotated[
         list[str] | None,
         Parameter("values of a scenario's key, of detector, filter or threshold; repeatable", "Scenes", metavar="KEY=A,B,C"),
@@ -275,7 +275,7 @@ class SceneRequest(CasesRequest, SpotRequest):
         tuple[float, ...] | None, Parameter("instead of `contrast`: of a point at `range_m` [W/sr]", "Object", "numbers")
     ] = None
     range_m: Annotated[float | None, Parameter("range of that point [m]", "Object")] = None
-    object_height_m: Annotated[float | None, Parameter("its height; 5 where nothing is said [m]", "Object")] = None
+    object_height_m: Annotated[float | None, Parameter("its height; default: 5 [m]", "Object")] = None
     precision: Annotated[float | None, Parameter("half width of the interval of P_d that is enough", "Scenes")] = None
     precision_fa: Annotated[float | None, Parameter("the same of P_fa, as a share of it", "Scenes")] = None
     time_budget: Annotated[float | None, Parameter("longest time for all cases [s]", "Scenes", least=0)] = None
@@ -323,8 +323,8 @@ class RateRequest:
     """Parameters of what counts as detected: P_d and the rate of false alarms."""
 
     p_fa: Annotated[float | None, Parameter("rate of false alarms per pixel, instead of per hour", "Design")] = None
-    alarms_per_hour: Annotated[float | None, Parameter("false alarms an hour in the whole field; 1 where nothing is said", "Design")] = None
-    p_d: Annotated[float | None, Parameter("P_d that is enough; 0.9 where nothing is said", "Design")] = None
+    alarms_per_hour: Annotated[float | None, Parameter("false alarms an hour in the whole field; default: 1", "Design")] = None
+    p_d: Annotated[float | None, Parameter("P_d that is enough; default: 0.9", "Design")] = None
 
     def design(self) -> Design:
         """Return P_d and rate as a record."""
@@ -351,6 +351,8 @@ class RangeRequest(RateRequest, CasesRequest):
         tuple[float, ...] | None, Parameter("from the Sun's azimuth, clockwise, e.g. 0:330:30 [deg]", "Range", "numbers")
     ] = None
 
+    precision: Annotated[float | None, Parameter("share of the range to which frames refine it; default: 0.04", "Range")] = None
+
     @property
     def usual_detector(self) -> str:
         """Detector where none is named: the matched filter, as the means of the rows near the object are taken off its frames."""
@@ -372,4 +374,5 @@ class RangeRequest(RateRequest, CasesRequest):
             raise DataError(
                 f"a range is that of an object; name one of the scenario's with object=NAME: {', '.join(names) or 'it has none'}"
             )
-        return RangeOptions(name, self.range_limits or RangeOptions.limits, self.design())
+        precision = RangeOptions.precision if self.precision is None else self.precision
+        return RangeOptions(name, self.range_limits or RangeOptions.limits, self.design(), precision)
