@@ -80,8 +80,8 @@ def test_a_recording_is_judged_by_its_own_clutter(seaglint, tmp_path: Path) -> N
     assert json.loads(json.dumps(sg.detect(tmp_path / "clip.npy")))["cases"] == found["cases"]
     told = seaglint("detect", "recording", tmp_path / "clip.npy", "--progress", "none").out
     assert "16 standard deviations of the clutter" in told
-    assert "not to be believed" not in told
-    assert "not to be believed" in seaglint("detect", "recording", tmp_path / "clip.npy", "--tails", "--progress", "none").out
+    assert "unreliable" not in told
+    assert "unreliable" in seaglint("detect", "recording", tmp_path / "clip.npy", "--tails", "--progress", "none").out
 
 
 def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:

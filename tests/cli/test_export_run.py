@@ -124,7 +124,7 @@ def test_a_signal_leaves_nothing_under_the_final_name(run, number, code, ending)
     started.send_signal(number)
     told = started.communicate("go on\n", timeout=600)[1]
     assert started.returncode == code
-    assert "nothing unfinished has taken its final name" in told
+    assert "files with their final names are complete" in told
     assert [path.name for path in run.parent.iterdir()] == ["run.zarr"]
 
 

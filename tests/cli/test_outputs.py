@@ -148,4 +148,4 @@ def test_sigterm_before_the_first_frame_is_code_143_and_a_line(scenario, tmp_pat
     process.send_signal(signal.SIGTERM)
     rest = process.communicate(timeout=600)[1]  # of the hour that it would take
     assert process.returncode == 143
-    assert rest == "seaglint: terminated; nothing unfinished has taken its final name\n"
+    assert rest == "seaglint: terminated; files with their final names are complete\n"

@@ -99,7 +99,7 @@ def test_what_was_computed_before_a_fault_is_kept(folder: Path, monkeypatch: pyt
     assert any("stopped after 72 of 400" in note and "tired" in note for note in found["notes"])
     mute = detect(source, DetectionOptions(objects, "isolated_of_test:silent")).as_dict()
     assert mute["p_d"] == 0.0
-    assert any("says nothing (NaN) at 400 objects" in note for note in mute["notes"])
+    assert any("returns NaN at 400 objects" in note for note in mute["notes"])
 
 
 def test_modules_that_cannot_be_used(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

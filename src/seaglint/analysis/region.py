@@ -130,7 +130,7 @@ class Region:
         if self.moments.is_constant:
             return "all values are equal"
         if not np.isfinite(self.spatial.x).any():
-            return "no change of brightness but the slowly varying surface that is taken off"
+            return "nothing varies besides the smooth background that was removed"
         return "correlation does not fall to 1/e within a third of the picture"
 
     def _fit(self, family: str) -> FitSummary:

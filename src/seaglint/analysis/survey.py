@@ -181,7 +181,7 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
         # Told, not left out: a border is part of the picture that a detector sees, and its edge part of the false alarms.
         where = np.flatnonzero(even)
         dead_notes.append(
-            f"{where.size} columns ({_listed(where)}) are even from top to bottom: filters see their edges as clutter; crop or mask them"
+            f"{where.size} columns ({_listed(where)}) have one value from top to bottom: filters take their edges for clutter; mask them"
         )
     ceiling = recording.saturation
     full = recording.frames * recording.rows * recording.columns * SATURATED_SHARE
@@ -202,7 +202,9 @@ def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling
         return []
     known = ""
     if spike is not None:
-        known = f" (the largest value; {spike.count / spike.below:.3g} times as often as the next lower one; --saturation tells better)"
+        known = (
+            f" (the largest value; {spike.count / spike.below:.3g} times as often as the next lower one; --saturation sets the true limit)"
+        )
     return [
         f"{100 * share:.3g} % of the values are saturated at {ceiling:.7g}{known}: the bright tail is cut, mean and deviation are "
         "too small, and fits, thresholds in standard deviations and rates are those of the cut values"

@@ -91,10 +91,10 @@ class _Program(TyperGroup):
             log(f"seaglint: {str(error.filename)[:80]}...: a name in it is too long for this file system; give a shorter one")
             sys.exit(2)
         except KeyboardInterrupt:
-            log("seaglint: interrupted; nothing unfinished has taken its final name")
+            log("seaglint: interrupted; files with their final names are complete")
             sys.exit(130)
         except _Terminated:
-            log("seaglint: terminated; nothing unfinished has taken its final name")
+            log("seaglint: terminated; files with their final names are complete")
             sys.exit(143)
 
 

@@ -22,9 +22,7 @@ BARE: Final = "SOURCE"
 """Name under which the command without a name is registered; nobody types it."""
 
 
-EveryTail = Annotated[
-    bool, typer.Option("--tails", help="print extrapolated rates that are not to be believed too", rich_help_panel="Results")
-]
+EveryTail = Annotated[bool, typer.Option("--tails", help="print unreliable extrapolated rates too", rich_help_panel="Results")]
 
 
 class DetectGroup(TyperGroup):

@@ -124,7 +124,7 @@ def lines(result: JsonObject, *, every_tail: bool = False) -> list[str]:
     for rare in result["tail"]["rare"]:
         if not (rare["believed"] or every_tail):
             continue
-        doubt = "" if rare["believed"] else ", not to be believed"
+        doubt = "" if rare["believed"] else ", unreliable"
         out.append(
             f"P_fa {rare['p_fa']:.1g} at {rare['threshold_sigma']:.4g} sigma{between(rare['p_fa_interval'])}, by extrapolation{doubt}"
         )

@@ -127,7 +127,7 @@ def lines(study: Study) -> list[str]:
         design = result.get("design")
         if design is not None and design.get("contrast") is not None:
             loss = "" if design["loss_db"] is None else f", {design['loss_db']:+.1f} dB against white noise"
-            doubt = "" if design["believed"] else "; its threshold is not to be believed"
+            doubt = "" if design["believed"] else "; its threshold is extrapolated from too few false alarms"
             out.append(
                 f"  P_d {design['p_d']:g} at P_fa {design['p_fa']:.2g} ({design['threshold_sigma']:.3g} sigma) needs contrast "
                 f"{design['contrast']:.4g} {design['contrast_unit']}{loss}{doubt}"

@@ -174,7 +174,7 @@ def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
     out.append(
         f"  noise budget [{unit}] at the scene's mean of {budget.scene_radiance:.4g} W m-2 sr-1"
         + (f" ({scene:.4g} K)" if scene else "")
-        + (": above saturation; the budget is that of a pixel whose well never fills" if full else "")
+        + (": above saturation; the budget ignores that the well is full" if full else "")
     )
     for name, value in {"signal": budget.signal, **budget.noise}.items():
         if value or name in ("signal", "total_temporal"):

@@ -196,7 +196,7 @@ def model_lines(held: JsonObject) -> list[str]:
             f"Gauss-Markov field of {len(model['offsets'])} neighbour pairs, {model['marginal']['kind']} pixels{shape}"
             + ("" if slow is None else f", times a slow gamma field of shape {slow['shape']:.3g}")
         )
-        out.append(f"correlations of the output are met to {max(held['fit']['correlation_error'], 1e-9):.1g} of the variance")
+        out.append(f"correlations of samples agree with the data's to {max(held['fit']['correlation_error'], 1e-9):.1g} of the variance")
     else:
         errors = held["fit"]["standard_errors"]
         parameters = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
@@ -229,5 +229,5 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
     out.append(f"  co-occurrence: {features}")
     if likelihood is not None:
         out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}")
-    out += [f"  fails: {sentence}" for sentence in distances.fails] or ["  nothing is farther apart than the limits"]
+    out += [f"  fails: {sentence}" for sentence in distances.fails] or ["  all differences are within their limits"]
     return out

@@ -112,7 +112,7 @@ def lines(facts: WeatherFacts) -> list[str]:
     out.append(f"  covers {facts.covers}")
     if facts.regions:
         out.append(f"  regions {', '.join(facts.regions)}")
-    out += [f"  no rows in {month}: a draw in it takes {used}" for month, used in facts.missing_months.items()]
+    out += [f"  no rows in {month}: draws in that month use {used}" for month, used in facts.missing_months.items()]
     out.append(f"  {'column':22} {'mean':>9} {'min':>9} {'max':>9} {'missing %':>10}")
     for name, column in facts.columns.items():
         numbers = " ".join(f"{_number(value):>9}" for value in (column.mean, column.min, column.max))

@@ -168,11 +168,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
         variance = value / (1.0 - lost) / number**2
         # Below independence by chance of the estimate, or for filters that push neighbours apart: believed down to a quarter.
         variance = max(variance, 0.25 * binomial)
-        note = (
-            "the rates of rows and columns are taken as given: the interval is for what varies beside them"
-            if reference == "margins"
-            else None
-        )
+        note = "the interval leaves out how rates differ between rows and between columns" if reference == "margins" else None
         return ClusterVariance(variance, degrees, variance / binomial, note)
     return used[0]
 

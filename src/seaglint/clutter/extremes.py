@@ -269,7 +269,7 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
         p = (1 + sum(_anderson_darling(d, fit_pareto(d)) >= distance for d in drawn)) / 100
         if p >= 0.1:
             return with_limits(curve, edge, u, number, fit, p, float(excess.max()), generator), None
-    return None, "no threshold leaves exceedances that follow a generalised Pareto distribution; the measured curve is all there is"
+    return None, "no threshold leaves exceedances that follow a generalised Pareto distribution; only the measured curve is given"
 
 
 def with_limits(

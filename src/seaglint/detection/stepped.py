@@ -110,7 +110,7 @@ def tail_above(
         counts = -np.diff(np.append(above[first:], 0))
         fit, p, region = fit_levels(counts, steps.step, number / float(above[first]))
         if p < 0.1:
-            note = "no threshold leaves levels that follow a generalised Pareto distribution; the measured curve is all there is"
+            note = "no threshold leaves levels that follow a generalised Pareto distribution; only the measured curve is given"
             continue
         edge = int(np.searchsorted(curve.threshold, edges[first]))
         reached = steps.step * (counts.size - 0.5)

@@ -102,7 +102,7 @@ def comparison_report(
     title = f"Textures: {distances.second} against {distances.first}"
     body = [
         f"<h1>{escape(title)}</h1>",
-        notes(distances.fails, "Nothing is farther apart than the limits."),
+        notes(distances.fails, "All differences are within their limits."),
         *([section("The fit", bullets(about))] if about else []),
         section("Side by side", figure(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
         section("False alarms of the filtered picture", _rates(distances, gaussian)),

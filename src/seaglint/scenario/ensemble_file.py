@@ -42,7 +42,7 @@ class EnsembleSettings(Record):
     scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), Field(description="number of scenes")]
     frames: Annotated[
         Annotated[int, Quantity(ge=1, le=10_000_000, integer=True)] | None,
-        Field(description="frames of every scene; sensor.frames of the base where nothing is said"),
+        Field(description="frames of every scene; default: sensor.frames of the base"),
     ] = None
     seed: Annotated[
         int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), Field(description="the same seed draws the same scenes")

@@ -95,7 +95,7 @@ class WorkRequest:
 
     threads: Annotated[
         int | None,
-        Parameter("processor threads; all where nothing is said", "Run", least=1, detail="The bytes do not depend on them."),
+        Parameter("processor threads; default: all", "Run", least=1, detail="The bytes do not depend on them."),
     ] = None
     workers: Annotated[
         int | None,

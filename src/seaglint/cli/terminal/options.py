@@ -29,6 +29,6 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stand
 StoreOption = Annotated[str, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")]
 ShardOption = Annotated[
     str | None,
-    typer.Option("--shard", metavar="I/N", help="make one of N shares, counted from 0; 'render --finish' names the whole"),
+    typer.Option("--shard", metavar="I/N", help="make share K of N, from 0:N to N-1:N; 'render --finish' joins them"),
 ]
 ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]

@@ -60,14 +60,14 @@ class LowtranAtmosphere(Record):
     ] = "navy-maritime"
     visibility_km: Annotated[
         Annotated[float, Quantity("km", ge=0.01, le=500)] | None,
-        Field(description="meteorological range at sea level; that of the aerosol model where nothing is said"),
+        Field(description="meteorological range at sea level; default: that of the aerosol model"),
     ] = None
     air_mass_character: Annotated[
         int, Quantity(ge=1, le=10, integer=True), Field(description="1 open ocean ... 10 strong continental influence; navy-maritime only")
     ] = 3
     wind_24h_m_s: Annotated[
         Annotated[float, Quantity("m/s", ge=0, le=NAVY_AEROSOL_WIND[1])] | None,
-        Field(description="mean wind of the last 24 hours, navy-maritime only; that of [wind] where nothing is said"),
+        Field(description="mean wind of the last 24 hours, navy-maritime only; default: that of [wind]"),
     ] = None
     scattered_sunlight: Annotated[
         bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")

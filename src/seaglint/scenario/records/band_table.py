@@ -19,11 +19,11 @@ class BandSettings(Record):
 
     min_um: Annotated[
         Annotated[float, Quantity("um", gt=0, le=100)] | None,
-        Field(description="short-wave edge of a rectangular band (3.5 where nothing is said)"),
+        Field(description="short-wave edge of a rectangular band (default 3.5)"),
     ] = None
     max_um: Annotated[
         Annotated[float, Quantity("um", gt=0, le=100)] | None,
-        Field(description="long-wave edge of a rectangular band (5.0 where nothing is said)"),
+        Field(description="long-wave edge of a rectangular band (default 5.0)"),
     ] = None
     response: Annotated[InputFile | None, Field(description="CSV file with columns wavelength_um, response; instead of the two edges")] = (
         None

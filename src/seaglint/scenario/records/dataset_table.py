@@ -17,9 +17,9 @@ _Name = Annotated[str, Field(min_length=1, max_length=100)]
 class Dataset(Record):
     """Description of a labelled data set of the ensemble."""
 
-    title: Annotated[str | None, Field(description="title of the data card; the file's name where nothing is said")] = None
+    title: Annotated[str | None, Field(description="title of the data card; default: the file's name")] = None
     description: Annotated[str, Field(description="what the data set is for, in the data card")] = ""
-    licence: Annotated[str | None, Field(description="licence of the pictures and labels; CC-BY-4.0 where nothing is said")] = None
+    licence: Annotated[str | None, Field(description="licence of the pictures and labels; default: CC-BY-4.0")] = None
     split: Annotated[
         tuple[_Fraction, _Fraction, _Fraction], Field(description="shares of the scenes that train, validate and test; 1 in all")
     ] = (0.7, 0.15, 0.15)

@@ -109,7 +109,7 @@ class Choice(_OfKey):
     law: Literal["choice"] = "choice"
     values: Annotated[tuple[Any, ...], Field(min_length=1, description="what it may be: numbers, text, lists or tables")]
     weights: Annotated[
-        tuple[Annotated[float, Quantity(ge=0)], ...] | None, Field(description="how often each comes; all alike where nothing is said")
+        tuple[Annotated[float, Quantity(ge=0)], ...] | None, Field(description="how often each comes; default: all alike")
     ] = None
 
     @model_validator(mode="after")

@@ -47,7 +47,7 @@ class Likelihood(Record):
     ] = (4.0, 4.0)
     height_m: Annotated[
         tuple[Annotated[float, Quantity("m", ge=2, le=10_000)], Annotated[float, Quantity("m", ge=2, le=10_000)]] | None,
-        Field(description="lowest and highest sensor, uniform between; sensor.height_m where nothing is said"),
+        Field(description="lowest and highest sensor, uniform between; default: sensor.height_m"),
     ] = None
     looks: Annotated[
         InputFile | None,

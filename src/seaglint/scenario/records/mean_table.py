@@ -23,7 +23,7 @@ class Mean(Record):
         Literal["nested", "both", "viewer"] | None,
         Field(
             description="legs that waves shadow: nested (viewer and Sun, wave band by wave band), both (the same by Smith's law, too "
-            "bright near the horizon under a low Sun), or viewer (alone, Saunders' law); nested where nothing is said, viewer in the "
+            "bright near the horizon under a low Sun), or viewer (alone, Saunders' law); default: nested, viewer in the "
             "mode article"
         ),
     ] = None

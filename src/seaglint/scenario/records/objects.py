@@ -27,7 +27,7 @@ class ObjectKeyframe(Record):
     height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea")] = None
     latitude_deg: Annotated[_Latitude | None, Field(description="latitude, instead of metres")] = None
     longitude_deg: Annotated[_Longitude | None, Field(description="longitude, instead of metres")] = None
-    heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end; along its way where nothing is said")] = None
+    heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end; default: along its way")] = None
     pitch_deg: Annotated[_Angle | None, Field(description="forward end up")] = None
     roll_deg: Annotated[_Angle | None, Field(description="starboard side down")] = None
 
@@ -62,16 +62,14 @@ class Object(Record):
         None
     )
     longitude_deg: Annotated[_Longitude | None, Field(description="longitude, instead of metres")] = None
-    height_m: Annotated[
-        _Height | None, Field(description="height of its centre above the mean sea; 0 for what floats where nothing is said")
-    ] = None
+    height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea; default: 0 for what floats")] = None
     draught_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
         Field(description="depth of its lowest point under water, instead of height_m"),
     ] = None
-    heading_deg: Annotated[
-        _Angle | None, Field(description="azimuth of its forward end, clockwise from north; along its way where nothing is said")
-    ] = None
+    heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end, clockwise from north; default: along its way")] = (
+        None
+    )
     pitch_deg: Annotated[_Angle, Field(description="forward end up")] = 0.0
     roll_deg: Annotated[_Angle, Field(description="starboard side down")] = 0.0
     course_deg: Annotated[_Angle | None, Field(description="azimuth of its motion; with speed_m_s")] = None

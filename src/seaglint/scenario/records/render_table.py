@@ -16,39 +16,37 @@ class Render(Record):
 
     lines_per_column: Annotated[
         Literal[1, 2, 4, 8, 16],
-        Field(description="most lines of sight across a pixel column; one begins and parts in two as the column widens with range"),
+        Field(description="most lines of sight across a pixel column; near the sensor it is one, which splits as the column widens"),
     ] = 16
     variance_error: Annotated[
         float,
         Quantity(ge=0.001, le=1),
-        Field(
-            description="error of the variance of pixels up to which far waves are left to the facets and lines stand apart; more is faster"
-        ),
+        Field(description="relative error allowed in the variance of pixels; larger is faster, with fewer far waves and lines of sight"),
     ] = 0.02
     shortest_wave_columns: Annotated[
         float,
         Quantity(ge=0, le=100),
-        Field(description="columns that waves must span to stay geometry in any case; 0 keeps all waves at any range"),
+        Field(description="waves longer than this many columns are always drawn; 0 draws all waves at any range"),
     ] = 2.0
     step_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
-        Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),
+        Field(description="outward step of the sweep; default: chosen from the shortest wave"),
     ] = None
     tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], Field(description="points along each side of a wave tile")] = 512
     subpixel_glint: Annotated[
         Literal["auto", "on", "off"],
-        Field(description="sparkles that are smaller than a pixel make its sunlight fluctuate; auto: where that is not negligible"),
+        Field(description="random fluctuation of glint by sparkles smaller than a pixel; auto: where it matters"),
     ] = "auto"
     gaussian_facets: Annotated[
         StrictBool,
-        Field(description="draw slope models with skewness and peakedness by a Gaussian of the same variances, which images need"),
+        Field(description="replace the skewness and peakedness of the slope model by a Gaussian of the same variances; images need it"),
     ] = False
     oversampling: Annotated[
         Annotated[int, Quantity(ge=1, le=15, integer=True)] | None,
-        Field(description="with a detector: pixels drawn along each side of its pixels; what the optics' cut-off needs where left out"),
+        Field(description="with a detector: pixels drawn along each side of its pixels; default: what the optics' cut-off needs"),
     ] = None
     object_shadows: Annotated[
-        StrictBool, Field(description="objects shade the sea from the Sun: its glint is dark in their shadow, beside their own pixels too")
+        StrictBool, Field(description="objects cast shadows: no glint on the sea behind them as seen from the Sun")
     ] = False
     layers: Annotated[
         tuple[Layer, ...],

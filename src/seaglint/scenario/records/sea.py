@@ -13,18 +13,18 @@ from seaglint.scenario.records.sea_spectrum import Elfouhaily, Spectrum
 
 
 class Glint(Record):
-    """How the sparkle of the mirrored Sun hangs together: sets the fluctuation of glint in a pixel."""
+    """Correlation of the Sun's glint in time and over the sea, which sets how much glint fluctuates in a pixel."""
 
     correlation_time_s: Annotated[
-        float, Quantity("s", ge=0.001, le=10), Field(description="time after which glint at a point is forgotten (reported: 0.03 to 0.3 s)")
+        float, Quantity("s", ge=0.001, le=10), Field(description="correlation time of glint at a point (reported: 0.03 to 0.3 s)")
     ] = 0.07
     dispersion: Annotated[
         Literal["full", "article"],
-        Field(description="from that time to a length: full by gravity and surface tension, article by surface tension alone"),
+        Field(description="waves behind the correlation length: full: gravity and surface tension; article: surface tension alone"),
     ] = "full"
     cell_m: Annotated[
         Annotated[float, Quantity("m", ge=1e-4, le=100)] | None,
-        Field(description="length of the sea's independent cells; from the correlation time where nothing is said"),
+        Field(description="size of the sea's cells that glint independently; default: from the correlation time"),
     ] = None
 
 

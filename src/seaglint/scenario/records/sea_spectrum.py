@@ -37,7 +37,7 @@ class Jonswap(Record):
     gamma: Annotated[
         float, Quantity(ge=1, le=20), Field(description="peak enhancement: 1 fully developed, 3.3 growing sea, more for swell")
     ] = 3.3
-    from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM; that of the wind where nothing is said")] = None
+    from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM; default: that of the wind")] = None
     spreading_deg: Annotated[
         _Width, Field(description="width of their directions (circular standard deviation): wind sea about 30, swell 10 to 20")
     ] = 30.0
@@ -52,13 +52,13 @@ class SpectrumFile(Record):
         Literal["auto", "ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"],
         Field(description="format of the file; auto recognises it"),
     ] = "auto"
-    time: Annotated[Utc | None, Field(description="UTC time of the record wanted; that of [time] where nothing is said")] = None
+    time: Annotated[Utc | None, Field(description="UTC time of the record wanted; default: that of [time]")] = None
     time_tolerance_s: Annotated[
         float, Quantity("s", ge=0, le=1e9), Field(description="farthest the record taken may be from the time wanted")
     ] = 3600.0
     latitude_deg: Annotated[
         Annotated[float, Quantity("deg", ge=-90, le=90)] | None,
-        Field(description="latitude of the spectrum wanted, north positive; that of [place] where nothing is said"),
+        Field(description="latitude of the spectrum wanted, north positive; default: that of [place]"),
     ] = None
     longitude_deg: Annotated[
         Annotated[float, Quantity("deg", ge=-180, le=360)] | None, Field(description="its longitude, east positive")

@@ -17,7 +17,7 @@ class PhotonDetector(Record):
     pitch_um: Annotated[float, Quantity("um", gt=0, le=1000), Field(description="distance of the pixels' centres")]
     fill_factor: Annotated[float, Quantity(gt=0, le=1), Field(description="share of a pixel's area that is sensitive")] = 1.0
     integration_time_s: Annotated[
-        Annotated[float, Quantity("s", gt=0, le=1e4)] | None, Field(description="integration time; a whole frame where nothing is said")
+        Annotated[float, Quantity("s", gt=0, le=1e4)] | None, Field(description="integration time; default: a whole frame")
     ] = None
     short_integration_time_s: Annotated[
         Annotated[float, Quantity("s", gt=0, le=1e4)] | None,

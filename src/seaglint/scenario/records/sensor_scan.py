@@ -19,7 +19,7 @@ class Scan(Record):
     ] = "staring"
     period_s: Annotated[
         Annotated[float, Quantity("s", ge=0, le=1e5)] | None,
-        Field(description="time of a scan or a turn; a frame where nothing is said; 0 takes all columns at once"),
+        Field(description="time of a scan or a turn; default: a frame; 0 takes all columns at once"),
     ] = None
     direction: Annotated[Literal["right", "left"], Field(description="way in which a scanner goes; right is clockwise")] = "right"
     row_time_s: Annotated[

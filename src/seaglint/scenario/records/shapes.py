@@ -31,9 +31,7 @@ class Part(Record):
         0.0
     )
     roll_deg: Annotated[_Angle, Field(description="starboard side down")] = 0.0
-    temperature_k: Annotated[Temperature | None, Field(description="of its surface; that of what it is part of where nothing is said")] = (
-        None
-    )
+    temperature_k: Annotated[Temperature | None, Field(description="of its surface; default: that of what it is part of")] = None
     emissivity: Annotated[Emissivity | None, Field(description="of its surface; the rest of 1 is reflected, in all directions alike")] = (
         None
     )

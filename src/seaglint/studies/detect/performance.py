@@ -350,17 +350,21 @@ def _notes(
     if trials.stopped is not None:
         notes.append(trials.stopped)
     if detector.reach is None:
-        notes.append("the detector may look at the whole frame: objects that share one are not exactly as alone")
+        notes.append("the detector looks at whole frames: objects injected into one frame may disturb each other")
     for contrast, number in zip(options.objects.contrasts, trials.saturated, strict=True):
         if number:
             notes.append(f"contrast {contrast:g}: {number} objects go beyond saturation and are cut there")
     for scores in trials.scores:
         silent = int(np.isneginf(scores.score).sum())
         if silent:
-            notes.append(f"contrast {scores.contrast:g}: the detector says nothing (NaN) at {silent} objects; they count as missed")
+            notes.append(f"contrast {scores.contrast:g}: the detector returns NaN at {silent} objects; they count as missed")
     if min(options.objects.contrasts) < 0:
         notes.append("a contrast below 0 makes dark objects; thresholds are for bright ones")
-    notes += [f"P_d of contrast {c:g}: {d.note}" for c, d in zip(options.objects.contrasts, detections, strict=True) if d.note]
+    said: dict[str, list[str]] = {}
+    for contrast, found in zip(options.objects.contrasts, detections, strict=True):
+        if found.note:
+            said.setdefault(found.note, []).append(f"{contrast:.3g}")
+    notes += [f"P_d of contrast {', '.join(contrasts)}: {note}" for note, contrasts in said.items()]
     notes += [f"P_fa: {alarms.per_pixel.note}"] if alarms.per_pixel.note else []
     return notes
 

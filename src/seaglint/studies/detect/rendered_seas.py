@@ -203,7 +203,7 @@ def _stopped(found: Performance, wanted: SceneOptions, seas: int, clock: Clock) 
         return "time budget", f"stopped with {seas} seas: the time budget of {clock.budget:.3g} s is reached; go on with --resume"
     if seas >= wanted.seas:
         asked = wanted.precision is not None or wanted.precision_fa is not None
-        return "frames", f"{seas} seas drawn, as many as wanted" + ("; the stated precision is not reached" if asked else "")
+        return "frames", f"{seas} seas drawn, all that were asked for" + ("; the stated precision is not reached" if asked else "")
     return None, ""
 
 

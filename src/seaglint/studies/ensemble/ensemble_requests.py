@@ -21,9 +21,7 @@ class ScenesRequest(WorkRequest):
 
     threads: Annotated[
         int | None,
-        Parameter(
-            "processor threads of each process; all where nothing is said", "Run", least=1, detail="The bytes do not depend on them."
-        ),
+        Parameter("processor threads of each process; default: all", "Run", least=1, detail="The bytes do not depend on them."),
     ] = None
 
 
@@ -42,7 +40,7 @@ class DatasetRequest(ScenesRequest):
     resume: Annotated[bool, Parameter("go on with an unfinished data set", "Run")] = False
     format: Annotated[str, Parameter("{formats}")] = "coco"
     bits: Annotated[int | None, Parameter("8 or 16 bits of a pixel; {bits}")] = None
-    image: Annotated[str | None, Parameter("png or tiff; png where nothing is said")] = None
+    image: Annotated[str | None, Parameter("png or tiff; default: png")] = None
 
     def options(self) -> DatasetOptions:
         """Return how the data set is written, checked."""

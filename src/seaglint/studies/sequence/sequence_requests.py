@@ -29,7 +29,7 @@ class RenderRequest(WorkRequest):
 class SenseRequest(ReadingRequest, WorkRequest):
     """Request to put a scenario's sensor on radiance at the aperture."""
 
-    seed: Annotated[int | None, Parameter("of the noise; the scenario's where nothing is said", least=0)] = None
+    seed: Annotated[int | None, Parameter("of the noise; default: the scenario's", least=0)] = None
     oversampling: Annotated[
         int | None,
         Parameter(
@@ -47,9 +47,7 @@ class ExportRequest:
 
     variable: Annotated[str | None, Parameter("images to export; signal if there, else radiance")] = None
     frames: Annotated[range | None, Parameter("frames to export", form="every", detail="Counted in the whole sequence.")] = None
-    dtype: Annotated[
-        Literal["uint16", "float32"] | None, Parameter("type of the numbers; as stored where nothing is said (not of {videos})")
-    ] = None
+    dtype: Annotated[Literal["uint16", "float32"] | None, Parameter("type of the numbers; default: as stored (not of {videos})")] = None
     limits: Annotated[
         tuple[float, float] | None,
         Parameter(

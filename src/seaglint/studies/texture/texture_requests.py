@@ -126,5 +126,5 @@ class PlaceRequest:
             "that comes from the sea.",
         ),
     ] = "auto"
-    seed: Annotated[int | None, Parameter("of the field; the scenario's where nothing is said", least=0)] = None
+    seed: Annotated[int | None, Parameter("of the field; default: the scenario's", least=0)] = None
     overwrite: Overwrite = False
