@@ -174,7 +174,7 @@ def wanted_of(detector: str) -> SceneOptions:
 
 def range_of(case: Case, waves: bool, detector: str, parts: Parts) -> DetectionRange | str:
     """Range of one detector; what it says where it cannot judge."""
-    asked = RangeOptions("sphere", LIMITS, Design(p_fa=case.p_fa), precision=0.04 if detector == DEFAULT else 0.1)
+    asked = RangeOptions("sphere", LIMITS, Design(p_fa=case.p_fa), precision=0.04 if detector == DEFAULT else 0.2)
     try:
         return detection_range(case.scenario(waves=waves), wanted_of(detector), asked, parts)
     except SeaglintError as error:

@@ -28,6 +28,10 @@ LEAST_EIGENVALUE: Final = 1e-6
 """Share of the variance to which smaller eigenvalues of an estimated covariance are raised: they may come out at 0 or below."""
 
 
+TILE: Final = 64
+"""Side of tiles with a covariance of their own, where the object is not too large for it [px]."""
+
+
 def covariance_matrix(lags: ArrayLike, shape: tuple[int, int]) -> FloatArray:
     """Covariance of the pixels of a window from the autocovariance at lags -reach ... reach, shape (pixels, pixels) [u²].
 
@@ -118,13 +122,13 @@ class LocalMatched:
         The object centred on a pixel, shape (odd, odd) [1].
     background : array_like
         Frames without objects, shape (k, rows, columns), from which the covariances are estimated.
-    tile : int
-        Side of the tiles [px], at least three times that of the signature.
+    tile : int, optional
+        Side of the tiles [px], at least three times that of the signature; 64, or those three times where they are more.
     """
 
     signature: ArrayLike
     background: ArrayLike
-    tile: int = 64
+    tile: int | None = None
     name: str = field(default="matched-local", init=False)
     lead: int = field(default=0, init=False)
     calibrated: bool = field(default=False, init=False)
@@ -135,11 +139,12 @@ class LocalMatched:
         s = np.asarray(self.signature, np.float64)
         side = max(s.shape)
         frames = as_frames(self.background)
-        if self.tile < 3 * side:
-            raise DomainError(f"tile = {self.tile} px is less than three sides of a signature of {side} px; choose at least {3 * side}")
+        tile = max(TILE, 3 * side) if self.tile is None else self.tile
+        if tile < 3 * side:
+            raise DomainError(f"tile = {tile} px is less than three sides of a signature of {side} px; choose at least {3 * side}")
         if min(frames.shape[1:]) < 2 * side:
             raise DomainError(f"frames of {frames.shape[1]} x {frames.shape[2]} px are less than two sides of a signature of {side} px")
-        edges = [_edges(n, self.tile) for n in frames.shape[1:]]
+        edges = [_edges(n, tile) for n in frames.shape[1:]]
         kernels: list[list[Kernel | None]] = []
         for top, bottom in zip(edges[0][:-1], edges[0][1:], strict=True):
             row: list[Kernel | None] = []

@@ -36,6 +36,9 @@ _PLAIN: Final[dict[str, Callable[[], Detector]]] = {
 
 _SHAPED: Final = ("matched", "matched-global", "matched-local", "log")
 
+CORE: Final = 0.999
+"""Share of its energy that a signature keeps where covariances are estimated."""
+
 NAMES: Final = (*_PLAIN, *_SHAPED)
 """Names of the detectors of this package; the last ones need the object's shape."""
 
@@ -80,9 +83,10 @@ def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> 
         case "matched":
             return Matched(signature)
         case "matched-global":
-            return Matched(signature, autocovariance(background(), max(signature.shape) - 1))
+            kept = core_of(signature)
+            return Matched(kept, autocovariance(background(), max(kept.shape) - 1))
         case "matched-local":
-            return LocalMatched(signature, background())
+            return LocalMatched(core_of(signature), background())
         case "log":
             # The scale at which a spot answers most is its own; of a sampled one that of its second moment.
             scale = shape.sigma if isinstance(shape, GaussianSpot) else _width(signature)
@@ -90,6 +94,24 @@ def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> 
     if ":" not in name and _key(name) not in _PLAIN:
         raise _unknown(name, NAMES)
     return named(name)
+
+
+def core_of(signature: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the smallest middle of a signature that keeps 99.9 % of its energy: faint edges ask for covariances of many more pixels.
+
+    Examples
+    --------
+    >>> core_of(np.pad(np.ones((3, 3)), 4, constant_values=1e-3)).shape
+    (3, 3)
+    """
+    energy = float((signature**2).sum())
+    rows, columns = (n // 2 for n in signature.shape)
+    for half in range(1, max(rows, columns)):
+        down, right = min(half, rows), min(half, columns)
+        middle = signature[rows - down : rows + down + 1, columns - right : columns + right + 1]
+        if float((middle**2).sum()) >= CORE * energy:
+            return middle
+    return signature
 
 
 def _width(signature: NDArray[np.float64]) -> float:
