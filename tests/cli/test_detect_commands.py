@@ -138,7 +138,7 @@ def test_the_help_of_the_group_tells_the_four_and_the_spelling_without_them(seag
         (("scene", "boat.toml", "--contrast", "4", "--intensity", "3"), "--temperature-difference and"),
         (("scene", "boat.toml", "--intensity", "3"), "give --range-m, above 0"),
         (("scene", "boat.toml", "--intensity", "3", "--objects", "boat"), "--objects boat; give --objects point"),
-        (("range", "boat.toml"), "name one of the scenario's with --object NAME"),
+        (("range", "boat.toml"), "the scenario has no object to look for"),
         (("range", "boat.toml", "--range-limits", "far"), "--range-limits far: give NEAR:FAR"),
         (("range", "boat.toml", "--level", "3"), "--level 3 of the intervals"),
     ],

@@ -37,6 +37,19 @@ def test_scenes_are_drawn_and_rendered_later(seaglint, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "scenes" / "0001.zarr" / "zarr.json").is_file()
 
 
+def test_many_scenes_tell_their_cost_before_they_start(seaglint, tmp_path: Path) -> None:
+    """All frames at the cost of one, and pixels of four bytes; few scenes, a quiet run and a folder that is taken tell nothing."""
+    (tmp_path / "e.toml").write_text(TEXT.replace("scenes = 2", "scenes = 16\nframes = 3"))
+    answer = seaglint("ensemble", tmp_path / "e.toml", "-o", tmp_path / "out", "--progress", "log")
+    assert answer.code == 0
+    cost, work = (next(k for k, line in enumerate(answer.err.splitlines()) if part in line) for part in ("16 scenes of", "16 to do"))
+    assert cost < work
+    assert "3 x 8 x 4 pixels: about " in answer.err
+    # 16 scenes of 3 frames of 32 pixels of 4 bytes are 6144 bytes
+    assert "at most 0 MB" in answer.err
+    assert "pixels: about" not in seaglint("ensemble", tmp_path / "e.toml", "-o", tmp_path / "out").err
+
+
 @pytest.mark.parametrize(
     ("text", "options", "line"),
     [

@@ -36,12 +36,13 @@ from seaglint.files.detection_parts import Parts
 from seaglint.files.detection_range import RangePoint
 from seaglint.imaging.wave_surface import course, height
 from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.middle import middle_of
 from seaglint.studies.detect import first_estimate
 from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import Design, told_threshold
 from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
-from seaglint.studies.detect.near_object import NearRows, background_of, middle_of
+from seaglint.studies.detect.near_object import NearRows, background_of
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import RangeOptions, detection_range, placed_at
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene

@@ -228,5 +228,5 @@ def test_weights_beyond_a_field_are_made_as_small_as_the_least_symbol_needs() ->
     y, x = np.mgrid[:40, :44]
     noise = np.random.default_rng(2).normal(size=(40, 44))
     fitted = fit(np.cos(2.0 * np.pi * (y / 41.7 + x / 11.3)) + 0.01 * noise, [(0, 1), (1, 0), (1, 1)])
-    assert "made smaller" in fitted.notes[0]
+    assert "scaled down" in fitted.notes[0]
     assert least_symbol(fitted.model, (1, 40, 44)) == pytest.approx(1e-5, rel=1e-4)

@@ -59,6 +59,7 @@ def dataset(
         return
     if output is None:
         raise DataError("-o is missing: the folder of the data set; give one, e.g. -o data")
+    from seaglint.cli.ensemble import tell_cost
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.progress import progress
     from seaglint.files.dataset.check import read_about
@@ -70,6 +71,8 @@ def dataset(
     output = Path(str(output).rstrip("/\\"))
     require_output(output, resume=request.resume, overwrite=request.overwrite)
     loaded = read_source(source)
+    if loaded.folder is None and not request.resume:
+        tell_cost(loaded.ensemble, run)
     with run.chosen() as hands, progress(run.show, "scenes") as report:
         ensemble_dataset(
             loaded,

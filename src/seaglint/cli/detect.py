@@ -89,7 +89,7 @@ def scene(request: SceneRequest, results: ResultOptions, run: Annotated[RunOptio
 def design(request: DesignRequest, results: ResultOptions, run: Annotated[RunOptions, Without(("threads",))]) -> None:
     """Contrast that an object needs, and loss against white noise.
 
-    For P_d 0.9 at one false alarm per hour and field, where nothing else is said.
+    For P_d 0.9 at one false alarm per hour and field, unless others are given.
     """
     from seaglint.cli.detect_scene import detect_scene
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,9 @@ from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import takes_records
 from seaglint.cli.terminal.run_options import RunOptions
 from seaglint.studies.ensemble.ensemble_requests import EnsembleRequest
+
+if TYPE_CHECKING:
+    from seaglint.scenario.ensemble_file import Ensemble
 
 
 @takes_records(order="source output workers dask dask_slurm threads resume overwrite draw_only show")
@@ -25,10 +28,14 @@ def ensemble(
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.progress import progress
     from seaglint.scenario.ensemble_file import load_ensemble
+    from seaglint.studies.ensemble.ensemble_folder import Folder
     from seaglint.studies.ensemble.render_ensemble import render_ensemble
 
     show_logs(quiet=run.show is ProgressMode.NONE)
     loaded = load_ensemble(source)
+    if not (request.resume or request.draw_only):
+        Folder(output).check(resume=False, overwrite=request.overwrite)
+        tell_cost(loaded, run)
     with run.chosen() as hands, progress(run.show, "scenes") as report:
         render_ensemble(
             loaded,
@@ -44,3 +51,22 @@ def ensemble(
     drawn = f"drawn; render them with --resume, or one with: seaglint render {output}/scenes/0000.toml"
     outcome = drawn if request.draw_only else "rendered"
     log(f"{output}: {count} scene{'s' if count > 1 else ''} {outcome}; what was drawn is in {output / 'parameters.csv'}")
+
+
+def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
+    """Say what many scenes will cost before they start; of few, and of a cluster's, nothing."""
+    from seaglint.cli.terminal.progress import duration
+    from seaglint.studies.ensemble.expected_cost import MANY, expected_cost
+    from seaglint.studies.ensemble.render_ensemble import scenes
+
+    count = loaded.ensemble.scenes
+    if count < MANY or run.show is ProgressMode.NONE or run.dask is not None or run.dask_slurm is not None:
+        return
+    first = next(scenes(loaded)).scenario
+    columns, rows = first.sensor.pixels
+    cost = expected_cost(first, count)
+    size = f"{cost.size / 1e9:.2g} GB" if cost.size >= 1e9 else f"{cost.size / 1e6:.0f} MB"
+    log(
+        f"{count} scenes of {first.sensor.frames} x {columns} x {rows} pixels: about {duration(cost.seconds)} on this machine and at most "
+        f"{size} of counts or radiance, judged by a frame of the first"
+    )

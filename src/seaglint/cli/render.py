@@ -140,12 +140,14 @@ class _Pictures:
             log(f"no {self.video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
 
     def write(self, dataset: Any, scale: PreviewScale) -> None:
-        """Write the picture, and the video where PyAV is installed."""
+        """Write the picture, and the video where there is more than one frame and PyAV is installed."""
         from seaglint.plot.preview import write_picture
         from seaglint.plot.video import write_video
 
         write_picture(dataset, self.picture, scale.value)
         log(f"{self.picture} written")
-        if self.with_video:
+        if dataset.sizes["time"] == 1:
+            self.video.unlink(missing_ok=True)  # of an older sequence, which this one replaces
+        elif self.with_video:
             write_video(dataset, self.video, scale.value, remedy="make room and run the same command with --resume")
             log(f"{self.video} written")

@@ -98,7 +98,10 @@ def line(dataset: xr.Dataset) -> str:
 
     signal, share = dataset["signal"], dataset["saturated_share"].to_numpy()
     first = signal.isel(time=0).to_numpy()
-    message = f"{signal.sizes['time']} frames of {signal.sizes['x']} x {signal.sizes['y']} pixels, counts {first.min()} to {first.max()}"
+    count = signal.sizes["time"]
+    message = (
+        f"{count} frame{'s' * (count != 1)} of {signal.sizes['x']} x {signal.sizes['y']} pixels, counts {first.min()} to {first.max()}"
+    )
     if float(np.nanmax(share)) == 0.0:
         return f"{message} in the first; no pixel is saturated"
     worst = int(np.nanargmax(share))

@@ -100,7 +100,7 @@ def sample(
 @takes_records(order="first second regions report as_json")
 def compare(
     first: Annotated[str, typer.Argument(metavar="A", help="the data: a recording")],
-    second: Annotated[str, typer.Argument(metavar="B", help="what is judged: a recording, or a texture .json, of which a sample is drawn")],
+    second: Annotated[str, typer.Argument(metavar="B", help="recording to judge, or a texture .json to draw a sample from")],
     reading: Reading,
     request: CompareRequest,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write both side by side")] = None,
@@ -158,7 +158,7 @@ def place(
     with open_sequence(output) as dataset:
         log(f"{output}: {summarise(dataset).line}")
         if dataset.attrs["texture_contrast"] == "model":
-            log("standard deviations are the texture's own ratio to what comes from the sea: fit it to a sea of this band and light")
+            log("the texture's standard deviation is scaled with the sea's radiance: fit it to a sea of this band and light")
 
 
 def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:

@@ -137,7 +137,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
         return ClusterVariance(None, 0.0, math.nan, "no exceedances" if number else "no valid pixels")
     rate = total / number
     share = pixels / number
-    used = [ClusterVariance(None, 0.0, math.nan, "exceedances stay correlated over the whole region and record; no interval can be given")]
+    used = [ClusterVariance(None, 0.0, math.nan, "exceedances stay correlated over the whole region and record")]
     within_tiles = np.divide(counts.sum(0), pixels.sum(0), out=np.zeros(counts.shape[1:]), where=pixels.sum(0) > 0)
     plans: list[tuple[FloatArray, Reference]] = [(within_tiles, "tiles")] if counts.shape[0] >= FEWEST_TIMES else []
     plans += [(np.full(counts.shape[1:], rate), "region"), (_margins(counts, pixels, rate), "margins")]

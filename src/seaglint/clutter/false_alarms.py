@@ -313,11 +313,11 @@ class FalseAlarms:
                 spread = known = self._variance(k)
                 note = spread.note
             elif known is not None:
-                spread, note = known, "fewer than 10 exceedances: the interval takes their clustering from a lower threshold"
+                spread, note = known, "fewer than 10 exceedances; the interval takes their clustering from a lower threshold"
             else:
                 spread, note = (
                     ClusterVariance(0.0, float("inf"), 1.0),
-                    "fewer than 10 exceedances: the interval takes pixels as independent",
+                    "fewer than 10 exceedances; the interval takes pixels as independent",
                 )
             low = high = inflation = None
             if spread.variance is not None:

@@ -277,7 +277,7 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
     if min(count, number - count) < FEWEST:
         low, high = exact_interval(count, number, level)
         which = "events" if count < FEWEST else "misses"
-        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST} {which}: the interval takes trials as independent")
+        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST} {which}; the interval assumes independent trials")
     spread = rate_variance(counts, trials, shift)
     if spread.variance is None:
         return Interval(rate, None, None, spread.inflation, spread.note)
@@ -333,7 +333,7 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
     if few or sequences < 2:
         which = "events" if count < FEWEST else "misses" if few else "sequences"
         low, high = exact_interval(count, number, level)
-        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST if few else 2} {which}: the interval takes trials as independent")
+        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST if few else 2} {which}; the interval assumes independent trials")
     residual = counts - rate * trials + (0.0 if shift is None else shift)
     variance = sequences / (sequences - 1) * float((residual[used] ** 2).sum()) / number**2
     inflation = max(variance * number / (rate * (1.0 - rate)), 1e-6)

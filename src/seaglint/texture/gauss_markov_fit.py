@@ -342,7 +342,7 @@ def _result(likelihood: _Likelihood, theta: FloatArray, value: float, steps: int
             model = replace(model, coefficients=tuple(float(v) * (1.0 - LEAST) / (1.0 - least) for v in b))
             notes = (
                 *notes,
-                f"weights were made smaller by {(LEAST - least) / (1.0 - least):.2g} of themselves, so that samples of any size exist",
+                f"weights were scaled down by {100 * (LEAST - least) / (1.0 - least):.2g} % so that the model can be sampled at any size",
             )
     total = data.pixels * (value - 0.5 * math.log(2.0 * math.pi))
     return GaussMarkovFit(model, tuple(map(float, errors)), float(np.sqrt(spread[0, 0]) / theta[0] ** 2), total, data.pixels, steps, notes)

@@ -14,7 +14,6 @@ from seaglint.detection.sources import FrameSource, PlainFrames
 if TYPE_CHECKING:
     from seaglint.detection.counting import Counting
     from seaglint.detection.interface import Frames
-    from seaglint.scenario.model import Scenario
     from seaglint.studies.detect.scene_frames import IndependentSeas
 
 Background = Literal["sea", "horizon", "sky"]
@@ -111,23 +110,3 @@ def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Backgroun
             inside = np.flatnonzero(like & window)
             return kind, int(inside[0]), int(inside[-1]) + 1
     return "horizon", max(at - AROUND, 0), min(at + AROUND + 1, rows)
-
-
-def middle_of(scenario: Scenario, rows: int, columns: int | None = None) -> Scenario:
-    """Return the scenario with the middle of its picture alone, at most so many rows and columns; pixels keep their angles."""
-    sensor = scenario.sensor
-    sides = list(zip(sensor.pixels, sensor.fov_deg, (columns, rows), strict=True))
-    kept = [_kept(side, angle, most, plane=sensor.projection == "pinhole") for side, angle, most in sides]
-    if [side for side, _ in kept] == list(sensor.pixels):
-        return scenario
-    parts = {"pixels": (kept[0][0], kept[1][0]), "fov_deg": (kept[0][1], kept[1][1])}
-    return scenario.model_copy(update={"sensor": sensor.model_copy(update=parts)})
-
-
-def _kept(side: int, angle: float, most: int | None, *, plane: bool) -> tuple[int, float]:
-    """Pixels that stay of a side, an even number less so that its middle stays where it is, and their angle [deg]."""
-    if most is None or side <= most:
-        return side, angle
-    fewer = most - (side - most) % 2
-    share = fewer / side
-    return fewer, 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * angle)))) if plane else angle * share

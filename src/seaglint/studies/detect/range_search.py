@@ -20,12 +20,13 @@ from seaglint.detection.design import by_windows
 from seaglint.detection.level import Rescaled
 from seaglint.files.detection_parts import Parts
 from seaglint.files.detection_range import DetectionRange, RangePoint
+from seaglint.scenario.middle import middle_of
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.detect.designer import Design, rate_threshold
 from seaglint.studies.detect.first_estimate import COLUMNS, estimated_p_d
 from seaglint.studies.detect.injected import Seen, seen_object
-from seaglint.studies.detect.near_object import AROUND, NearRows, background_of, middle_of
+from seaglint.studies.detect.near_object import AROUND, NearRows, background_of
 from seaglint.studies.detect.performance import detect
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
@@ -72,7 +73,7 @@ class RangeOptions:
         if not 0.0 < near < far:
             raise DomainError(f"ranges from {near:g} to {far:g} m; give two rising numbers above 0")
         if not 0.0 < self.precision < 1.0:
-            raise DomainError(f"precision of the range = {self.precision:g} is not between 0 and 1; give e.g. 0.04")
+            raise DomainError(f"precision = {self.precision:g} is not between 0 and 1; it is a share of the range, e.g. 0.04")
 
 
 def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float | None) -> Scenario:
@@ -222,7 +223,7 @@ def _over_seas(
 def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | None) -> float:
     """Range at which P_d falls below what is wanted, by :func:`~seaglint.studies.detect.first_estimate.estimated_p_d` [m].
 
-    The nearest range tried where P_d is below at once, the farthest where it never is.
+    The nearest range tried where P_d is below at once, next to the farthest where it never is.
     """
     near, far = asked.limits
 
@@ -273,7 +274,11 @@ def detection_range(
     middle_of_ends, note = None, None
     ends: list[float | None]
     estimate = first_estimate(scenario, asked, bearing_deg)
-    say(f"{asked.name}: first estimate {estimate:.3g} m, by mean contrast, deviation of the clutter and the Gaussian law; frames refine it")
+    about = "below " if estimate == near else ""
+    say(
+        f"{asked.name}: first estimate {about}{estimate:.0f} m, from mean contrast, deviation of the clutter and the Gaussian law; "
+        "frames refine it"
+    )
     low, high = max(near, estimate / STEP), min(far, estimate * STEP)
     try:
         while rate(low) < goal and low > near:

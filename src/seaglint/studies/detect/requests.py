@@ -370,9 +370,11 @@ class RangeRequest(RateRequest, CasesRequest):
         from seaglint.studies.detect.range_search import RangeOptions
 
         name = self.object or (names[0] if len(names) == 1 else None)
-        if name is None:
+        if not names:
             raise DataError(
-                f"a range is that of an object; name one of the scenario's with object=NAME: {', '.join(names) or 'it has none'}"
+                'the scenario has no object to look for; add one, e.g. the three lines [[objects]], preset = "small-boat", north_m = 2000'
             )
+        if name is None:
+            raise DataError(f"a range is that of one object; name it with object=NAME: {', '.join(names)}")
         precision = RangeOptions.precision if self.precision is None else self.precision
         return RangeOptions(name, self.range_limits or RangeOptions.limits, self.design(), precision)

@@ -99,7 +99,7 @@ class LikelihoodModel:
             )
         if scenario.sun is not None and not scenario.sun.model_fields_set:
             notes.append(
-                f"the Sun stands at zenith {scenario.sun.zenith_deg:g} deg: nothing else is said; give [sun], or [place] or a region "
+                f"the Sun stands at zenith {scenario.sun.zenith_deg:g} deg, as no other is given; add [sun], or [place] or a region "
                 "for all of the year"
             )
         models, row_model = _models(scenario, table)
@@ -248,7 +248,7 @@ def wanted_of(scenario: Scenario) -> Likelihood:
 def _weather(settings: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
     """The table named, or the one of the package."""
     if settings.weather is None:
-        packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, estimates that say little about any place"
+        packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, rough estimates that fit no place well"
         return read_weather(SHIPPED[0]).table, (packaged,)
     file = read_weather(settings.weather)
     return file.table, file.remarks
@@ -314,7 +314,7 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
     if strong.any():
         share = float(table.probability[strong].sum())
         notes.append(
-            f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s, which count as {top:g}"
+            f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s and are taken as {top:g} m/s"
         )
     if scenario.atmosphere.source == "table" and np.any(table["wind_speed_m_s"] > NAVY_AEROSOL_WIND[1]) and top > NAVY_AEROSOL_WIND[1]:
         notes.append(f"the air of winds above {NAVY_AEROSOL_WIND[1]:g} m/s is that of {NAVY_AEROSOL_WIND[1]:g} m/s")
