@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
 import shlex
+import signal
+import subprocess
+import sys
 import tomllib
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -118,6 +122,33 @@ def test_longer_python_on_the_page_runs(page: str, tmp_path: Path, monkeypatch: 
 def test_a_tutorial_runs_and_prints_what_it_shows(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     run(page.read_text(encoding="utf-8"), tmp_path)
+
+
+@pytest.mark.validation
+def test_the_five_minutes_of_the_readme_work_as_they_stand(tmp_path: Path) -> None:
+    """One line after the other in an empty folder; the viewer is ended where it says its address."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8").split("## Five minutes")[1]
+    lines = [line.split(" #")[0].strip() for line in next(block.body for block in blocks(text) if block.kind == "sh").splitlines()]
+    environment = {**os.environ, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    for line in lines:
+        if line.startswith("source "):
+            continue
+        viewer = line.startswith("seaglint view")
+        process = subprocess.Popen(
+            shlex.split(line), cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        assert process.stdout is not None
+        said = ""
+        if viewer:
+            while "http://" not in said and (heard := process.stdout.readline()):
+                said += heard
+            process.send_signal(signal.SIGINT)
+        said += process.stdout.read()
+        assert process.wait() == 0 or viewer, f"{line}: {said}"
+        assert "Traceback" not in said, said
+        if line.startswith("seaglint detect"):
+            assert any(0.1 < float(found) < 0.9 for found in re.findall(r"P_d ([0-9.]+) ", said)), said
+    assert {"run.png", "run.mp4", "run.tif", "clutter.html", "mean.png"} <= {path.name for path in tmp_path.iterdir()}
 
 
 def asks_to_run(block: Block) -> bool:
