@@ -28,8 +28,13 @@ if TYPE_CHECKING:
     from seaglint.optics.band import Band
 
 
-def _edges(centres: FloatArray) -> tuple[float, float]:
-    step = (centres[-1] - centres[0]) / (centres.size - 1) if centres.size > 1 else 1.0
+def _step(centres: FloatArray) -> float | None:
+    return float(centres[-1] - centres[0]) / (centres.size - 1) if centres.size > 1 else None
+
+
+def _edges(centres: FloatArray, alone: float) -> tuple[float, float]:
+    """First and last edge of pixels; a single one is ``alone`` wide."""
+    step = _step(centres) or alone
     return float(centres[0] - 0.5 * step), float(centres[-1] + 0.5 * step)
 
 
@@ -150,7 +155,9 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1
     if upright:
-        x, (top, bottom) = _edges(azimuth), _edges(elevation)
+        # a single row or column has pixels as wide as the other axis
+        x = _edges(azimuth, abs(_step(elevation) or 1.0))
+        top, bottom = _edges(elevation, -abs(_step(azimuth) or 1.0))
     else:
         x, (top, bottom) = (-0.5, azimuth.shape[1] - 0.5), (-0.5, azimuth.shape[0] - 0.5)
     extent = (*x, bottom, top)

@@ -47,6 +47,19 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto") -> Scale:
     return Scale(low, high, max(middle - low, 1e-3 * (high - low)))
 
 
+def rounded(value: float, digits: int) -> str:
+    """Number to some digits, in full from a thousandth to ten million.
+
+    Examples
+    --------
+    >>> rounded(25412.0, 3), rounded(2.5e9, 3)
+    ('25400', '2.5e+09')
+    """
+    if not 1e-3 <= abs(value) < 1e7:
+        return f"{value:.{digits}g}"
+    return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
+
+
 def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
     """Numbers of a colour bar, with as many digits as make neighbours differ, at least ``digits`` and at most 9.
 
@@ -54,9 +67,11 @@ def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
     --------
     >>> tick_labels(np.array([28.01, 28.04, 28.2, 30.0]))
     ['28.01', '28.04', '28.2', '30']
+    >>> tick_labels(np.array([903.0, 4610.0, 25400.0]))
+    ['903', '4610', '25400']
     """
     for figures in range(digits, 10):
-        labels = [f"{value:.{figures}g}" for value in values]
+        labels = [rounded(value, figures) for value in values]
         if len(set(labels)) == len(labels):
             break
     return labels

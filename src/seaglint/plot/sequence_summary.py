@@ -15,6 +15,7 @@ from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBO
 from seaglint.files.counts import count_line, pictures
 from seaglint.files.provenance import stored_band
 from seaglint.optics.band import Band, apparent_temperature
+from seaglint.plot.scale import rounded
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,8 +62,9 @@ class Summary:
         u = ARTICLE_RADIANCE_PER_SI
         bad = f", {self.non_finite} pixels not finite" if self.non_finite else ""
         return (
-            f"{self.frames} frame{'s' if self.frames != 1 else ''}, mean {self.mean:.4g} W m⁻² sr⁻¹ ({u * self.mean:.4g} "
-            f"{ARTICLE_RADIANCE_SYMBOL}, {self.mean_apparent_temperature:.1f} K), peak {self.peak:.4g} ({u * self.peak:.4g}, "
+            f"{self.frames} frame{'s' if self.frames != 1 else ''}, mean {rounded(self.mean, 4)} W m⁻² sr⁻¹ ({rounded(u * self.mean, 4)} "
+            f"{ARTICLE_RADIANCE_SYMBOL}, {self.mean_apparent_temperature:.1f} K), peak {rounded(self.peak, 4)} "
+            f"({rounded(u * self.peak, 4)}, "
             f"{self.peak_apparent_temperature:.1f} K), "
             f"{100.0 * self.glint_fraction:.3g} % of the pixels over twice the water's blackbody radiance{bad}"
         )

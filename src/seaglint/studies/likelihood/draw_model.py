@@ -314,7 +314,7 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
     if strong.any():
         share = float(table.probability[strong].sum())
         notes.append(
-            f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s and are taken as {top:g} m/s"
+            f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s, taken as {top:g}"
         )
     if scenario.atmosphere.source == "table" and np.any(table["wind_speed_m_s"] > NAVY_AEROSOL_WIND[1]) and top > NAVY_AEROSOL_WIND[1]:
         notes.append(f"the air of winds above {NAVY_AEROSOL_WIND[1]:g} m/s is that of {NAVY_AEROSOL_WIND[1]:g} m/s")
