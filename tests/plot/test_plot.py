@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from seaglint.base.brightness import Scale, scale_limits
-from seaglint.base.errors import BackendError, StorageError
+from seaglint.base.errors import BackendError, DataError, StorageError
 from seaglint.files.provenance import band_attributes
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import open_sequence, write_sequence
@@ -64,6 +64,16 @@ def test_summary_counts_what_is_not_finite_and_survives_it(tmp_path):
     assert found.non_finite == 3
     assert found.mean_apparent_temperature == pytest.approx(SEA, abs=QUADRATURE)
     assert "3 pixels not finite" in found.line
+
+
+def test_a_picture_of_nothing_is_refused(tmp_path):
+    with pytest.raises(DataError, match="32 x 16 pixels without a finite value"):
+        draw(sequence(tmp_path, np.full((1, 16, 32), np.nan)))
+
+
+def test_pixels_of_a_single_row_are_as_high_as_they_are_wide(tmp_path):
+    left, right, bottom, top = draw(sequence(tmp_path, np.ones((1, 1, 32)))).axes[0].images[0].get_extent()
+    assert top - bottom == pytest.approx((right - left) / 32)
 
 
 def test_apparent_temperature_of_the_plots_is_that_of_the_band():

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.brightness import Scale
 from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
@@ -143,11 +144,19 @@ def _graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
-    """Figure of the first frame of a sequence, or of a map; see :func:`seaglint.plot.scale.scale_of` for the scale."""
+    """Figure of the first frame of a sequence, or of a map; see :func:`seaglint.plot.scale.scale_of` for the scale.
+
+    Raises
+    ------
+    DataError
+        No pixel has a finite value.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     radiance = images(dataset)[0]
+    if not np.isfinite(radiance).any():
+        raise DataError(f"a picture of {radiance.shape[1]} x {radiance.shape[0]} pixels without a finite value; there is nothing to draw")
     band = stored_band(dataset.attrs)
     temperature = to_temperature(radiance, band)
     chosen = scale_of(radiance, scale)
