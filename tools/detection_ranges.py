@@ -62,8 +62,8 @@ class Case:
     efficiency: float = 0.0
     read_noise_e: float = 0.0
 
-    def scenario(self, *, waves: bool) -> Any:
-        """The scenario: in the table's air over waves, or in a cavity of one temperature."""
+    def scenario(self) -> Any:
+        """The scenario, in a cavity of one temperature."""
         optics = {"f_number": self.f_number, "focal_length_m": self.focal_length_m}
         detector: dict[str, Any] = {"pitch_um": self.pitch_um}
         if self.netd_k is not None:
@@ -82,10 +82,8 @@ class Case:
             "height_m": 4.0,
         }
         band = {"min_um": self.band_um[0], "max_um": self.band_um[1]}
-        around: dict[str, Any] = {"sensor": sensor, "band": band, "objects": [sphere]}
-        if not waves:
-            air = {"source": "isothermal", "temperature_k": AIR_K, "extinction_per_km": self.extinction_per_km}
-            around |= {"sea": FLAT, "atmosphere": air}
+        air = {"source": "isothermal", "temperature_k": AIR_K, "extinction_per_km": self.extinction_per_km}
+        around = {"sensor": sensor, "band": band, "objects": [sphere], "sea": FLAT, "atmosphere": air}
         return parse_scenario({**NIGHT, **around})
 
     def wavelengths(self) -> np.ndarray:
@@ -172,46 +170,41 @@ def wanted_of(detector: str) -> SceneOptions:
     return with_detector(SceneOptions(DetectionOptions(objects, DEFAULT, threshold=3.0), seas=SEAS), detector)
 
 
-def range_of(case: Case, waves: bool, detector: str, parts: Parts) -> DetectionRange | str:
-    """Range of one detector; what it says where it cannot judge."""
-    asked = RangeOptions("sphere", LIMITS, Design(p_fa=case.p_fa), precision=0.04 if detector == DEFAULT else 0.2)
+def range_of(number: int, detector: str, parts: Parts) -> DetectionRange | None:
+    """Range of one detector in one case; nothing where it cannot judge."""
+    case = CASES[number]
+    asked = RangeOptions("sphere", LIMITS, Design(p_fa=case.p_fa), precision=0.04 if detector == DEFAULT else 0.1)
     try:
-        return detection_range(case.scenario(waves=waves), wanted_of(detector), asked, parts)
+        found = detection_range(case.scenario(), wanted_of(detector), asked, parts)
     except SeaglintError as error:
-        return str(error)
+        print(f"{case.name}, {detector}: {error}", file=sys.stderr, flush=True)
+        return None
+    print(f"{case.name}, {detector}: {metres(found)} m {found.note or ''} {found.warnings}", file=sys.stderr, flush=True)
+    return found
 
 
-def row_of(number: int, waves: bool, parts: Parts) -> list[str]:
-    """Closed form or nothing, first estimate, range of the default detector, and the best of all."""
-    case, metres, estimate = CASES[number], {}, 0.0
-    for name in (DEFAULT, *(n for n in NAMES if n != DEFAULT)):
-        found = range_of(case, waves, name, parts)
-        if isinstance(found, str):
-            print(f"{case.name}, {name}: {found}", file=sys.stderr, flush=True)
-            continue
-        metres[name] = found.range_m or found.range_interval_m[0] or 0.0
-        print(f"{case.name}, {name}: {metres[name]:.0f} m {found.note or ''} {found.warnings}", file=sys.stderr, flush=True)
-        estimate = estimate or found.first_estimate_m or 0.0
-    own, best = metres[DEFAULT], max(metres, key=lambda name: metres[name])
-    every = ", ".join(f"{name} {metres[name]:.0f}" for name in sorted(metres, key=lambda n: -metres[n]))
-    print(f"{case.name}, {'waves' if waves else 'cavity'}: {every}", file=sys.stderr, flush=True)
-    closed = [] if waves else [f"{case.closed_form():.0f}"]
-    return [*closed, f"{estimate:.0f}", f"{own:.0f}", f"{best} {metres[best]:.0f} ({metres[best] / own:.2f})"]
+def metres(found: DetectionRange | None) -> str:
+    """Range as a cell of the table."""
+    return "-" if found is None or found.range_m is None else f"{found.range_m:.0f}"
 
 
 def main() -> None:
-    """Print both tables."""
+    """Print the table: closed form, first estimate, and all detectors, the default one first."""
+    names = (DEFAULT, *(name for name in NAMES if name != DEFAULT))
+    jobs = [(number, name) for name in names for number in range(len(CASES))]
     with tempfile.TemporaryDirectory() as folder:
         kept = sys.argv[1] if sys.argv[1:] else None
         parts = Parts.at(Path(kept or folder) / "ranges", resume=kept is not None, overwrite=kept is None)
-        jobs = [(number, waves) for waves in (False, True) for number in range(len(CASES))]
         with ProcessPoolExecutor(2) as workers:
-            rows = list(workers.map(row_of, *zip(*jobs, strict=True), [parts] * len(jobs)))
-    heads = "closed form", "estimate", "found", "best of all", "in waves: estimate", "found", "best of all"
-    print(f"| camera and object | {' | '.join(heads)} |")
-    print("|---" * (len(heads) + 1) + "|")
-    for case, *found in zip(CASES, rows[: len(CASES)], rows[len(CASES) :], strict=True):
-        print(f"| {case.name} | {' | '.join(cell for cells in found for cell in cells)} |")
+            ranges = dict(zip(jobs, workers.map(range_of, *zip(*jobs, strict=True), [parts] * len(jobs)), strict=True))
+    every = range(len(CASES))
+    own = [ranges[number, DEFAULT] for number in every]
+    print(f"| range [m] | {' | '.join(case.name for case in CASES)} |")
+    print("|---" * (len(CASES) + 1) + "|")
+    print(f"| closed form | {' | '.join(f'{case.closed_form():.0f}' for case in CASES)} |")
+    print(f"| first estimate | {' | '.join(f'{found.first_estimate_m:.0f}' for found in own if found is not None)} |")
+    for name in names:
+        print(f"| `{name}` | {' | '.join(metres(ranges[number, name]) for number in every)} |")
 
 
 if __name__ == "__main__":
