@@ -198,7 +198,7 @@ def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
     missing = [m for m in selection.months or range(1, 13) if m not in there]
     if missing:
         used = table.month_used
-        notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (a draw in it takes {MONTHS[used[m] - 1]})" for m in missing))
+        notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (draws in that month use {MONTHS[used[m] - 1]})" for m in missing))
     return notes
 
 
