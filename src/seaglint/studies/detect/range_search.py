@@ -284,8 +284,7 @@ def detection_range(
         while rate(low) < goal and low > near:
             low, high = max(near, low / STEP**2), low
         if points[-1].p_d < goal:
-            why = f": {points[-1].note}" if points[-1].note and not points[-1].p_d else ""
-            ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m{why}"
+            ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m{_why(points[-1])}"
         else:
             if len(points) == 1:
                 while rate(high) >= goal and high < far:
@@ -311,6 +310,13 @@ def detection_range(
         if twice.p_d >= goal:
             doubtful.append(f"{other} still detects it with P_d {twice.p_d:.3g} at twice that range, {twice.range_m:.0f} m")
     return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried, warnings=doubtful, first_estimate_m=estimate)
+
+
+def _why(point: RangePoint) -> str:
+    """Reason for which an object is not seen at a point: nothing of it is there, or too little contrast."""
+    if not point.background_sigma:
+        return f": {point.note}" if point.note else ""
+    return f", where its contrast is {abs(point.contrast_pixel) / point.background_sigma:.2g} standard deviations of the background"
 
 
 def with_detector(wanted: SceneOptions, name: str) -> SceneOptions:
