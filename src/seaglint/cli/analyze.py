@@ -82,7 +82,7 @@ def lines(result: AnalysisSummary) -> list[str]:
     rate = result.frame_rate_hz
     units = result.units or "units not known"
     out = [
-        f"{result.source}: {result.frames} frames of {result.columns} x {result.rows}, {units}, "
+        f"{result.source}: {result.frames} frame{'s' * (result.frames != 1)} of {result.columns} x {result.rows}, {units}, "
         + (f"{rate:g} Hz" if rate else "frame rate not known")
     ]
     regions = result.regions

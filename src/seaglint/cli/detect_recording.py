@@ -106,7 +106,7 @@ def lines(result: JsonObject, *, every_tail: bool = False) -> list[str]:
     """The result as a few lines of text; extrapolated rates that are not to be believed where they are asked for."""
     unit = f" {result['units']}" if result["units"] else ""
     out = [
-        f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, detector {result['detector']}, "
+        f"{result['source']}: {_frames(result['frames'])} of {result['columns']} x {result['rows']}, detector {result['detector']}, "
         f"filter {result['filter']}, threshold {result['threshold_sigma']:.4g} sigma above the mean",
         f"P_fa {result['p_fa']:.4g} per pixel and frame{between(result['p_fa_interval'])}, "
         f"{result['false_alarms']['events_per_frame']:.4g} events a frame",
@@ -131,3 +131,7 @@ def lines(result: JsonObject, *, every_tail: bool = False) -> list[str]:
     if result["tail"]["note"]:
         out.append(f"tail: {result['tail']['note']}")
     return [*out, *(f"note: {note}" for note in result["notes"])]
+
+
+def _frames(count: int) -> str:
+    return f"{count} frame{'s' * (count != 1)}"

@@ -188,7 +188,7 @@ def fit_lines(result: Fitted) -> list[str]:
 def model_lines(held: JsonObject) -> list[str]:
     """Return the model, its parameters and the data of a fit as lines of text."""
     model, source = held["model"], held["source"]
-    out = [f"{source['input']}: {source['frames']} frames of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
+    out = [f"{source['input']}: {_frames(source['frames'])} of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
     if model["kind"] == "gauss-markov":
         slow = model["modulation"]
         shape = "" if "shape" not in model["marginal"] else f" (shape {model['marginal']['shape']:.3g})"
@@ -231,3 +231,7 @@ def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | N
         out.append(f"  log pseudo-likelihood per pixel of the data: {likelihood.log_pseudo_likelihood:.4g}")
     out += [f"  fails: {sentence}" for sentence in distances.fails] or ["  all differences are within their limits"]
     return out
+
+
+def _frames(count: int) -> str:
+    return f"{count} frame{'s' * (count != 1)}"
