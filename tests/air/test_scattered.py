@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.profile.profile_scattering import model_scatterers
+from seaglint.air.profile.scattered_cases import scattered_cases, scatters_in
 from seaglint.air.protocol import ClearAir, slant_range
-from seaglint.air.scattering.scattered_cases import scattered_cases
 from seaglint.air.scattering.scattered_light import (
     in_band,
     mirrored_sky_at,
@@ -16,7 +17,6 @@ from seaglint.air.scattering.scattered_light import (
 )
 from seaglint.air.scattering.scattered_line import KINDS, horizon_zenith, local_zenith
 from seaglint.air.scattering.scattered_tables import ScatteredLight, scattered_in
-from seaglint.air.scattering.scattering_file import ScatteringTable, covers
 from seaglint.air.scattering.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, molecular_phase, scattering_angle
 from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
@@ -236,7 +236,7 @@ def test_night_and_the_far_infrared_are_dark():
     assert scattered_sky_at(0.2, 0.1, night.sky) == 0.0
     far = TableAtmosphere.load("us-standard-1976", 7.0, (8.0, 12.0))
     assert far.scattering(slice(None)) is None
-    assert not covers((8.0, 12.0))
+    assert not scatters_in((8.0, 12.0))
 
 
 def test_places_in_view_see_their_own_sun(scattering_air, weights):
@@ -256,7 +256,7 @@ def test_cut_air_is_the_air_of_the_cut_band(scattering_air):
 
 
 def test_unknown_models_and_channels_are_refused():
-    with pytest.raises(DomainError, match="choose one of"):
-        ScatteringTable("martian", np.array([2500.0]))
+    with pytest.raises(DomainError, match="is not one of tropical"):
+        model_scatterers("martian", (2500.0,))
     with pytest.raises(DomainError, match="choose a band inside"):
-        ScatteringTable("tropical", np.array([1000.0]))
+        model_scatterers("tropical", (100.0,))

@@ -408,3 +408,22 @@ def test_scattered_beyond_the_tables_is_marked(seaglint, cases, tmp_path):
     one, other = table(output)
     assert (one["extrapolated"], other["extrapolated"]) == ("wind_speed_m_s", "")
     assert float(one["scattered_W_m2_sr[3.5-5.0]"]) == pytest.approx(float(other["scattered_W_m2_sr[3.5-5.0]"]), rel=1e-9)
+
+
+def test_continuous_air_is_that_of_pictures(seaglint, cases, tmp_path):
+    """The table's layers by default, continuous air where asked for: paths differ by per cents, sunlight by rounding."""
+    path = cases(
+        "atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,solar_zenith_deg,sky_zenith_deg",
+        "midlatitude-summer,7,30,2,50,70",
+        "subarctic-winter,12,900,1.5,80,10",
+    )
+    found = {}
+    for levels in ("lowtran", "continuous"):
+        output = tmp_path / f"{levels}.csv"
+        assert seaglint("evaluate", "atmosphere", path, "-o", output, "--band", "3.5-5.0", "--levels", levels).code == 0
+        found[levels] = np.genfromtxt(output, delimiter=",", names=True, dtype=None, encoding="utf-8")
+    layers, continuous = found["lowtran"], found["continuous"]
+    for name in layers.dtype.names[-5:]:
+        close = 0.06 if "path" in name or "sky" in name else 3e-3
+        np.testing.assert_allclose(continuous[name], layers[name], rtol=close, err_msg=name)
+    assert not np.allclose(continuous["sky_radiance_W_m2_sr3550"], layers["sky_radiance_W_m2_sr3550"], rtol=5e-3)

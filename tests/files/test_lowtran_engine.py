@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError
 import numpy as np
 import pytest
 
+from seaglint.air.profile.air_profile import saturation_density
 from seaglint.air.scattering.scattered_light import scattered_path_at, scattered_sky_at
 from seaglint.air.scattering.scattered_tables import scattered_in
 from seaglint.air.scattering.scattering_laws import scattering_angle
@@ -21,7 +22,7 @@ from seaglint.facet.sea_view import BandSum
 from seaglint.files.lowtran import cache, engine, sample
 from seaglint.files.lowtran.deck import Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.files.lowtran.laws_of_run import live_air
-from seaglint.files.lowtran.sounding import MODEL_LEVELS_KM, saturation_density
+from seaglint.files.lowtran.program_levels import MODEL_LEVELS_KM
 from seaglint.optics.band import Band
 
 BAND = (3.9, 4.1)
@@ -192,7 +193,7 @@ def script(tmp_path, text):
 HANG = 600.0
 """Seconds after which a program that never ends is given up."""
 
-TABLE = r", or set atmosphere\.source = 'table'$"
+TABLE = r", or set atmosphere\.source = 'lowtran', which needs neither$"
 
 posix = pytest.mark.skipif(os.name != "posix", reason="needs a shell")
 

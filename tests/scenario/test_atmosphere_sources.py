@@ -13,7 +13,7 @@ def test_the_live_engine_by_default():
 
 
 def test_the_live_engine_goes_where_the_tables_end():
-    found = parse_scenario({"atmosphere": {"source": "lowtran"}, "sensor": {"height_m": 0.5}, "band": {"min_um": 16.0, "max_um": 20.0}})
+    found = parse_scenario({"atmosphere": {"source": "lowtran"}, "sensor": {"height_m": 0.5}, "band": {"min_um": 5.6, "max_um": 7.0}})
     assert found.sensor.height_m == 0.5
 
 
@@ -34,7 +34,11 @@ def test_files_count_from_the_scenario(tmp_path, kind):
     ("change", "told"),
     [
         ({"wind": {"speed_m_s": 22.0}, "sea": {"slopes": {"extrapolate": True}}}, "wind.speed_m_s = 22 is above the range of the Navy"),
-        ({"band": {"min_um": 20.0, "max_um": 30.0}}, "band.max_um = 30 is outside LOWTRAN7; allowed: 0.2 to 28 um"),
+        ({"band": {"min_um": 13.0, "max_um": 20.0}}, "band.max_um = 20 is outside LOWTRAN7; allowed: 0.7 to 14.7 um, .* 'lowtran-fortran'"),
+        (
+            {"band": {"min_um": 20.0, "max_um": 30.0}, "atmosphere": {"source": "lowtran-fortran"}},
+            "band.max_um = 30 is outside LOWTRAN7; allowed: 0.2 to 28 um",
+        ),
         ({"sensor": {"height_m": 0.001}}, "sensor.height_m = 0.001 is too low for LOWTRAN7"),
         ({"atmosphere": {"haze": "none", "visibility_km": 5.0}}, "atmosphere.visibility_km = 5 goes with an aerosol"),
         ({"atmosphere": {"haze": "navy"}}, "atmosphere.haze = 'navy' is not one of .* did you mean 'navy-maritime'"),

@@ -95,7 +95,8 @@ def test_what_the_scenario_allows_is_in_the_air_tables(region, height):
 @pytest.mark.parametrize(
     ("air", "kind"),
     [
-        ({"source": "table"}, "TableAtmosphere"),
+        ({"source": "table"}, "ProfileAtmosphere"),
+        ({"source": "lowtran", "haze": "rural-23km"}, "ProfileAtmosphere"),
         ({"source": "isothermal"}, "IsothermalAtmosphere"),
         ({"source": "none"}, "VacuumAtmosphere"),
     ],

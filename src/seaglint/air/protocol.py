@@ -86,6 +86,10 @@ class Atmosphere(Protocol):
         """Direct sunlight at the sea on a plane normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 below the horizon."""
         ...
 
+    def sunlight_at(self, height: float, solar_zenith: float) -> FloatArray | None:
+        """Direct sunlight at a height [W m-2 per cm-1, (n,)] by the apparent zenith angle there [rad]; None where it is not known."""
+        ...
+
     def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
         """Thermal radiance of the sky [W m-2 sr-1 per cm-1, (..., n)].
 
@@ -114,6 +118,13 @@ class ClearAir:
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
         """No scatterers."""
+        return None
+
+    def sunlight_at(self, height: float, solar_zenith: float) -> FloatArray | None:
+        """None where direct sunlight is known at the sea only; else that at a height [m] by apparent zenith angle there [rad].
+
+        In W m-2 per cm-1, (n,).
+        """
         return None
 
 

@@ -40,7 +40,10 @@ LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)
 """Sensor heights for which LOWTRAN7 is run [m]: those for which the geometry is valid."""
 
 LOWTRAN_BAND_UM: Final = (0.2, 28.0)
-"""Wavelengths for which LOWTRAN7 is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1."""
+"""Wavelengths for which LOWTRAN7's program is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1."""
+
+PROFILE_BAND_UM: Final = (0.7, 14.7)
+"""Wavelengths of the band laws that air from a profile is summed with [um]."""
 
 WIDEST_PINHOLE_DEG: Final = 170.0
 """Field of view that a plane image is allowed [deg]; at 180 deg it would be infinite."""

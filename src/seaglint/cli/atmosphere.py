@@ -1,4 +1,4 @@
-"""``seaglint atmosphere``: the air of a scenario as a file, and MODTRAN's files written and read."""
+"""``seaglint atmosphere``: what is understood of a sounding, the air of a scenario as a file, MODTRAN's files written and read."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file
 
-atmosphere = typer.Typer(help="The air of a scenario as a file, and MODTRAN's files.", no_args_is_help=True)
+atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
+
+
+SEA_KELVIN = 288.15
+"""Temperature of the sea in a scenario that says none [K]."""
 
 
 class DeckFormat(StrEnum):
@@ -113,6 +117,44 @@ def read(
         f"{output} written: sensor.height_m = {air.attrs['sensor_height_m']:g}, {sizes}{sun}; "
         f'in a scenario: [atmosphere] source = "file", path = "{output.name}"'
     )
+
+
+@atmosphere.command()
+def info(
+    source: Annotated[
+        str, typer.Argument(metavar="SOUNDING|MODEL", help="file of a sounding, or a model atmosphere such as midlatitude-summer")
+    ],
+    sea_temperature: Annotated[
+        float, typer.Option("--sea-temperature", metavar="K", help="temperature of the sea to compare with")
+    ] = SEA_KELVIN,
+    model: Annotated[str, typer.Option("--model", help="model atmosphere that continues a sounding")] = "midlatitude-summer",
+    plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw temperature, humidity and refractivity")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+) -> None:
+    """Print what is understood of a sounding.
+
+    Levels, water vapour, hydrostatic misfit, the lowest air, refraction and ducts; the same of a model atmosphere.
+    """
+    import json
+
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.soundings.air_summary import summarise_air
+
+    if not 200.0 <= sea_temperature <= 350.0:
+        raise DataError(f"--sea-temperature {sea_temperature:g}: give a temperature of 200 to 350 K")
+    if plot is not None:
+        if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
+            raise DataError(f"{plot}: a picture is .png, .pdf or .svg; give a name that ends so")
+        refuse_existing(plot, overwrite=overwrite, inputs=[Path(source)])
+    summary = summarise_air(source, sea_temperature, model)
+    typer.echo(json.dumps(summary.as_dict(), indent=2) if as_json else "\n".join(summary.lines))
+    if plot is not None:
+        from seaglint.plot.air_figure import write_air_plot
+
+        write_air_plot(summary, plot)
+        log(f"{plot} written")
 
 
 _HELD = {

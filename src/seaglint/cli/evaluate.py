@@ -14,7 +14,7 @@ import typer
 from seaglint.cli.terminal.messages import log
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.records import takes_records
-from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
+from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
 
 if TYPE_CHECKING:
     from seaglint.studies.mean.evaluate_cases import Columns
@@ -55,9 +55,9 @@ def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMod
 
 
 @evaluate.command()
-@takes_records(order="cases output bands")
-def atmosphere(cases: CasesFile, output: Output, request: BandsRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
-    """Transmittance, path, sunlight and sky of the LOWTRAN7 tables.
+@takes_records(order="cases output bands levels")
+def atmosphere(cases: CasesFile, output: Output, request: AirRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
+    """Transmittance, path, sunlight and sky of LOWTRAN7's models.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s, sensor_height_m, depression_deg (of the refracted ray at the sensor; it
     must end on the sea), solar_zenith_deg, sky_zenith_deg. Columns made, per band: tau_mean (flat over wavenumber),
@@ -66,7 +66,7 @@ def atmosphere(cases: CasesFile, output: Output, request: BandsRequest, show: Pr
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere, parse_bands
 
-    _run(cases, output, request, show, partial(evaluate_atmosphere, bands=parse_bands(request.bands)))
+    _run(cases, output, request, show, partial(evaluate_atmosphere, bands=parse_bands(request.bands), levels=request.levels))
 
 
 @evaluate.command()

@@ -42,10 +42,11 @@ NO_SUN: Final = SunInSky(0.0, 0.0, 0.0)
 
 
 def sun_in_sky(view: SeaView) -> SunInSky:
-    """Solar disc that a sensor sees, with the radiance ``E / (pi eps^2)`` for the sunlight E at the sea.
+    """Solar disc that a sensor sees, with the radiance ``E / (pi eps^2)`` for the sunlight E at its height.
 
-    Its elevation is the apparent one at the sensor's height, about which its aureole stands too. A disc below the horizon at the sensor's
-    foot has the light of one on the horizon. None where no part of it stands above the sensor's horizon.
+    Its elevation is the apparent one at the sensor's height, about which its aureole stands too. Where the air knows sunlight at the sea
+    only, a disc below the horizon at the sensor's foot has the light of one on the horizon. None where no part of it stands above the
+    sensor's horizon.
     """
     table, elevation = view.scattered.sky, 0.5 * math.pi - view.solar_zenith
     if not is_dark(table):
@@ -53,6 +54,12 @@ def sun_in_sky(view: SeaView) -> SunInSky:
         elevation += min(view.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS) - table.solar_zenith
     if elevation + SOLAR_ANGULAR_RADIUS <= -horizon_depression(view.sensor_height):
         return NO_SUN
+    dip = horizon_depression(view.sensor_height)
+    # a disc that the horizon cuts has the light of its part above it
+    aloft = view.atmosphere.sunlight_at(view.sensor_height, 0.5 * math.pi - max(elevation, 0.5 * SOLAR_ANGULAR_RADIUS - dip))
+    if aloft is not None:
+        spectrum = view.sun_distance_factor * aloft[view.in_band.grid]
+        return SunInSky(_disc(spectrum, view), float(view.solar_azimuth), float(elevation))
     spectrum = view.irradiance
     if visible_sun(view.solar_zenith)[0] == 0.0:
         try:
@@ -60,8 +67,12 @@ def sun_in_sky(view: SeaView) -> SunInSky:
         except DomainError as refused:
             if refused.name != "solar_zenith":
                 raise
-    radiance = float(spectrum @ view.in_band.weights) / (math.pi * SOLAR_ANGULAR_RADIUS**2)
-    return SunInSky(radiance, float(view.solar_azimuth), float(elevation))
+    return SunInSky(_disc(spectrum, view), float(view.solar_azimuth), float(elevation))
+
+
+def _disc(spectrum: FloatArray, view: SeaView) -> float:
+    """Radiance of the disc in the band [W m-2 sr-1] from sunlight normal to the beam [W m-2 per cm-1, (n,)]."""
+    return float(spectrum @ view.in_band.weights) / (math.pi * SOLAR_ANGULAR_RADIUS**2)
 
 
 @kernel

@@ -123,6 +123,16 @@ def tag_name(location: tuple[str | int, ...]) -> str:
     return next(iter(_at(tuple(str(part) for part in location))[0].model_fields))
 
 
+def kinds_with(location: tuple[str | int, ...], name: str) -> tuple[str, ...]:
+    """Return the kinds of the union at a location that have a key ``name``, as :func:`tag_name` is written for them."""
+    found = []
+    for record in _at(tuple(str(part) for part in location)):
+        tag = record.model_fields[next(iter(record.model_fields))]
+        if name in record.model_fields and isinstance(tag.default, str):
+            found.append(tag.default)
+    return tuple(found)
+
+
 @cache
 def key_paths() -> tuple[str, ...]:
     """Return all keys as dotted paths, without tables."""

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
-from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, table_keys, tag_name, tags
+from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, kinds_with, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.scenario.text import display  # noqa: F401 - scenarios show themselves in notebooks
@@ -155,7 +155,9 @@ def _unknown_key(location: Sequence[str | int]) -> str:
     if name in here:
         # A key of another kind of the same table, such as atmosphere.model beside source = "isothermal".
         tag = tag_name(tuple(table))
-        return f"{_dotted(location)} does not go with this {tag} of {_dotted(table)}; leave it out or change the {tag}"
+        kinds = " or ".join(f'"{kind}"' for kind in kinds_with(tuple(table), name))
+        change = f"set {_dotted(table)}.{tag} = {kinds}" if kinds else f"change the {tag}"
+        return f"{_dotted(location)} does not go with this {tag} of {_dotted(table)}; leave it out or {change}"
     # Of other tables only a key of the very same name helps: a similar one (direction_deg, elevation_deg) means something else.
     exact = [path for path in key_paths() if path.rsplit(".", 1)[-1] == name]
     near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] + exact[:1]

@@ -14,8 +14,8 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.free_form import TomlTables
-from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
-from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, TableAtmosphereSettings
+from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, PROFILE_BAND_UM, TABLE_BANDS_UM, TABLE_HEIGHTS
+from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.mean_table import Mean
@@ -109,7 +109,7 @@ class Scenario(Record):
         if self.atmosphere.source != "table":
             return self
         height, (lowest, highest) = self.sensor.height_m, TABLE_HEIGHTS
-        other = "or set atmosphere.source = 'none', or 'lowtran' to run it live"
+        other = "or set atmosphere.source = 'none', or 'lowtran' for other bands and heights"
         if not lowest <= height <= highest:
             text = f"= {height:g} is outside the heights of the table atmosphere; allowed: {lowest:g} to {highest:g} m, {other}"
             raise rule("sensor.height_m", text, value=height, allowed=TABLE_HEIGHTS)
@@ -124,17 +124,19 @@ class Scenario(Record):
 
     @model_validator(mode="after")
     def _lowtran_covers_sensor_band_and_wind(self) -> Self:
-        if not isinstance(self.atmosphere, LowtranAtmosphere):
+        if not isinstance(self.atmosphere, LowtranAtmosphere | LowtranFortranAtmosphere):
             return self
         height, lowest = self.sensor.height_m, LOWTRAN_HEIGHTS[0]
         if height < lowest:
             text = f"= {height:g} is too low for LOWTRAN7; allowed: {lowest:g} to {HIGHEST_SENSOR:g} m"
             raise rule("sensor.height_m", text, value=height, allowed=(lowest, HIGHEST_SENSOR))
-        low, high = LOWTRAN_BAND_UM
+        program = isinstance(self.atmosphere, LowtranFortranAtmosphere)
+        low, high = allowed = LOWTRAN_BAND_UM if program else PROFILE_BAND_UM
+        wider = "" if program else ", or set atmosphere.source = 'lowtran-fortran' (0.2 to 28 um; needs a Fortran compiler)"
         for key, edge in (("min_um", self.band.min_um), ("max_um", self.band.max_um)):
             if edge is not None and not low <= edge <= high:
-                text = f"= {edge:g} is outside LOWTRAN7; allowed: {low:g} to {high:g} um"
-                raise rule(f"band.{key}", text, value=edge, allowed=LOWTRAN_BAND_UM)
+                text = f"= {edge:g} is outside LOWTRAN7; allowed: {low:g} to {high:g} um{wider}"
+                raise rule(f"band.{key}", text, value=edge, allowed=allowed)
         speed, most = self.wind.speed_m_s, NAVY_AEROSOL_WIND[1]
         if self.atmosphere.haze == "navy-maritime" and speed > most:
             # LOWTRAN7 itself would silently take the strongest one.

@@ -1,8 +1,8 @@
 """Scatterers and absorbers of one atmosphere: LOWTRAN7's own profiles, band laws and phase functions, on part of the spectrum.
 
 From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`), whatever the height, direction and
-Sun: a table of the radiance itself would need all of them as axes. :mod:`seaglint.air.scattering.scattering_file` reads those that ship
-with the package, :mod:`seaglint.files.lowtran.laws_of_run` makes them for any of LOWTRAN7's atmospheres.
+Sun: a table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
+for any profile and haze, :mod:`seaglint.files.lowtran.laws_of_run` of a run of LOWTRAN7.
 """
 
 from __future__ import annotations

@@ -323,9 +323,9 @@ class TableAtmosphere(ClearAir):
         if self._table.region != "mwir":
             return None
         # Numba comes with it: the thermal tables do without.
-        from seaglint.air.scattering.scattering_file import ScatteringTable
+        from seaglint.air.profile.profile_scattering import maritime, model_scatterers
 
-        return ScatteringTable(self.model, self.wavenumber_cm[grid]).at_wind(self.wind_speed)
+        return model_scatterers(self.model, tuple(self.wavenumber_cm[grid].tolist())).with_haze(maritime(self.wind_speed))
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2.

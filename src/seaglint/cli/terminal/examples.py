@@ -83,6 +83,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "atmosphere": (_SCENE, "seaglint atmosphere export example.toml -o atmosphere.nc"),
     "atmosphere export": (_SCENE, "seaglint atmosphere export example.toml -o air.nc"),
     "atmosphere write": (_SCENE, "seaglint atmosphere write example.toml --format tape5 -o decks"),
+    "atmosphere info": ("seaglint atmosphere info midlatitude-summer --plot air.png",),
     "atmosphere read": (
         _SCENE,
         "seaglint atmosphere write example.toml --format tape5 -o modtran",

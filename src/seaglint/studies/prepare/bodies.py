@@ -322,7 +322,7 @@ def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSourc
     corners = _corners(parts)
     if not len(corners):
         corners = np.zeros((1, 3))
-    tops = {"table": TABLE_HEIGHTS[1], "lowtran": LOWTRAN_HEIGHTS[1]}
+    tops = {"table": TABLE_HEIGHTS[1], "lowtran": LOWTRAN_HEIGHTS[1], "lowtran-fortran": LOWTRAN_HEIGHTS[1]}
     limit = tops.get(scenario.atmosphere.source, np.inf)
     for time in times:
         at = base.at(float(time))

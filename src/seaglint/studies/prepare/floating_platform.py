@@ -28,7 +28,8 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
         heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
         times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
         floating = FloatingTrack.create(floating, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
-    covered = {"table": TABLE_HEIGHTS, "lowtran": (LOWTRAN_HEIGHTS[0], HIGHEST_SENSOR)}
+    aloft = (LOWTRAN_HEIGHTS[0], HIGHEST_SENSOR)
+    covered = {"table": TABLE_HEIGHTS, "lowtran": aloft, "lowtran-fortran": aloft}
     lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
     if floating.lowest < lowest or floating.highest > highest:
         raise ScenarioError(

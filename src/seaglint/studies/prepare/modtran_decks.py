@@ -14,7 +14,7 @@ from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
 from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
-from seaglint.files.lowtran.sounding import read_sounding
+from seaglint.files.lowtran.program_levels import program_levels
 from seaglint.files.modtran.json_deck import json_deck
 from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
 from seaglint.files.modtran.tape5 import deck
@@ -107,13 +107,15 @@ def _air(scenario: Scenario) -> LowtranAir:
     """Air of the scenario as cards say it."""
     levels: tuple[ProfileLevel, ...] = ()
     wind = scenario.wind.speed_m_s
+    if getattr(scenario.atmosphere, "air_minus_sea_k", None) is not None:
+        raise ScenarioError("atmosphere.air_minus_sea_k is not in decks, which take the profile as it is; leave it out to write them")
     match scenario.atmosphere:
         case wanted_air.TableAtmosphereSettings(model=model):
             aerosol = Aerosol(wind=wind, wind_24h=wind)
-        case wanted_air.LowtranAtmosphere(model=model) as wanted:
+        case (wanted_air.LowtranAtmosphere(model=model) | wanted_air.LowtranFortranAtmosphere(model=model)) as wanted:
             longer = wanted.wind_24h_m_s
             aerosol = Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer)
-            levels = () if wanted.sounding is None else read_sounding(wanted.sounding)
+            levels = () if wanted.sounding is None else program_levels(wanted.sounding)
         case other:
             raise ScenarioError(
                 f"atmosphere.source = '{other.source}' is no air that MODTRAN could compute; "

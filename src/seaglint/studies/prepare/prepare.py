@@ -11,7 +11,6 @@ import numpy as np
 
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import Atmosphere, wavenumber_grid
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
@@ -32,7 +31,6 @@ from seaglint.radiance.glint_correlation import capillary_length, correlation_le
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.records import sea_slopes as wanted_slopes
-from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT
 from seaglint.scenario.records.platform import Keyframe
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.field import WaveField
@@ -40,6 +38,7 @@ from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.studies.prepare.floating_platform import afloat
+from seaglint.studies.prepare.profile_air import profile_atmosphere
 from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.studies.prepare.wave_spectra import Waves, waves
 
@@ -73,18 +72,9 @@ def band(scenario: Scenario) -> Band:
 def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
     """The air, sampled over a band."""
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphereSettings(model=name):
-            try:
-                return TableAtmosphere.load(name, scenario.wind.speed_m_s, (over.min_um, over.max_um))
-            except DomainError as error:
-                if scenario.band.response is None or error.name != "band_um":
-                    raise
-                # The scenario checked its own numbers; what its response file reaches is known only here.
-                raise ScenarioError(
-                    f"band.response = '{scenario.band.response}' reaches from {over.min_um:g} to {over.max_um:g} um, outside the table "
-                    f"atmosphere; allowed: {TABLE_BANDS_TEXT}, or set atmosphere.source = 'none'"
-                ) from error
-        case wanted_air.LowtranAtmosphere() as wanted:
+        case wanted_air.TableAtmosphereSettings() | wanted_air.LowtranAtmosphere() as wanted:
+            return profile_atmosphere(wanted, scenario, over)
+        case wanted_air.LowtranFortranAtmosphere() as wanted:
             return _lowtran(scenario, wanted, over)
         case wanted_air.FileAtmosphere(path=path):
             from seaglint.files.air.air_file import read_atmosphere
@@ -114,11 +104,11 @@ def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
     return (float(arc[sea].min()), float(arc.max()) if sea.all() else None) if sea.any() else None
 
 
-def _lowtran(scenario: Scenario, source: wanted_air.LowtranAtmosphere, over: Band) -> Atmosphere:
+def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
     """LOWTRAN7's runs for this sensor height, band and wind, from the cache where it has them."""
     from seaglint.files.lowtran.deck import Aerosol
+    from seaglint.files.lowtran.program_levels import program_levels
     from seaglint.files.lowtran.sample import lowtran_atmosphere
-    from seaglint.files.lowtran.sounding import read_sounding
 
     wind, longer = scenario.wind.speed_m_s, source.wind_24h_m_s
     return lowtran_atmosphere(
@@ -126,7 +116,7 @@ def _lowtran(scenario: Scenario, source: wanted_air.LowtranAtmosphere, over: Ban
         Aerosol(source.haze, source.visibility_km, source.air_mass_character, wind, wind if longer is None else longer),
         scenario.sensor.height_m,
         (over.min_um, over.max_um),
-        levels=() if source.sounding is None else read_sounding(source.sounding),
+        levels=() if source.sounding is None else program_levels(source.sounding),
         name=f"LOWTRAN7 ({source.model if source.sounding is None else source.sounding})",
     )
 
@@ -173,7 +163,7 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
         if height == first.sensor_height:
             return first
         match scenario.atmosphere:
-            case wanted_air.LowtranAtmosphere():
+            case wanted_air.LowtranFortranAtmosphere():
                 return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
             case wanted_air.FileAtmosphere():
                 raise ScenarioError(
@@ -184,6 +174,14 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
                 return replace(first, sensor_height=height)
 
     return at
+
+
+def standing_view(scenario: Scenario, height: float) -> SeaView:
+    """Sea, air and Sun as a sensor sees them that stands at one height [m] of its platform's way, as from a scenario without platform."""
+    if scenario.platform is None or isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
+        return view_at(scenario)(height)
+    sensor = scenario.sensor.model_copy(update={"height_m": height})
+    return view(scenario.model_copy(update={"sensor": sensor, "platform": None}))
 
 
 def imager(scenario: Scenario) -> Imager:

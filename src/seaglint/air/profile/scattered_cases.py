@@ -6,19 +6,22 @@ import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
+from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.air.profile.profile_scattering import Scatterers, maritime, model_scatterers
 from seaglint.air.scattering.scattered_line import KINDS, many_amplitudes
-from seaglint.air.scattering.scattering_file import ScatteringTable, read_file
 from seaglint.air.scattering.scattering_laws import scattering_angle
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import Band
 
 _THREADS: Final = min(os.cpu_count() or 1, 4)
+
+SCATTERED_UM: Final = (2.0, 5.5)
+"""Wavelengths of bands whose scattered sunlight is computed [um]; in 7.5-14 um there is almost none."""
 
 _PARTS: Final = 8
 """Parts of the work for each thread."""
@@ -32,10 +35,10 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band]) -> lis
     """
     if not bands:
         return []
-    grid = read_file()["wavenumber_cm"]
+    grid = lowtran_numbers()["wavenumber_cm"]
     weights = np.array([band.weights(grid) for band in bands])
     used = weights.any(axis=0)
-    table = _table(model, tuple(grid[used].tolist()))
+    table = model_scatterers(model, tuple(grid[used].tolist()))
     weights = weights[:, used]
     out = np.empty((len(bands), len(lines)))
     size = max(-(-len(lines) // (_THREADS * _PARTS)), 1)
@@ -49,15 +52,15 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band]) -> lis
     return list(out)
 
 
-@lru_cache(maxsize=12)
-def _table(model: str, channels: tuple[float, ...]) -> ScatteringTable:
-    return ScatteringTable(model, np.array(channels))
+def scatters_in(band_um: tuple[float, float]) -> bool:
+    """True if scattered sunlight of a band [um] is computed."""
+    return SCATTERED_UM[0] * (1.0 - 1e-9) <= band_um[0] and band_um[1] <= SCATTERED_UM[1] * (1.0 + 1e-9)
 
 
-def _line(table: ScatteringTable, line: FloatArray) -> FloatArray:
+def _line(table: Scatterers, line: FloatArray) -> FloatArray:
     """Spectrum of scattered sunlight of one case [W m-2 sr-1 per cm-1, (n,)]."""
     wind, height, elevation, azimuth, zenith = (float(x) for x in line)
-    air = table.at_wind(wind)
+    air = table.with_haze(maritime(wind))
     share = visible_part_kernel(0.5 * math.pi - float(air.apparent_zenith(zenith)))[0]
     if share <= 0.0:
         return np.zeros(air.source.size)

@@ -1,0 +1,198 @@
+"""Profiles of pressure, temperature and water vapour from the sea to 100 km: model atmospheres, and soundings that one of them continues.
+
+References
+----------
+Anderson, G. P., et al. (1986), AFGL atmospheric constituent profiles (0-120 km), AFGL-TR-86-0110, Table 1; the numbers are those of
+LOWTRAN7 (block data MLATMB). Between them LOWTRAN7 interpolates by Lagrange's cubic (subroutine DEFALT).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+
+MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)
+"""Levels of LOWTRAN7's own models [m]."""
+
+TOP: Final = 100e3
+"""Top of the atmosphere [m]."""
+
+ZERO_CELSIUS: Final = 273.15
+
+STANDARD_PRESSURE: Final = 1013.25
+"""[hPa]."""
+
+GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
+"""Gases of the profiles, the first seven by model."""
+
+_AIR: Final = 2.6868e19
+"""Molecules of standard air [cm-3], as LOWTRAN7 has it (2.68675e19 where it makes number densities of humidities)."""
+
+_AIR_OF_HUMIDITY: Final = 2.68675e19
+
+_GRAM_OF_MOLECULES: Final = 2.989e-23
+"""LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3."""
+
+_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6
+"""Molecules per cm3 of 1 g m-3 of water."""
+
+
+def saturation_density(temperature: ArrayLike) -> FloatArray:
+    """Density of saturated vapour over water [g m-3]: ``A exp(18.9766 - 14.9595 A - 2.43882 A^2)``, A = 273.15/T (LOWTRAN7's F).
+
+    >>> round(float(saturation_density(288.15)), 2)
+    12.82
+    """
+    a = ZERO_CELSIUS / np.asarray(temperature, dtype=np.float64)
+    return np.asarray(a * np.exp(18.9766 - 14.9595 * a - 2.43882 * a * a))
+
+
+def air_molecules(pressure: ArrayLike, temperature: ArrayLike) -> FloatArray:
+    """Molecules of air [cm-3] at a pressure [hPa] and temperature [K]."""
+    return np.asarray(_AIR * np.asarray(pressure) / STANDARD_PRESSURE * ZERO_CELSIUS / np.asarray(temperature))
+
+
+@dataclass(frozen=True, eq=False)
+class AirProfile:
+    """Air at ascending levels from the sea to 100 km.
+
+    Attributes
+    ----------
+    name : str
+        Name of the air in messages.
+    height, pressure, temperature, vapour : ndarray
+        [m], [hPa], [K], water vapour [g m-3]; (levels,).
+    gas : ndarray
+        Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
+    earth_radius : float
+        LOWTRAN7's radius of the Earth for the latitude of the model [m].
+    season : str
+        ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.
+    haze_humidity : float or None
+        Relative humidity of the Navy's haze [%]; None for that of the lowest level.
+    """
+
+    name: str
+    height: FloatArray
+    pressure: FloatArray
+    temperature: FloatArray
+    vapour: FloatArray
+    gas: FloatArray
+    earth_radius: float
+    season: str
+    haze_humidity: float | None = None
+
+    @property
+    def relative_humidity(self) -> FloatArray:
+        """Relative humidity over water [%, (levels,)], at most 100."""
+        return np.asarray(np.clip(100.0 * self.vapour / saturation_density(self.temperature), 0.0, 100.0))
+
+    @property
+    def precipitable_water(self) -> float:
+        """Water vapour of the whole air above the sea [kg m-2], exponential between levels."""
+        a, b = self.vapour[:-1], self.vapour[1:]
+        both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
+        mean = np.where(both, (a - b) / np.log(np.where(both, a / b, np.e)), 0.5 * (a + b))
+        return float(1e-3 * np.sum(mean * np.diff(self.height)))
+
+
+def _model_index(model: str) -> int:
+    models = lowtran_numbers()["models"].tolist()
+    if model not in models:
+        raise DomainError(f"model = {model!r} is not one of {', '.join(models)}", name="model", value=model, allowed=", ".join(models))
+    return int(models.index(model))
+
+
+def _cubic(height: FloatArray, tables: FloatArray) -> FloatArray:
+    """Lagrange's cubic through the four levels of the models around heights [m], as DEFALT has it: (..., heights)."""
+    nodes = 1e3 * lowtran_numbers()["model_height"]
+    upper = np.clip(np.searchsorted(nodes, height - 1e-9), 1, nodes.size - 1)
+    first = np.clip(upper - 2, 0, nodes.size - 4)
+    four = first[:, None] + np.arange(4)
+    z = nodes[four]
+    weights = np.ones(four.shape)
+    for i in range(4):
+        for j in range(4):
+            if i != j:
+                weights[:, i] *= (height - z[:, j]) / (z[:, i] - z[:, j])
+    return np.asarray(np.sum(tables[..., four] * weights, axis=-1))
+
+
+def model_levels(model: str, height: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Pressure [hPa], temperature [K], vapour [g m-3] and gases [1e-6, (12, n)] of a model atmosphere at heights [m, (n,)]."""
+    held, m = lowtran_numbers(), _model_index(model)
+    z = np.asarray(height, dtype=np.float64)
+    pressure = np.exp(_cubic(z, np.log(held["model_pressure"][m])))
+    temperature = _cubic(z, held["model_temperature"][m])
+    gas = np.concatenate([_cubic(z, held["model_gas"][m]), _cubic(z, held["trace_gas"])])
+    gas[-1] *= 1e3  # DEFALT: nitric acid in another unit
+    vapour = _GRAM_OF_MOLECULES * gas[0] * air_molecules(pressure, temperature)
+    return pressure, temperature, vapour, gas
+
+
+def earth_radius_of(model: str) -> float:
+    """LOWTRAN7's radius of the Earth for a model atmosphere [m]."""
+    return {"tropical": 6378.39e3, "subarctic-summer": 6356.91e3, "subarctic-winter": 6356.91e3}.get(model, 6371.23e3)
+
+
+def model_profile(model: str) -> AirProfile:
+    """One of LOWTRAN7's six model atmospheres at its own levels.
+
+    Raises
+    ------
+    DomainError
+        An unknown model.
+
+    Examples
+    --------
+    >>> model_profile("midlatitude-summer").temperature[:2]
+    array([294.2, 289.7])
+    """
+    pressure, temperature, vapour, gas = model_levels(model, MODEL_HEIGHTS)
+    season = "fall" if model in ("midlatitude-winter", "subarctic-winter") else "spring"
+    return AirProfile(model, MODEL_HEIGHTS, pressure, temperature, vapour, gas, earth_radius_of(model), season)
+
+
+def sounding_profile(
+    name: str,
+    model: str,
+    height: FloatArray,
+    pressure: FloatArray,
+    temperature: FloatArray,
+    relative_humidity: FloatArray,
+    above: FloatArray | None = None,
+) -> AirProfile:
+    """Sounding from the sea up, with the gases of a model atmosphere and its air above.
+
+    Parameters
+    ----------
+    name : str
+        Name for messages.
+    model : str
+        Model atmosphere.
+    height, pressure, temperature, relative_humidity : ndarray
+        Ascending levels, the first at the sea: [m], [hPa], [K], over water [%]; (levels,).
+    above : ndarray, optional
+        Levels of the model above [m]; by default its own.
+
+    Notes
+    -----
+    Levels of the model closer than 200 m to the sounding's last one are left out. Season and radius of the Earth are LOWTRAN7's for
+    users' profiles.
+    """
+    if above is None:
+        above = MODEL_HEIGHTS[height[-1] + 200.0 < MODEL_HEIGHTS]
+    z = np.concatenate([height, above])
+    p, kelvin, vapour, gas = model_levels(model, z)
+    n = height.size
+    p[:n], kelvin[:n] = pressure, temperature
+    molecules = saturation_density(temperature) * _MOLECULES_OF_GRAM * relative_humidity / 100.0
+    vapour[:n] = _GRAM_OF_MOLECULES * molecules / (_AIR_OF_HUMIDITY / _AIR) * 1e6
+    return AirProfile(name, z, p, kelvin, vapour, gas, 6371.23e3, "spring")

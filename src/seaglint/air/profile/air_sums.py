@@ -1,0 +1,274 @@
+r"""Transmittance and thermal emission along any ray through a profile, with LOWTRAN7's band laws.
+
+.. math:: \tau(\nu, s) = \exp\Bigl(-\sum_k c_k W_k(s) - \sum_b (C_b W_b(s))^{a_b}\Bigr), \qquad
+   L(\nu) = \int_{\tau}^1 B(\nu, T)\, d\tau'
+
+``W(s)`` are the amounts between the sensor and the place s; lines saturate, so that transmittances are those of whole ways. Emission is
+that of the temperature at the place. Densities are exponential between the profile's levels, as in LOWTRAN7; amounts between two nodes are
+exact vertical sums times the ray's mean slope, so that a profile may have any number of levels.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
+from seaglint.air.profile.air_profile import AirProfile
+from seaglint.air.profile.band_laws import BandLaws
+from seaglint.air.profile.bent_ray import BentRay, RefractingAir
+from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols
+from seaglint.base.conventions import FloatArray
+from seaglint.optics.blackbody import planck_wavenumber
+
+AEROSOLS: Final = 4
+
+COLD, WARM = 260.0, 296.0
+"""Temperatures [K] at which all or nothing of water's own continuum counts as cold."""
+
+LOCAL_HUMIDITIES: Final = np.array([0.0, 50.0, 70.0, 75.0, 80.0, 84.0, 88.0, 91.0, 94.0, 96.0, 98.0, 99.0])
+"""Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that every place has its own."""
+
+_FIRST, _SECOND = 1.190956e-16 * 1e8, 1.43879
+"""LOWTRAN7's radiation constants: [W m-2 sr-1 per (cm-1)^4], [K cm]."""
+
+CUTS: Final = 3
+"""Parts of equal length of every piece for which the ray's slope is taken as even."""
+
+LEVEL: Final = 1e-6
+"""Rise below which a cut counts as level [m]."""
+
+PARTS: Final = 8
+"""Pieces of a layer in LOWTRAN7's layers."""
+
+
+@dataclass(frozen=True, eq=False)
+class RaySpectra:
+    """Spectra along a ray.
+
+    Attributes
+    ----------
+    ray : BentRay
+        The ray.
+    transmittance : ndarray
+        From its start to its nodes [1, (nodes, n)].
+    emitted : ndarray
+        Thermal radiance of the air along it, at the start [W m-2 sr-1 per cm-1, (n,)].
+    """
+
+    ray: BentRay
+    transmittance: FloatArray
+    emitted: FloatArray
+
+
+class AirSums:
+    """Air of one profile and haze on some channels.
+
+    Parameters
+    ----------
+    profile : AirProfile
+        The air.
+    haze : HazeWeather
+        Its aerosol.
+    wavenumber_cm : ndarray
+        Channels [cm-1, (n,)], multiples of 5 within 680-14290.
+    refracted_cm : float, optional
+        Wavenumber of the refractivity [cm-1], by default the middle of the channels, as in LOWTRAN7.
+
+    Examples
+    --------
+    >>> from seaglint.air.profile.air_profile import model_profile
+    >>> air = AirSums(model_profile("midlatitude-summer"), HazeWeather(wind=7.0, wind_24h=7.0), np.arange(2000.0, 2861.0, 5.0))
+    >>> sky = air.along(20.0, np.radians(80.0))
+    >>> sky.emitted.shape
+    (173,)
+    """
+
+    def __init__(self, profile: AirProfile, haze: HazeWeather, wavenumber_cm: FloatArray, refracted_cm: float | None = None) -> None:
+        self.profile, self.haze = profile, haze
+        self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64))
+        middle = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
+        self.air = RefractingAir.of(profile.height, refractivity(profile, middle), profile.earth_radius)
+        gases = absorber_densities(profile, self.laws.columns)
+        self._cold_row = self.laws.columns.index(9)
+        self._self_row = self.laws.columns.index(5)
+        self._aerosol = aerosols(profile, haze, self.laws.wavenumber_cm, 0.0)
+        density, extinction = self._local_haze()
+        self._extinction = extinction
+        self._aerosol_rows = density.shape[0]
+        mass = profile.pressure / profile.temperature
+        # last rows: pressure and density of the air, for the temperatures of LOWTRAN7's layers, and the haze's humidity
+        humidity = np.log(100.0 - np.minimum(profile.relative_humidity, 99.0)) * self._aerosol.density[0]
+        self._density = np.concatenate([density, 1e0 * gases, [profile.pressure, mass, humidity, self._aerosol.density[0]]])
+        self._height = 1e-3 * profile.height
+        self._sums = _level_sums(self._height, self._density)
+        self._heat = np.concatenate(
+            [[0.0], np.cumsum(0.5 * (profile.temperature[1:] + profile.temperature[:-1]) * np.diff(profile.height))]
+        )
+
+    def _local_haze(self) -> tuple[FloatArray, FloatArray]:
+        """Densities [(rows, levels)] and extinctions [(rows, n)] of the aerosols, a humid haze split by the humidity at the place."""
+        held = self._aerosol
+        table = HUMID_TABLES.get(self.haze.haze)
+        if table is None:
+            return held.density, held.extinction
+        x = -np.log(100.0 - np.minimum(self.profile.relative_humidity, 99.0))
+        nodes = -np.log(100.0 - LOCAL_HUMIDITIES)
+        hats = np.array([np.interp(x, nodes, row) for row in np.eye(nodes.size)])
+        spectra = [aerosols(self.profile, self.haze, self.laws.wavenumber_cm, float(h)).extinction[0] for h in LOCAL_HUMIDITIES]
+        return np.concatenate([held.density[0] * hats, held.density[1:]]), np.concatenate([spectra, held.extinction[1:]])
+
+    def _amounts(self, ray: BentRay) -> tuple[FloatArray, FloatArray]:
+        """Amounts of the pieces of a ray [(pieces, rows)] and their mean temperatures [K, (pieces,)]."""
+        z = ray.between(CUTS)
+        slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
+        vertical = np.diff(_sums_to(self._height, self._density, self._sums, 1e-3 * z), axis=0)
+        heat = np.diff(_heat_to(self.profile, self._heat, ray.height))
+        return (vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1), heat / np.diff(ray.height)
+
+    def _layer_amounts(self, ray: BentRay) -> FloatArray:
+        """Amounts of the pieces of a layered ray [(pieces, rows)] as LOWTRAN7 has them.
+
+        The start, the lowest point and the end of the ray are levels of their own (its FILL), and densities that grow with height are
+        linear between levels (its LAYER).
+        """
+        ends = 1e-3 * np.array([ray.height[0], ray.height.min(), ray.height[-1]])
+        new = np.setdiff1d(ends[(ends > self._height[0]) & (ends < self._height[-1])], self._height)
+        at = np.searchsorted(self._height, new)
+        height = np.insert(self._height, at, new)
+        density = np.insert(self._density, at, _density_at(self._height, self._density, new).T, axis=1)
+        z = ray.between(CUTS)
+        slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
+        sums = _level_sums(height, density, growing=False)
+        vertical = np.diff(_sums_to(height, density, sums, 1e-3 * z, growing=False), axis=0)
+        return np.asarray((vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1))
+
+    def along(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:
+        """Spectra along a ray from a height [m] at a zenith angle [rad], continuous; ``end`` as :meth:`RefractingAir.ray`."""
+        ray = self.air.ray(height, zenith, end)
+        return RaySpectra(ray, *self._continuous(ray.height, *self._amounts(ray)))
+
+    def passed(self, height: float, zenith: float) -> FloatArray:
+        """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
+        ray = self.air.ray(height, zenith)
+        amounts, mean = self._amounts(ray)
+        gases = amounts[:, self._aerosol_rows : -4]
+        gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - mean) / (WARM - COLD), 0.0, 1.0)
+        depth = self.laws.optical_depth(gases.sum(axis=0, keepdims=True))[0]
+        return np.asarray(np.exp(-depth - amounts[:, : self._aerosol_rows].sum(axis=0) @ self._extinction))
+
+    def between(self, height: float, target: float, length: float) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of the path between two heights [m] of a length [m].
+
+        The path is a line over the Earth of the radius that makes this air's rays straight between the heights that it passes; air
+        below the sea is that at it.
+        """
+        z, step = self.air.line(height, target, length, CUTS)
+        amounts, mean = self._line_amounts(z, step)
+        passed, emitted = self._continuous(z[::CUTS], amounts, mean)
+        return passed[-1], emitted
+
+    def _continuous(self, node: FloatArray, amounts: FloatArray, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance to the nodes [1, (nodes, n)] and emission [W m-2 sr-1 per cm-1, (n,)] from the amounts between them."""
+        gases = amounts[:, self._aerosol_rows : -4]
+        gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - mean) / (WARM - COLD), 0.0, 1.0)
+        depth = self.laws.optical_depth(np.cumsum(gases, axis=0)) + np.cumsum(amounts[:, : self._aerosol_rows], axis=0) @ self._extinction
+        passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
+        nu = self.laws.wavenumber_cm
+        at_node = planck_wavenumber(nu, np.interp(node, self.profile.height, self.profile.temperature)[:, None])
+        glow = (at_node[:-1] + 4.0 * planck_wavenumber(nu, mean[:, None]) + at_node[1:]) / 6.0
+        return passed, np.sum(glow * (passed[:-1] - passed[1:]), axis=0)
+
+    def _line_amounts(self, z: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Amounts [(pieces, rows)] and mean temperatures [K, (pieces,)] along a line cut at heights [m], ``CUTS`` to a piece.
+
+        Cuts that hardly rise have the density at their height.
+        """
+        z = np.maximum(z, 0.0)
+        step = np.diff(z)
+        level = np.abs(step) < LEVEL
+        vertical = np.diff(_sums_to(self._height, self._density, self._sums, 1e-3 * z), axis=0)
+        heat = np.diff(_heat_to(self.profile, self._heat, z))
+        amounts = vertical * np.where(level, 0.0, length / np.where(level, 1.0, step))[:, None]
+        kelvin = heat / np.where(level, 1.0, step)
+        if level.any():
+            middle = 0.5 * (z[1:] + z[:-1])[level]
+            amounts[level] = 1e-3 * length[level, None] * _density_at(self._height, self._density, 1e-3 * middle)
+            kelvin[level] = np.interp(middle, self.profile.height, self.profile.temperature)
+        rows = amounts.shape[1]
+        return amounts.reshape(-1, CUTS, rows).sum(axis=1), kelvin.reshape(-1, CUTS).mean(axis=1)
+
+    def layer_humidity(self, height: float, zenith: float) -> float:
+        """Humidity [%] that LOWTRAN7 gives a humid haze along the ray of :meth:`in_layers`."""
+        return _path_humidity(self._layer_amounts(self.air.layered_ray(height, zenith, None, PARTS)[0]))
+
+    def in_layers(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:
+        """Spectra along the same ray as LOWTRAN7 sums them: layers between levels have one temperature, its humid hazes one humidity."""
+        ray, edges = self.air.layered_ray(height, zenith, end, PARTS)
+        amounts = np.add.reduceat(self._layer_amounts(ray), edges[:-1], axis=0)
+        kelvin = amounts[:, -4] / amounts[:, -3]
+        gases = amounts[:, self._aerosol_rows : -4]
+        gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - kelvin) / (WARM - COLD), 0.0, 1.0)
+        depth = self.laws.optical_depth(np.cumsum(gases, axis=0))
+        extinction, haze = self._extinction, amounts[:, : self._aerosol_rows]
+        if self._aerosol_rows > AEROSOLS:
+            extinction = aerosols(self.profile, self.haze, self.laws.wavenumber_cm, _path_humidity(amounts)).extinction
+            haze = np.concatenate([amounts[:, -1:], haze[:, 1 - AEROSOLS :]], axis=1)
+        depth += np.cumsum(haze, axis=0) @ extinction
+        passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
+        nu = self.laws.wavenumber_cm
+        glow = _FIRST * nu**3 / np.expm1(_SECOND * nu / kelvin[:, None])
+        emitted = np.sum(glow * np.maximum(passed[:-1] - passed[1:], 0.0), axis=0)
+        kept = BentRay(ray.height[edges], np.add.reduceat(ray.length, edges[:-1]), ray.zenith[edges], ray.arc[edges])
+        return RaySpectra(kept, passed, emitted)
+
+
+def _path_humidity(amounts: FloatArray) -> float:
+    """Mean humidity of a path's haze [%], as LOWTRAN7 takes it for the whole path; 0 without haze."""
+    whole = float(amounts[:, -1].sum())
+    return float(100.0 - np.exp(amounts[:, -2].sum() / whole)) if whole > 0.0 else 0.0
+
+
+def _level_sums(height: FloatArray, density: FloatArray, *, growing: bool = True) -> FloatArray:
+    """Vertical sums of densities up to the levels [(rows, levels)], exponential between them."""
+    layers = _part(height, density, np.arange(height.size - 1), np.ones(height.size - 1), growing=growing)
+    return np.concatenate([np.zeros((density.shape[0], 1)), np.cumsum(layers, axis=1)], axis=1)
+
+
+def _part(height: FloatArray, density: FloatArray, layer: NDArray[np.intp], part: FloatArray, *, growing: bool) -> FloatArray:
+    """Integral of densities [(rows, places)] from the lower level of layers up to a part of their thickness."""
+    a, b = density[:, layer], density[:, layer + 1]
+    thick = (height[layer + 1] - height[layer]) * part
+    both = (a > 0.0) & (b > 0.0) & (growing | (b <= a))
+    growth = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0)) * part
+    small = np.abs(growth) < 1e-6
+    mean = np.where(small, 1.0 + 0.5 * growth, np.expm1(growth) / np.where(small, 1.0, growth))
+    return np.asarray(thick * np.where(both, a * mean, a + 0.5 * (b - a) * part))
+
+
+def _sums_to(height: FloatArray, density: FloatArray, sums: FloatArray, z: FloatArray, *, growing: bool = True) -> FloatArray:
+    """Vertical sums up to heights [(places, rows)]."""
+    layer = np.clip(np.searchsorted(height, z, side="right") - 1, 0, height.size - 2)
+    part = np.clip((z - height[layer]) / (height[layer + 1] - height[layer]), 0.0, 1.0)
+    return np.asarray((sums[:, layer] + _part(height, density, layer, part, growing=growing)).T)
+
+
+def _density_at(height: FloatArray, density: FloatArray, z: FloatArray) -> FloatArray:
+    """Densities at heights [(places, rows)], exponential between levels, linear next to a zero."""
+    layer = np.clip(np.searchsorted(height, z, side="right") - 1, 0, height.size - 2)
+    part = np.clip((z - height[layer]) / (height[layer + 1] - height[layer]), 0.0, 1.0)
+    a, b = density[:, layer], density[:, layer + 1]
+    both = (a > 0.0) & (b > 0.0)
+    return np.asarray(np.where(both, np.where(both, a, 1.0) ** (1.0 - part) * np.where(both, b, 1.0) ** part, a + (b - a) * part).T)
+
+
+def _heat_to(profile: AirProfile, heat: FloatArray, z: FloatArray) -> FloatArray:
+    """Integral of the temperature from the sea up to heights [K m, (places,)]."""
+    h, kelvin = profile.height, profile.temperature
+    layer = np.clip(np.searchsorted(h, z, side="right") - 1, 0, h.size - 2)
+    rise = z - h[layer]
+    slope = (kelvin[layer + 1] - kelvin[layer]) / (h[layer + 1] - h[layer])
+    return np.asarray(heat[layer] + rise * (kelvin[layer] + 0.5 * slope * rise))

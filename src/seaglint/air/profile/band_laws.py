@@ -1,0 +1,101 @@
+r"""Optical depth of absorber amounts in channels: LOWTRAN7's continua and band laws.
+
+.. math:: d(\nu) = \sum_k c_k(\nu) W_k + \sum_b (C_b(\nu) W_b)^{a_b}
+
+Lines of a band saturate (``a_b < 1``): the depth of a way is that of its whole amounts, not a sum over its parts.
+
+References
+----------
+Pierluissi, J. H., and C. E. Maragoudakis (1986), AFGL-TR-86-0272; LOWTRAN7's subroutines TRANS, DBLTX and O2CONT.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
+from seaglint.base.conventions import FloatArray
+
+CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8, 63, 1, 2)
+"""LOWTRAN7's numbers of absorbers linear in the amount: molecules that scatter, N2, water (296 K, colder, by air), HNO3, O3, O2."""
+
+DEEPEST: Final = 700.0
+"""Optical depth beyond which nothing passes."""
+
+
+@dataclass(frozen=True, eq=False)
+class GasBand:
+    """One band of a gas: the column of its amounts, its channels, ``log depth = power log W + log_coefficient`` [(channels,)]."""
+
+    column: int
+    where: slice
+    power: FloatArray
+    log_coefficient: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class BandLaws:
+    """Laws of some channels. Make them with :meth:`of`.
+
+    Attributes
+    ----------
+    wavenumber_cm : ndarray
+        [cm-1, (n,)].
+    continuum : ndarray
+        Coefficients in the order of :data:`CONTINUA` [(10, n)].
+    bands : tuple of GasBand
+        Their columns count from 0 among :attr:`band_numbers`.
+    band_numbers : list of int
+        LOWTRAN7's numbers of the scaled amounts.
+    source : ndarray
+        Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
+    """
+
+    wavenumber_cm: FloatArray
+    continuum: FloatArray
+    bands: tuple[GasBand, ...]
+    band_numbers: list[int]
+    source: FloatArray
+
+    @classmethod
+    def of(cls, wavenumber_cm: FloatArray) -> BandLaws:
+        """Laws of channels of the file [cm-1, (n,)].
+
+        Raises
+        ------
+        DomainError
+            Channels that the file does not hold.
+        """
+        keep, held = channels_of(wavenumber_cm), lowtran_numbers()
+        column, power = held["band_column"][:, keep], held["band_power"][:, keep]
+        log = np.log(10.0) * power * held["band_log10"][:, keep]
+        numbers = sorted({int(c) for c in np.unique(column)} - {0})
+        bands = []
+        for gas in range(column.shape[0]):
+            edges = [0, *(np.flatnonzero(np.diff(column[gas])) + 1).tolist(), keep.size]
+            for first, end in pairwise(edges):
+                if column[gas, first] > 0:
+                    where = slice(first, end)
+                    bands.append(GasBand(numbers.index(int(column[gas, first])), where, power[gas, where], log[gas, where]))
+        return cls(wavenumber_cm, held["continuum"][:, keep], tuple(bands), numbers, held["source"][keep])
+
+    @cached_property
+    def columns(self) -> list[int]:
+        """LOWTRAN7's numbers of continua and bands, in the order of amounts."""
+        return [*CONTINUA, *self.band_numbers]
+
+    def optical_depth(self, amount: FloatArray) -> FloatArray:
+        """Optical depth [1, (ways, n)] of amounts [(ways, columns)] in the order of :attr:`columns`."""
+        depth = amount[:, : len(CONTINUA)] @ self.continuum
+        rows = amount[:, len(CONTINUA) :]
+        with np.errstate(divide="ignore"):
+            log_amount = np.log(np.maximum(rows, 0.0))
+        for band in self.bands:
+            logs = log_amount[:, band.column, None] * band.power + band.log_coefficient
+            depth[:, band.where] += np.exp(np.minimum(logs, 6.0))
+        return np.asarray(np.clip(depth, 0.0, DEEPEST))

@@ -1,0 +1,265 @@
+r"""Rays through a profile: refraction by it, and the nodes along them between which absorbers are summed.
+
+Snell's law on a sphere, :math:`n r \sin\theta = c`, gives the zenith angle at every height. Between two nodes the cosine is taken as linear
+in the length, so that :math:`\Delta s = 2 \Delta z / (\cos\theta_1 + \cos\theta_2)`: exact for a parabola, at the lowest point too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.base.conventions import FloatArray
+
+FIRST_PIECE: Final = 2.0
+"""Length of the first piece of a ray [m]."""
+
+GROWTH: Final = 1.2
+"""Ratio of the distances of neighbouring nodes from the sensor."""
+
+THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))
+"""Largest thickness of a piece [m] above heights [m]."""
+
+MOST_NODE_LEVELS: Final = 100
+"""Levels of a profile are nodes of every ray where there are no more of them; of more, means between nodes are taken."""
+
+STEEPEST: Final = 0.95
+"""Gradient of refractivity, in parts of the one that bends a ray like the Earth, up to which rays are followed: layers that trap rays are
+taken as almost trapping."""
+
+CLOSEST: Final = 1e-3
+"""Smallest distance in height between two nodes [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class BentRay:
+    """Nodes of a ray from its start on.
+
+    Attributes
+    ----------
+    height : ndarray
+        [m, (nodes,)].
+    length : ndarray
+        Lengths of the pieces between nodes [m, (nodes - 1,)].
+    zenith : ndarray
+        Zenith angle of the onward direction [rad, (nodes,)].
+    arc : ndarray
+        Angle at the Earth's centre from the start [rad, (nodes,)].
+    """
+
+    height: FloatArray
+    length: FloatArray
+    zenith: FloatArray
+    arc: FloatArray
+
+    def between(self, parts: int) -> FloatArray:
+        """Heights that cut every piece into ``parts`` of equal length, the nodes among them [m, (parts (nodes - 1) + 1,)]."""
+        share = np.arange(parts) / parts
+        here, there = np.cos(self.zenith[:-1, None]), np.cos(self.zenith[1:, None])
+        here, there = np.copysign(here, np.diff(self.height)[:, None]), np.copysign(there, np.diff(self.height)[:, None])
+        inside = self.height[:-1, None] + self.length[:, None] * share * (here + 0.5 * (there - here) * share)
+        return np.concatenate([inside.ravel(), self.height[-1:]])
+
+
+@dataclass(frozen=True, eq=False)
+class RefractingAir:
+    """Refractivity over heights, exponential between levels, around an Earth of a radius. Make it with :meth:`of`.
+
+    Attributes
+    ----------
+    height, log_refractivity : ndarray
+        Levels [m] and ``log(n - 1)``; (levels,).
+    earth_radius : float
+        [m].
+    """
+
+    height: FloatArray
+    log_refractivity: FloatArray
+    earth_radius: float
+
+    @classmethod
+    def of(cls, height: FloatArray, refractivity: FloatArray, earth_radius: float) -> RefractingAir:
+        """Air that traps no ray: steeper gradients are reduced to :data:`STEEPEST` of the critical one, from the top down."""
+        n = np.maximum(refractivity, 1e-20).copy()
+        for i in range(n.size - 2, -1, -1):
+            n[i] = min(n[i], n[i + 1] + STEEPEST * (height[i + 1] - height[i]) / earth_radius)
+        return cls(height, np.log(n), earth_radius)
+
+    def refractivity(self, height: ArrayLike) -> FloatArray:
+        """``n - 1`` at heights [m]; above the top that of the top."""
+        return np.asarray(np.exp(np.interp(np.asarray(height, dtype=np.float64), self.height, self.log_refractivity)))
+
+    def invariant(self, height: ArrayLike, sine: ArrayLike = 1.0) -> FloatArray:
+        """Snell's invariant less the Earth's radius, ``n r sin(zenith) - R`` [m]; differences of it keep their digits."""
+        z, s = np.asarray(height, dtype=np.float64), np.asarray(sine, dtype=np.float64)
+        n = self.refractivity(z)
+        return np.asarray(z + n * (self.earth_radius + z) - (1.0 - s) * (1.0 + n) * (self.earth_radius + z))
+
+    def cosine(self, height: ArrayLike, invariant: ArrayLike) -> FloatArray:
+        """Size of the cosine of the zenith angle at heights [m] of a ray with an invariant, 0 below its lowest point."""
+        here = self.invariant(height)
+        lack = np.clip((here - np.asarray(invariant, dtype=np.float64)) / (self.earth_radius + here), 0.0, 1.0)
+        return np.asarray(np.sqrt(lack * (2.0 - lack)))
+
+    @cached_property
+    def sea_invariant(self) -> float:
+        """Invariant of the ray that grazes the sea [m]."""
+        return float(self.invariant(0.0))
+
+    def dip(self, height: float) -> float:
+        """Depression of the sea's horizon from a height [rad]."""
+        return float(np.arcsin(self.cosine(height, self.sea_invariant)))
+
+    def depression(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
+        """Depression at a height [m] of rays that leave the sea at zenith angles ``arccos(sea_cosine)`` [rad]."""
+        c = np.asarray(sea_cosine, dtype=np.float64)
+        sine = np.sqrt(np.clip((1.0 - c) * (1.0 + c), 0.0, 1.0))
+        return np.asarray(np.arcsin(self.cosine(height, self.invariant(0.0, sine))))
+
+    def lowest(self, height: float, invariant: float) -> float:
+        """Height of the lowest point of a descending ray [m], 0 where it meets the sea."""
+        if invariant <= self.sea_invariant:
+            return 0.0
+        low, high = 0.0, height
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if float(self.invariant(middle)) < invariant else (low, middle)
+        return high
+
+    def ray(self, height: float, zenith: float, end: float | None = None) -> BentRay:
+        """Follow a ray from a height [m] at a zenith angle [rad] to the sea, to the top of the air, or to the height ``end`` [m].
+
+        A ray that starts downwards ends where it first reaches ``end`` below its start; to one above its start it goes on through its
+        lowest point.
+        """
+        return self._followed(height, zenith, end, None)
+
+    def layered_ray(self, height: float, zenith: float, end: float | None = None, parts: int = 12) -> tuple[BentRay, NDArray[np.intp]]:
+        """Follow the same ray [rad] with nodes at the levels [m], each layer in ``parts``; the second result are the levels among them."""
+        ray = self._followed(height, zenith, end, parts)
+        return ray, np.arange(0, ray.height.size, parts)
+
+    def line(self, height: float, target: float, length: float, cuts: int = 3) -> tuple[FloatArray, FloatArray]:
+        """Heights [m, (cuts pieces + 1,)] of a path of a length [m] between two heights [m], and lengths of its cuts [m, (cuts pieces,)].
+
+        The path bends as this air's rays do on the average over the heights that it passes.
+        """
+        share = FIRST_PIECE * (np.exp(np.arange(0.0, math.log(1.0 + length / FIRST_PIECE), math.log(GROWTH))) - 1.0) / length
+        crossed = self.height[(self.height > min(height, target)) & (self.height < max(height, target))]
+        if crossed.size <= MOST_NODE_LEVELS and abs(target - height) > 1.0:
+            share = np.concatenate([share, (crossed - height) / (target - height)])
+            rise = _ladder(min(height, target), max(height, target))
+            share = np.concatenate([share, (rise - height) / (target - height)])
+        share = np.unique(share)
+        share = share[(share > 1e-9) & (share < 1.0 - 1e-6)]
+        share = np.concatenate([[0.0], share, [1.0]])
+        part = np.concatenate([(share[:-1, None] + np.diff(share)[:, None] * np.arange(cuts) / cuts).ravel(), [1.0]])
+        sag = length * length / (8.0 * self.earth_radius)
+        low = max(min(height, target) - sag, 0.0)
+        high = max(height, target, low + 100.0)
+        bend = self.earth_radius * float(self.refractivity(low) - self.refractivity(high)) / (high - low)
+        radius = self.earth_radius / (1.0 - min(bend, STEEPEST))
+        # r^2 = a^2 (1 - x) + b^2 x - x (1 - x) s^2 about that Earth
+        a, b = height * (2.0 * radius + height), target * (2.0 * radius + target)
+        y = a * (1.0 - part) + b * part - part * (1.0 - part) * length * length
+        z = y / (np.sqrt(radius * radius + y) + radius)
+        # where the air bends more than on the average the path sags less: z'' = 1/R - bending(z), ends held
+        step = np.diff(part) * length
+        across = 1.0 - min(((target - height) / length) ** 2, 1.0)
+        for _ in range(2):
+            here = np.maximum(z, 0.0)
+            local = (self.refractivity(np.maximum(here - 25.0, 0.0)) - self.refractivity(here + 25.0)) / (
+                here + 25.0 - np.maximum(here - 25.0, 0.0)
+            )
+            excess = across * (1.0 / radius - (1.0 / self.earth_radius - np.minimum(local, STEEPEST / self.earth_radius)))
+            slope = np.concatenate([[0.0], np.cumsum(0.5 * step * (excess[1:] + excess[:-1]))])
+            rise = np.concatenate([[0.0], np.cumsum(0.5 * step * (slope[1:] + slope[:-1]))])
+            z = y / (np.sqrt(radius * radius + y) + radius) - (rise - part * rise[-1])
+        return z, step
+
+    def _followed(self, height: float, zenith: float, end: float | None, parts: int | None) -> BentRay:
+        invariant = float(self.invariant(height, math.sin(zenith)))
+        top = float(self.height[-1])
+        down, bottom, far = np.array([height]), height, 0.0
+        goes_on = True
+        if zenith > 0.5 * math.pi + 1e-12:
+            lowest = self.lowest(height, invariant)
+            goes_on = invariant > self.sea_invariant and (end is None or end >= height)
+            bottom = max(lowest, end) if end is not None and end < height else lowest
+            if height - bottom > CLOSEST:
+                down = self._nodes(bottom, height, invariant, 0.0, parts, descending=True)[::-1]
+                cosine = self.cosine(down, invariant)
+                far = float(np.sum(2.0 * -np.diff(down) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)))
+            else:
+                bottom = height
+        up = np.array([bottom])
+        if goes_on and (top if end is None else end) > bottom + CLOSEST:
+            # LOWTRAN7's levels include the start's own height where the ray comes back to it
+            up = self._nodes(bottom, top if end is None else end, invariant, far, parts, extra=height)
+        z = np.concatenate([down, up[1:]])
+        cosine = self.cosine(z, invariant)
+        length = 2.0 * np.abs(np.diff(z)) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)
+        r = self.earth_radius + z
+        sine = np.minimum((self.earth_radius + invariant) / ((1.0 + self.refractivity(z)) * r), 1.0)
+        arc = np.concatenate([[0.0], np.cumsum(0.5 * length * (sine[1:] / r[1:] + sine[:-1] / r[:-1]))])
+        angle = np.arctan2(sine, cosine)
+        angle[: down.size if up.size == 1 else down.size - 1] *= -1.0
+        angle = np.where(angle < 0.0, np.pi + angle, angle) if down.size > 1 else np.abs(angle)
+        return BentRay(z, length, angle, arc)
+
+    def _nodes(
+        self, low: float, high: float, invariant: float, far: float, parts: int | None, *, descending: bool = False, extra: float = -1.0
+    ) -> FloatArray:
+        """Ascending heights of nodes between two heights; the ray's start is ``far`` [m] before the lower one, or is the upper one."""
+        levels = self.height[(self.height > low + 0.1) & (self.height < high - 0.1)]
+        if parts is not None:
+            if low + 0.1 < extra < high - 0.1:
+                levels = np.union1d(levels, [extra])
+            edges = np.concatenate([[low], levels, [high]])
+            share = np.arange(parts) / parts
+            first = edges[0] + (edges[1] - edges[0]) * share**2  # the ray may run level in its lowest layer
+            rest = (edges[1:-1, None] + np.diff(edges)[1:, None] * share).ravel()
+            return np.concatenate([first, rest, [high]])
+        radius = self.earth_radius * 7.0 / 6.0
+        farthest = 4.0 * math.sqrt(2.0 * radius * high) + high
+        if descending:
+            cosine = float(self.cosine(high, invariant))
+            s = FIRST_PIECE * np.exp(np.arange(0.0, math.log(farthest / FIRST_PIECE), math.log(GROWTH)))
+            z = high - cosine * s + s * s / (2.0 * radius)
+            z = z[: max(int(np.argmax(np.diff(z, append=np.inf) >= 0.0)), 0)]
+        else:
+            cosine, base = float(self.cosine(low, invariant)), max(far, FIRST_PIECE)
+            s = base * (np.exp(np.arange(0.0, math.log(1.0 + farthest / base), math.log(GROWTH))) - 1.0)
+            z = low + cosine * s + s * s / (2.0 * radius)
+        nodes = np.concatenate([z, levels if levels.size <= MOST_NODE_LEVELS else levels[:0], _ladder(low, high)])
+        nodes = np.unique(nodes[(nodes > low + CLOSEST) & (nodes < high - CLOSEST)])
+        nodes = np.concatenate([[low], nodes, [high]])
+        keep = np.concatenate([[True], np.diff(nodes) > CLOSEST])
+        keep[-1] = True
+        return np.asarray(nodes[keep])
+
+
+def trapping_layers(height: FloatArray, refractivity: FloatArray, earth_radius: float) -> list[tuple[float, float]]:
+    """Layers that bend rays more than the Earth is round, from and to heights [m], neighbours taken together.
+
+    >>> trapping_layers(np.array([0.0, 50.0, 60.0, 70.0]), 1e-6 * np.array([280.0, 279.0, 276.0, 273.0]), 6371e3)
+    [(50.0, 70.0)]
+    """
+    steep = np.diff(refractivity) / np.diff(height) < -1.0 / earth_radius
+    edge = np.flatnonzero(np.diff(np.concatenate([[False], steep, [False]])))
+    return [(float(height[a]), float(height[b])) for a, b in zip(edge[::2], edge[1::2], strict=True)]
+
+
+def _ladder(low: float, high: float) -> FloatArray:
+    """Heights of even spacing between two heights, by :data:`THICKEST`."""
+    ends = [*(start for start, _ in THICKEST[1:]), np.inf]
+    steps = [
+        np.arange(step * math.ceil(max(low, start) / step), min(high, stop), step)
+        for (start, step), stop in zip(THICKEST, ends, strict=True)
+    ]
+    return np.concatenate(steps)

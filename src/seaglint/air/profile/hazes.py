@@ -1,0 +1,212 @@
+"""Aerosols of LOWTRAN7 over the heights of a profile: density, extinction and absorption of the regions, whatever the haze.
+
+Up to 2 km lies the boundary layer's haze, then the troposphere's up to 10 km, the stratosphere's up to 30 km, meteoric dust above.
+Densities are extinctions at 0.55 um [km-1]; coefficients are relative to them.
+
+References
+----------
+LOWTRAN7's subroutines AERPRF, EXABIN, MARINE and DESATT; Gathman, S. G. (1983), Optical properties of the marine aerosol as predicted by
+the Navy aerosol model, Opt. Eng. 22, 57-62; Shettle, E. P., and R. W. Fenn (1979), AFGL-TR-79-0214.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from seaglint.air.profile.air_profile import AirProfile
+from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.base.conventions import FloatArray
+
+VISIBILITIES: Final = (50.0, 23.0, 10.0, 5.0, 2.0)
+"""Visibilities of the profiles up to 2 km [km]."""
+
+DEFAULT_VISIBILITY: Final = {
+    "rural-23km": 23.0, "rural-5km": 5.0, "maritime-23km": 23.0, "urban": 5.0, "tropospheric": 50.0, "advective-fog": 0.2,
+    "radiative-fog": 0.5,
+}  # fmt: skip
+"""Visibility of a haze where none is given [km]; those of the Navy's and the desert's follow from the weather."""
+
+HUMID_TABLES: Final = {
+    "rural-23km": "rural",
+    "rural-5km": "rural",
+    "maritime-23km": "ocean",
+    "urban": "urban",
+    "tropospheric": "troposphere",
+}
+"""Tables of the hazes whose droplets grow with humidity."""
+
+HUMIDITIES: Final = np.array([0.0, 70.0, 80.0, 99.0])
+"""Relative humidities of these tables [%]."""
+
+TROPOSPHERE_HUMIDITY: Final = 70.0
+"""Humidity of the troposphere's aerosol above the boundary layer [%]."""
+
+CLEAR_MOLECULES: Final = 0.01159
+"""Extinction of clean air at 0.55 um [km-1]."""
+
+CONTRAST: Final = 3.912
+"""Koschmieder's constant: visibility times extinction."""
+
+
+@dataclass(frozen=True)
+class HazeWeather:
+    """Choice of a haze and the weather that it depends on.
+
+    Attributes
+    ----------
+    haze : str
+        Name of the boundary layer's aerosol, ``none`` for no aerosol at any height.
+    visibility_km : float or None
+        Meteorological range at the sea [km]; None leaves it to the haze.
+    air_mass : int
+        Character of the air mass, 1 open ocean to 10 continental (Navy).
+    wind, wind_24h : float
+        Wind now and its mean over a day [m s-1], at most 20 for the Navy's haze.
+    """
+
+    haze: str = "navy-maritime"
+    visibility_km: float | None = None
+    air_mass: int = 3
+    wind: float = 0.0
+    wind_24h: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Aerosols:
+    """Aerosols of four regions.
+
+    Attributes
+    ----------
+    density : ndarray
+        [km-1 at 0.55 um, (4, levels)].
+    tops : ndarray
+        Highest levels of the regions [m, (4,)].
+    extinction, absorption : ndarray
+        Relative to extinction at 0.55 um, on the channels [1, (4, n)].
+    asymmetry : ndarray
+        Mean cosine of the scattering angle [1, (4, n)].
+    visibility_km : float
+        Meteorological range at the sea that was used [km].
+    """
+
+    density: FloatArray
+    tops: FloatArray
+    extinction: FloatArray
+    absorption: FloatArray
+    asymmetry: FloatArray
+    visibility_km: float
+
+
+def aerosols(profile: AirProfile, weather: HazeWeather, wavenumber_cm: FloatArray, humidity: float) -> Aerosols:
+    """Return the aerosols of a profile on channels [cm-1, (n,)].
+
+    ``humidity`` [%] is that of the boundary layer's haze where its table asks for one: LOWTRAN7 takes the mean along a path, weighted by
+    the haze (:func:`mean_humidity`). The Navy's haze takes that of the lowest level.
+    """
+    held, um = lowtran_numbers(), 1e4 / wavenumber_cm
+    surface = profile.relative_humidity[0] if profile.haze_humidity is None else profile.haze_humidity
+    below, visibility = _below(weather, float(surface), humidity)
+    kinds = [below, _humid("troposphere", TROPOSPHERE_HUMIDITY), held["aerosol_stratosphere"], held["aerosol_meteoric"]]
+    edges = (2e3, 10e3, 30e3)
+    if weather.haze == "tropospheric":  # LOWTRAN7 goes on with the same region up to 10 km
+        kinds, edges = [kinds[0], kinds[2], kinds[3], kinds[3]], (10e3, 30e3, np.inf)
+    region = np.searchsorted(np.array(edges), profile.height, side="left")
+    haze = haze_by_height(profile, visibility) if weather.haze != "none" else np.zeros(profile.height.size)
+    density = np.where(region == np.arange(4)[:, None], haze, 0.0)
+    tops = np.array([max([0.0, *profile.height[region == r]]) for r in range(4)])
+    spectra = np.array([[np.interp(um, held["haze_um"], quantity) for quantity in kind] for kind in kinds])
+    if weather.haze == "none":
+        spectra[:] = 0.0
+    return Aerosols(density, tops, spectra[:, 0], spectra[:, 1], spectra[:, 2], visibility)
+
+
+def haze_by_height(profile: AirProfile, visibility_km: float) -> FloatArray:
+    """Extinction of the aerosol at 0.55 um [km-1, (levels,)], between LOWTRAN7's heights exponential."""
+    held = lowtran_numbers()
+    height, layers = held["haze_height"], held["haze_below"]
+    j = int(next((i for i in range(1, 5) if visibility_km >= VISIBILITIES[i]), 4))
+    a, b = VISIBILITIES[j - 1], VISIBILITIES[j]
+    inverse = 1.0 / (1.0 / b - 1.0 / a)
+    haze = inverse * ((layers[j] - layers[j - 1]) / visibility_km + layers[j - 1] / b - layers[j] / a)
+    half = "fall" if profile.season == "fall" else "spring"
+    hazy, clear = held[f"haze_{half}-23km"], held[f"haze_{half}-50km"]
+    between = ((hazy - clear) / visibility_km + clear / 23.0 - hazy / 50.0) / (1.0 / 23.0 - 1.0 / 50.0)
+    middle = hazy if visibility_km <= 23.0 else np.where(height <= 4.0, between, clear)
+    haze = np.where(height <= 2.0, haze, middle)
+    haze = np.where(height > 10.0, held[f"haze_stratosphere-{half}"], haze)
+    haze = np.maximum(np.where(height > 30.0, held["haze_upper"], haze), 0.0)
+    z = 1e-3 * profile.height
+    i = np.clip(np.searchsorted(height, z + 1e-6, side="right") - 1, 0, height.size - 2)
+    part = np.clip((z - height[i]) / (height[i + 1] - height[i]), 0.0, 1.0)
+    low, high = haze[i], haze[i + 1]
+    both = (low > 0.0) & (high > 0.0)
+    return np.asarray(np.where(both, np.where(both, low, 1.0) ** (1.0 - part) * np.where(both, high, 1.0) ** part, 0.0))
+
+
+def mean_humidity(humidity: FloatArray, amount: FloatArray) -> float:
+    """Humidity [%] of a haze by LOWTRAN7: ``100 - exp(mean log(100 - min(RH, 99)))``, weighted with amounts; 0 without haze."""
+    total = float(np.sum(amount))
+    if total <= 0.0:
+        return 0.0
+    return float(100.0 - np.exp(np.sum(amount * np.log(100.0 - np.minimum(humidity, 99.0))) / total))
+
+
+def _below(weather: HazeWeather, surface_humidity: float, humidity: float) -> tuple[FloatArray, float]:
+    """Extinction, absorption and asymmetry [(3, 47)] of the boundary layer's aerosol, and the visibility [km]."""
+    held = lowtran_numbers()
+    given = weather.visibility_km or 0.0
+    match weather.haze:
+        case "none":
+            return np.zeros((3, held["haze_um"].size)), 23.0
+        case "navy-maritime":
+            return _navy(weather, surface_humidity, given)
+        case "desert":
+            return _desert(weather.wind, given)
+        case "advective-fog" | "radiative-fog":
+            return held[f"aerosol_{weather.haze}"], given or DEFAULT_VISIBILITY[weather.haze]
+        case _:
+            return _humid(HUMID_TABLES[weather.haze], humidity), given or DEFAULT_VISIBILITY[weather.haze]
+
+
+def _humid(table: str, humidity: float) -> FloatArray:
+    """Coefficients [(3, 47)] of an aerosol at a relative humidity [%], logarithms linear in ``log(100 - RH)``."""
+    values = lowtran_numbers()[f"aerosol_{table}"]
+    x, at = np.log(100.0 - min(humidity, 99.0)), np.log(100.0 - HUMIDITIES)
+    i = min(int(np.searchsorted(HUMIDITIES, humidity, side="right")), 3) - 1
+    part = (x - at[i]) / (at[i + 1] - at[i])
+    logs = np.log(np.maximum(values, 1e-300))
+    return np.asarray(np.exp((1.0 - part) * logs[:, i] + part * logs[:, i + 1]))
+
+
+def _navy(weather: HazeWeather, humidity: float, visibility: float) -> tuple[FloatArray, float]:
+    """Navy maritime aerosol: three sizes of droplets, grown by humidity, raised by the wind."""
+    held = lowtran_numbers()
+    rh = min(max(humidity, 50.0), 98.0)
+    f = ((2.0 - rh / 100.0) / (6.0 * (1.0 - rh / 100.0))) ** 0.33333
+    wind, mean = max(min(weather.wind, 20.0), 1e-3), max(min(weather.wind_24h, 20.0), 1e-3)
+    numbers = np.array([2000.0 * weather.air_mass**2, max(5.866 * (mean - 2.2), 0.5), 10.0 ** (0.06 * wind - 2.8)])
+    nodes = held["navy_humidity"]
+    j = max(int(np.searchsorted(nodes, rh)), 1)
+    part = (rh - nodes[j - 1]) / (nodes[j] - nodes[j - 1])
+    logs = (1.0 - part) * held["navy"][:, j - 1] + part * held["navy"][:, j]
+    green = 10.0 ** logs[:3, 3] @ numbers
+    spectra = np.zeros((3, held["haze_um"].size))
+    spectra[0, :40] = numbers @ 10.0 ** logs[:3] / green
+    spectra[1, :40] = numbers @ 10.0 ** logs[3:] / green
+    return spectra, visibility or CONTRAST / (np.pi / 1000.0 * green / f + CLEAR_MOLECULES)
+
+
+def _desert(wind: float, visibility: float) -> tuple[FloatArray, float]:
+    """Desert aerosol: exponential between winds of 0, 10, 20 and 30 m/s, and beyond."""
+    table = lowtran_numbers()["desert"]
+    i = min(int(wind / 10.0), 2)
+    part = wind / 10.0 - i
+    spectra = np.empty((3, table.shape[-1]))
+    spectra[:2] = np.exp((1.0 - part) * np.log(table[:2, i]) + part * np.log(table[:2, i + 1]))
+    spectra[2] = (1.0 - part) * table[2, i] + part * table[2, i + 1]
+    green = spectra[0, 3]
+    spectra[:2] /= green
+    return spectra, visibility or CONTRAST / (green + CLEAR_MOLECULES)

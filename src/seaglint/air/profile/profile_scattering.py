@@ -1,0 +1,171 @@
+"""Scatterers of a profile: what :mod:`seaglint.air.scattering` sums single scattering of sunlight from, for any profile and haze."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
+from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols, mean_humidity
+from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
+from seaglint.air.scattering.lowtran_ray import AEROSOLS, layer_amounts
+from seaglint.air.scattering.scattered_line import HUMIDITIES
+from seaglint.air.scattering.scattering_laws import AEROSOL_COLUMNS, AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, grid_of
+from seaglint.base.conventions import FloatArray
+from seaglint.base.limits import NAVY_AEROSOL_WIND
+
+MODELS_REFRACTED_CM: Final = 3410.0
+"""Wavenumber of the refractivity in cases evaluated one by one, whatever their bands [cm-1]: the middle of 2-5.5 um."""
+
+MOST_LEVELS: Final = 34
+"""Levels that single scattering is summed over, as in LOWTRAN7; of profiles with more, those that interpolate the others best."""
+
+HUMID_MODELS: Final = {
+    "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
+}  # fmt: skip
+"""Aerosol models of the phase functions before the four for rising humidity."""
+
+FOG_MODELS: Final = {"advective-fog": 23, "radiative-fog": 24}
+ALOFT_MODELS: Final = (17, 20, 25)
+"""Aerosol models of fogs, and above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust."""
+
+_THINNING: Final = (0.002, 0.3, 2.0)
+"""Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
+
+
+class Scatterers:
+    """Scatterers of a profile on channels, for many hazes.
+
+    Parameters
+    ----------
+    profile : AirProfile
+        The air.
+    wavenumber_cm : ndarray
+        Channels [cm-1, (n,)].
+    refracted_cm : float, optional
+        Wavenumber of the refractivity [cm-1]; by default the middle of the channels.
+
+    Examples
+    --------
+    >>> from seaglint.air.profile.air_profile import model_profile
+    >>> air = Scatterers(model_profile("midlatitude-summer"), np.arange(2000.0, 2861.0, 5.0)).with_haze(HazeWeather(wind=7.0, wind_24h=7.0))
+    >>> air.source.shape
+    (173,)
+    """
+
+    def __init__(self, profile: AirProfile, wavenumber_cm: FloatArray, refracted_cm: float | None = None) -> None:
+        held, keep = lowtran_numbers(), channels_of(wavenumber_cm)
+        self._profile = thin = thinned(profile)
+        self._nu = nu = np.asarray(wavenumber_cm, dtype=np.float64)
+        power = held["band_power"][:, keep]
+        column = held["band_column"][:, keep].astype(np.int64)
+        log = np.log(10.0) * power * held["band_log10"][:, keep]
+        self._spectral = SpectralLaws(nu, held["continuum"][:7, keep], column, power, log)
+        self._bands = self._spectral.segments()
+        self._source = held["source"][keep]
+        self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS])
+        middle = 0.5 * float(nu[0] + nu[-1]) if refracted_cm is None else refracted_cm
+        self._refractivity = refractivity(thin, middle)
+        none = np.zeros((AEROSOLS, thin.height.size))
+        self._grid = grid_of(self._levels("none", none, np.zeros(AEROSOLS)))
+
+    def _levels(self, haze: str, density: FloatArray, tops: FloatArray) -> AirLevels:
+        thin = self._profile
+        return AirLevels(
+            1e-3 * thin.earth_radius,
+            1e-3 * thin.height,
+            thin.pressure,
+            thin.temperature,
+            self._refractivity,
+            _phase_humidity(haze, thin.relative_humidity),
+            1e-3 * tops,
+            np.concatenate([density, self._density]),
+        )
+
+    def with_haze(self, haze: HazeWeather, humidity: float | None = None) -> ScatteringAir:
+        """Scatterers and absorbers with a haze.
+
+        Hazes that grow with humidity have ``humidity`` [%], by default the mean one of the boundary layer above the sea, weighted with
+        the haze.
+        """
+        thin = self._profile
+        if humidity is None and haze.haze in HUMID_TABLES:
+            dry = aerosols(thin, haze, self._nu, 0.0)
+            weight = np.concatenate([[0.0], 0.5 * (dry.density[0, :-1] + dry.density[0, 1:]) * np.diff(thin.height)])
+            humidity = mean_humidity(thin.relative_humidity, weight)
+        kept = aerosols(thin, haze, self._nu, humidity or 0.0)
+        levels = self._levels(haze.haze, kept.density, kept.tops)
+        amount = self._grid.amount.copy()
+        amount[:, :, :AEROSOLS] = layer_amounts(np.diff(levels.height), kept.density)
+        angle = np.radians(lowtran_numbers()["phase_angle_deg"])
+        laws = AerosolLaws(kept.extinction, kept.absorption, angle, self._log_phase(haze.haze, kept.asymmetry[0]))
+        return ScatteringAir.assembled(self._spectral, self._bands, levels, laws, self._source, self._grid._replace(amount=amount))
+
+    def _log_phase(self, haze: str, asymmetry: FloatArray) -> FloatArray:
+        """Logarithm of the phase functions [(KINDS - 1, n, angles)], linear in wavelength as in LOWTRAN7."""
+        held = lowtran_numbers()
+        out = _mie_phase(haze, tuple(self._nu.tolist()))
+        if haze == "desert":  # LOWTRAN7 takes Henyey and Greenstein's function there
+            out, cosine = out.copy(), np.cos(np.radians(held["phase_angle_deg"]))
+            g = asymmetry[:, None]
+            out[: len(HUMIDITIES)] = np.log((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * cosine) ** 1.5))
+        return out
+
+
+def scattering_air(
+    profile: AirProfile, haze: HazeWeather, wavenumber_cm: FloatArray, refracted_cm: float | None = None, humidity: float | None = None
+) -> ScatteringAir:
+    """Return :class:`Scatterers` of a profile on channels [cm-1, (n,)] with one haze."""
+    return Scatterers(profile, wavenumber_cm, refracted_cm).with_haze(haze, humidity)
+
+
+@lru_cache(maxsize=8)
+def model_scatterers(model: str, channels: tuple[float, ...]) -> Scatterers:
+    """Return the scatterers of a model atmosphere on channels [cm-1]."""
+    return Scatterers(model_profile(model), np.array(channels), MODELS_REFRACTED_CM)
+
+
+def maritime(wind_speed: float) -> HazeWeather:
+    """Return the Navy's haze at a wind [m s-1]; above 20 m/s that of 20, as in LOWTRAN7."""
+    wind = min(float(wind_speed), NAVY_AEROSOL_WIND[1])
+    return HazeWeather(wind=wind, wind_24h=wind)
+
+
+def _phase_humidity(haze: str, humidity: FloatArray) -> FloatArray:
+    """Humidity [%] of the phase functions: LOWTRAN7 takes the tropospheric haze's of the next drier table."""
+    return np.array(HUMIDITIES)[np.searchsorted(HUMIDITIES, humidity, side="right") - 1] if haze == "tropospheric" else humidity
+
+
+def thinned(profile: AirProfile) -> AirProfile:
+    """Return the profile with at most :data:`MOST_LEVELS` levels: ends first, then the worst interpolated one after the other."""
+    z = profile.height
+    if z.size <= MOST_LEVELS:
+        return profile
+    scaled = np.stack(
+        [np.log(profile.pressure) / _THINNING[0], profile.temperature / _THINNING[1], profile.relative_humidity / _THINNING[2]]
+    )
+    chosen = [0, z.size - 1]
+    while len(chosen) < MOST_LEVELS:
+        order = np.sort(chosen)
+        guess = np.array([np.interp(z, z[order], row[order]) for row in scaled])
+        chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=0))))
+    i = np.sort(chosen)
+    parts = (profile.height[i], profile.pressure[i], profile.temperature[i], profile.vapour[i], profile.gas[:, i])
+    return AirProfile(profile.name, *parts, profile.earth_radius, profile.season, profile.haze_humidity)
+
+
+@lru_cache(maxsize=8)
+def _mie_phase(haze: str, channels: tuple[float, ...]) -> FloatArray:
+    """Logarithm of the tabulated phase functions [(KINDS - 1, n, angles)]."""
+    held = lowtran_numbers()
+    first = HUMID_MODELS.get(haze, 4)
+    below = [FOG_MODELS[haze]] * len(HUMIDITIES) if haze in FOG_MODELS else [first + i for i in range(len(HUMIDITIES))]
+    table, nodes, um = held["log_phase"][[*below, *ALOFT_MODELS]], held["phase_um"], 1e4 / np.array(channels)
+    left = np.clip(np.searchsorted(nodes, um, side="right") - 1, 0, nodes.size - 2)
+    part = ((um - nodes[left]) / (nodes[left + 1] - nodes[left]))[:, None]
+    out = np.asarray((1.0 - part) * table[:, left] + part * table[:, left + 1])
+    out.flags.writeable = False
+    return out

@@ -1,0 +1,155 @@
+"""Facts about a sounding or a model atmosphere: levels, water, hydrostatics, the lowest air, refraction and ducts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from seaglint.air.profile.absorber_densities import refractivity
+from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.bent_ray import trapping_layers
+from seaglint.base.conventions import FloatArray
+from seaglint.base.free_form import JsonObject
+from seaglint.files.lowtran.deck import MODELS
+from seaglint.files.soundings.sounding import read_sounding
+from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
+
+INFRARED_CM: Final = 2500.0
+"""Wavenumber of the refractivity that is told [cm-1]: 4 um."""
+
+REFERENCE_HEIGHT: Final = 10.0
+"""Height of the air that is compared with the sea [m]."""
+
+LOWEST: Final = 100.0
+"""Height up to which the mean gradient of refractivity is taken [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class AirSummary:
+    """Facts about the air, for a listing, JSON and a picture.
+
+    Attributes
+    ----------
+    profile : AirProfile
+        The air from the sea to 100 km.
+    given : int
+        Number of levels of the sounding or model itself.
+    kind : str
+        Format of the file, or ``model atmosphere``.
+    top : float
+        Height of the highest level given [m].
+    lowest : float
+        Height of the lowest level given [m].
+    misfit : float or None
+        Relative misfit of heights and pressures from the hydrostatic balance; None where levels are few.
+    sea_kelvin : float
+        Temperature of the sea to compare with [K].
+    notes : tuple of str
+        What the reader did.
+    """
+
+    profile: AirProfile
+    given: int
+    kind: str
+    top: float
+    lowest: float
+    misfit: float | None
+    sea_kelvin: float
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def refractivity_units(self) -> FloatArray:
+        """Refractivity ``n - 1`` at the levels in parts per million [1e-6, (levels,)]."""
+        return 1e6 * refractivity(self.profile, INFRARED_CM)
+
+    @property
+    def lowest_gradient(self) -> float:
+        """Mean gradient of refractivity from the sea to 100 m [1e-9 per m]."""
+        n = np.interp([0.0, LOWEST], self.profile.height, self.refractivity_units)
+        return float(1e3 * (n[1] - n[0]) / LOWEST)
+
+    @property
+    def ducts(self) -> list[tuple[float, float]]:
+        """Layers that bend rays more than the Earth is round, from and to heights [m]."""
+        return trapping_layers(self.profile.height, 1e-6 * self.refractivity_units, self.profile.earth_radius)
+
+    @property
+    def air_minus_sea(self) -> float:
+        """Temperature of the air at 10 m less that of the sea [K]."""
+        return float(np.interp(REFERENCE_HEIGHT, self.profile.height, self.profile.temperature)) - self.sea_kelvin
+
+    @property
+    def lines(self) -> list[str]:
+        """Listing, a fact a line."""
+        air = self.profile
+        out = [
+            f"{air.name}: {self.kind}, {self.given} levels from {self.lowest:.0f} m to {1e-3 * self.top:.1f} km",
+            f"at the sea       {air.pressure[0]:.1f} hPa, {air.temperature[0] - 273.15:.1f} C, {air.relative_humidity[0]:.0f} % humidity",
+            f"precipitable water {air.precipitable_water:.1f} kg/m2 (mm)",
+        ]
+        if self.misfit is not None:
+            out.append(f"heights against pressures (hydrostatic) {100.0 * self.misfit:+.2f} %")
+        out.append(f"air at 10 m less sea of {self.sea_kelvin:g} K  {self.air_minus_sea:+.1f} K")
+        out.append(
+            f"refractivity gradient to 100 m {self.lowest_gradient:+.0f}e-9 per m (standard -22e-9; -157e-9 bends rays like the Earth)"
+        )
+        ducts = ", ".join(f"{a:.0f}-{b:.0f} m" for a, b in self.ducts)
+        out.append(f"ducts: {ducts}; air bends rays there less than that in its sums" if ducts else "ducts: none")
+        return [*out, *(f"note: {note}" for note in self.notes)]
+
+    def as_dict(self) -> JsonObject:
+        """Plain values, for JSON."""
+        return {
+            "name": self.profile.name,
+            "kind": self.kind,
+            "levels": self.given,
+            "lowest_m": self.lowest,
+            "highest_m": self.top,
+            "surface_pressure_hpa": float(self.profile.pressure[0]),
+            "surface_temperature_k": float(self.profile.temperature[0]),
+            "surface_relative_humidity_percent": float(self.profile.relative_humidity[0]),
+            "precipitable_water_kg_m2": self.profile.precipitable_water,
+            "hydrostatic_misfit": self.misfit,
+            "air_minus_sea_k": self.air_minus_sea,
+            "refractivity_gradient_per_m": 1e-9 * self.lowest_gradient,
+            "ducts_m": [list(duct) for duct in self.ducts],
+            "notes": list(self.notes),
+        }
+
+
+def summarise_air(source: str, sea_kelvin: float, model: str = "midlatitude-summer") -> AirSummary:
+    """Return facts about a sounding's file or a model atmosphere by name; ``model`` continues a sounding.
+
+    Raises
+    ------
+    DataError
+        As :func:`~seaglint.files.soundings.sounding.read_sounding`.
+    """
+    if source in MODELS and not Path(source).exists():
+        profile = model_profile(source)
+        return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)
+    read = read_sounding(source)
+    profile = read.profile(model)
+    return AirSummary(
+        profile,
+        read.height.size - (1 if read.lowest_given > 0.0 else 0),
+        read.kind,
+        float(read.height[-1]),
+        read.lowest_given,
+        _misfit(profile, read.height.size),
+        sea_kelvin,
+        read.notes,
+    )
+
+
+def _misfit(profile: AirProfile, count: int) -> float:
+    """Relative difference of the height of levels from that of their pressures."""
+    z, p, t = profile.height[:count], profile.pressure[:count], profile.temperature[:count]
+    warm = virtual_temperature(t, p, profile.relative_humidity[:count])
+    gravity = 9.80665 * (6_356_766.0 / (6_356_766.0 + 0.5 * (z[1:] + z[:-1]))) ** 2
+    thick = DRY_AIR * 0.5 * (warm[1:] + warm[:-1]) / gravity * np.log(p[:-1] / p[1:])
+    low = z[1:] <= 30e3
+    return float(np.diff(z)[low].sum() / thick[low].sum() - 1.0)

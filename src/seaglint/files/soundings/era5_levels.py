@@ -1,0 +1,100 @@
+"""Reader of ERA5's pressure levels at a place: geopotential, temperature and humidity, as the Climate Data Store writes them."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.errors import DataError
+from seaglint.files.netcdf import open_netcdf
+from seaglint.files.soundings.raw_sounding import Humidity, RawSounding
+
+LEVELS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
+TIMES: Final = ("valid_time", "time")
+HEIGHTS: Final = ("z", "gh", "geopotential", "geopotential_height")
+TEMPERATURES: Final = ("t", "ta", "temperature")
+MOISTURES: Final[dict[str, Humidity]] = {
+    "q": "specific_humidity", "hus": "specific_humidity", "specific_humidity": "specific_humidity",
+    "r": "relative_humidity_percent", "hur": "relative_humidity_percent", "relative_humidity": "relative_humidity_percent",
+}  # fmt: skip
+
+
+def read_era5_levels(path: Path, place: tuple[float, float] | None, time: datetime | None) -> RawSounding:
+    """Read the column of the nearest grid point and hour.
+
+    Raises
+    ------
+    DataError
+        Variables missing, or many places without one that was asked for.
+    """
+    with open_netcdf(path, decode_times=True) as data:
+        names = {what: _first(data, known) for what, known in (("level", LEVELS), ("height", HEIGHTS), ("temperature", TEMPERATURES))}
+        moist = next((name for name in MOISTURES if name in data), None)
+        missing = [
+            f"{what} ({', '.join(known[:2])})"
+            for what, known in (("level", LEVELS), ("height", HEIGHTS), ("temperature", TEMPERATURES))
+            if names[what] is None
+        ] + ([] if moist else ["humidity (q, r)"])
+        if missing or moist is None:
+            raise DataError(f"{path}: variables are {', '.join(str(v) for v in data.variables)}; missing: {', '.join(missing)}")
+        at, notes = _selected(path, data, place, time)
+        column = {what: np.asarray(at[name].values, dtype=np.float64).ravel() for what, name in names.items() if name is not None}
+        height = column["height"]
+        units = str(data[names["height"]].attrs.get("units", ""))
+        if names["height"] in ("z", "geopotential") and units != "m":
+            height = height / 9.80665
+        pressure = column["level"]
+        if str(data[names["level"]].attrs.get("units", "hPa")) == "Pa" or pressure.max() > 2000.0:
+            pressure = 0.01 * pressure
+        humidity = np.asarray(at[moist].values, dtype=np.float64).ravel()
+        if not pressure.size == height.size == humidity.size == column["temperature"].size:
+            raise DataError(f"{path}: its variables have more dimensions than level, time, latitude and longitude; select one member")
+        return RawSounding(
+            "ERA5 pressure levels",
+            pressure,
+            height,
+            column["temperature"],
+            MOISTURES[moist],
+            humidity if MOISTURES[moist] == "relative_humidity_percent" else np.maximum(humidity, 0.0),
+            True,
+            {"pressure": str(names["level"]), "height": str(names["height"]), "temperature": str(names["temperature"]), "humidity": moist},
+            notes,
+            resolution=(0.01, 5.0),
+        )
+
+
+def _first(data: Any, known: tuple[str, ...]) -> str | None:
+    return next((name for name in known if name in data.variables), None)
+
+
+def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None) -> tuple[Any, tuple[str, ...]]:
+    notes = []
+    for name in TIMES:
+        if name in data.dims and data.sizes[name] > 0:
+            stamps = np.asarray(data[name].values)
+            i = 0
+            if time is not None and np.issubdtype(stamps.dtype, np.datetime64):
+                i = int(np.argmin(np.abs(stamps - np.datetime64(time.replace(tzinfo=None)))))
+            if stamps.size > 1:
+                notes.append(f"the hour {str(stamps[i])[:16]} is taken, {stamps.size - 1} others are left")
+            data = data.isel({name: i})
+    latitude = next((name for name in ("latitude", "lat") if name in data.dims), None)
+    longitude = next((name for name in ("longitude", "lon") if name in data.dims), None)
+    if latitude is None or longitude is None or data.sizes[latitude] * data.sizes[longitude] == 1:
+        return data.squeeze(), tuple(notes)
+    if place is None:
+        raise DataError(f"{path}: holds {data.sizes[latitude] * data.sizes[longitude]} places; give [place] latitude_deg and longitude_deg")
+    lats, lons = np.asarray(data[latitude].values), np.asarray(data[longitude].values)
+    i = int(np.argmin(np.abs(lats - place[0])))
+    j = int(np.argmin(np.abs((lons - place[1] + 180.0) % 360.0 - 180.0)))
+    step = float(np.max(np.abs(np.diff(lats)))) if lats.size > 1 else 0.25
+    away = max(abs(float(lats[i]) - place[0]), abs((float(lons[j]) - place[1] + 180.0) % 360.0 - 180.0))
+    if away > max(1.0, 2.0 * step):
+        raise DataError(
+            f"{path}: its nearest place, {lats[i]:g}, {lons[j]:g} deg, is {away:.1f} deg from {place[0]:g}, {place[1]:g}; get another file"
+        )
+    notes.append(f"the grid point {lats[i]:g}, {lons[j]:g} deg is taken")
+    return data.isel({latitude: i, longitude: j}), tuple(notes)

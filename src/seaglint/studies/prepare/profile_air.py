@@ -1,0 +1,144 @@
+"""Air of a scenario from a profile: a model atmosphere or a sounding, with a haze at the scenario's wind."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from seaglint.air.profile.absorber_densities import refractivity
+from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.bent_ray import trapping_layers
+from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.profile.marine_layer import with_marine_layer
+from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
+from seaglint.air.protocol import wavenumber_grid
+from seaglint.base.errors import ScenarioError
+from seaglint.base.free_form import JsonObject
+from seaglint.base.limits import NAVY_AEROSOL_WIND, PROFILE_BAND_UM, TABLE_BANDS_UM
+from seaglint.files.tables.track import read_track
+from seaglint.optics.band import Band
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT
+
+_log = logging.getLogger(__name__)
+
+INFRARED_CM: Final = 2500.0
+"""Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um."""
+
+if TYPE_CHECKING:
+    from seaglint.air.scattering.scattering_laws import ScatteringAir
+
+
+def profile_atmosphere(
+    wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band
+) -> ProfileAtmosphere:
+    """Return the air over a band; the same object for the same air, whose rays are kept.
+
+    Raises
+    ------
+    ScenarioError
+        A response file reaches beyond the air's band.
+    """
+    _require_band(wanted, scenario, over)
+    wind = scenario.wind.speed_m_s
+    lowest = None if wanted.air_minus_sea_k is None else (wind, scenario.sea.temperature_k, wanted.air_minus_sea_k)
+    choice = _Choice(HazeWeather(wind=wind, wind_24h=wind), (over.min_um, over.max_um), wanted.levels, _changes_height(scenario), lowest)
+    if isinstance(wanted, wanted_air.TableAtmosphereSettings):
+        return _kept(wanted.model, choice)
+    longer = wind if wanted.wind_24h_m_s is None else wanted.wind_24h_m_s
+    haze = HazeWeather(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, longer)
+    choice = replace(choice, haze=haze)
+    if wanted.sounding is None:
+        return _kept(wanted.model, choice)
+    from seaglint.files.soundings.sounding import read_sounding
+
+    place = None if scenario.place is None else (scenario.place.latitude_deg, scenario.place.longitude_deg)
+    sounding = read_sounding(wanted.sounding, place, None if scenario.time is None else scenario.time.utc)
+    profile = sounding.profile(wanted.model)
+    trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
+    if trapped:
+        layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
+        _log.warning("%s traps rays at %s: its sums bend them a little less, and pictures show no mirage", sounding.path, layers)
+    return _made(profile, choice, sounding.provenance)
+
+
+def model_air(model: str, wind_speed: float, edges: tuple[float, float]) -> ProfileAtmosphere:
+    """Return a model atmosphere with the Navy maritime aerosol at a wind [m s-1], at most 20, over wavelengths [um]."""
+    wind = min(wind_speed, NAVY_AEROSOL_WIND[1])
+    return _kept(model, _Choice(HazeWeather(wind=wind, wind_24h=wind), edges))
+
+
+def _changes_height(scenario: Scenario) -> bool:
+    """Return true for a sensor that rises, sinks or floats."""
+    platform = scenario.platform
+    if platform is None:
+        return False
+    if platform.floats:
+        return True
+    if platform.track is not None:
+        heights = read_track(platform.track)[0].get("height_m", np.zeros(1))
+    else:
+        own = scenario.sensor.height_m
+        heights = np.array([own if key.height_m is None else key.height_m for key in platform.keyframes or ()])
+    return bool(np.ptp(heights) > 0.0) if heights.size else False
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """What air depends on besides its profile; ``lowest`` is wind, temperature of the sea, and air less sea."""
+
+    haze: HazeWeather
+    edges: tuple[float, float]
+    levels: Levels = "continuous"
+    moving: bool = False
+    lowest: tuple[float, float, float] | None = None
+
+
+@lru_cache(maxsize=16)
+def _kept(model: str, choice: _Choice) -> ProfileAtmosphere:
+    return _made(model_profile(model), choice, {})
+
+
+def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> ProfileAtmosphere:
+    grid = wavenumber_grid(*choice.edges)
+    middle = 0.5 * float(grid[0] + grid[-1])
+    provenance: JsonObject = {**noted}
+    if choice.lowest is not None:
+        profile = with_marine_layer(profile, *choice.lowest)
+        provenance["air_minus_sea_k"] = choice.lowest[2]
+
+    def scatterers(part: slice) -> ScatteringAir:
+        # Numba comes with it: thermal bands do without.
+        from seaglint.air.profile.profile_scattering import scattering_air
+
+        return scattering_air(profile, choice.haze, grid[part], middle)
+
+    scatters = choice.edges[0] < THERMAL_UM
+    return ProfileAtmosphere(
+        profile,
+        choice.haze,
+        grid,
+        levels=choice.levels,
+        scattering=scatterers if scatters else None,
+        provenance=provenance,
+        moving=choice.moving,
+    )
+
+
+def _require_band(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band) -> None:
+    """Refuse what a response file reaches; the scenario checked its own numbers."""
+    of_table = isinstance(wanted, wanted_air.TableAtmosphereSettings)
+    inside = TABLE_BANDS_UM if of_table else (PROFILE_BAND_UM,)
+    if any(low <= over.min_um and over.max_um <= high for low, high in inside):
+        return
+    text = TABLE_BANDS_TEXT if of_table else f"{PROFILE_BAND_UM[0]:g} to {PROFILE_BAND_UM[1]:g} um"
+    what = "the table atmosphere" if of_table else "LOWTRAN7's band laws"
+    raise ScenarioError(
+        f"band.response = '{scenario.band.response}' reaches from {over.min_um:g} to {over.max_um:g} um, outside {what}; allowed: {text}, "
+        "or set atmosphere.source = 'none'"
+    )
