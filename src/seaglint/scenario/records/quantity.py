@@ -15,6 +15,9 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+# A power as the field writes it: "m2" of "W/m2/sr", which pint reads as "m^2" alone.
+_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])(?![0-9A-Za-z])")
+
 _NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*$")
 
 # Spellings of the field that pint reads otherwise ("kn" would be a kilo-something) or not at all.
@@ -89,15 +92,16 @@ def by_pint(value: float, written: str, unit: str) -> float:
     example = _EXAMPLES.get(unit, f"1 {unit}")
     ureg = _registry()
     spelling = "1 " + written if written.startswith("/") else _SPELLINGS.get(written, written)
+    spelling, asked = (_POWER.sub(r"^\1", name) for name in (spelling, unit))
     try:
         # pint answers unknown spellings with several exception types (tokenizer, attribute, value); all mean the same here.
         quantity = ureg.Quantity(value, ureg.Unit(spelling))
     except Exception:
         raise ValueError(f"has the unknown unit '{written}'; write a number in {unit} or text such as '{example}'") from None
     # To pint, angles, decibels and shares are all numbers: only what rests on the same units is of one kind.
-    if quantity.to_root_units().units != ureg.Quantity(1.0, ureg.Unit(unit)).to_root_units().units:
+    if quantity.to_root_units().units != ureg.Quantity(1.0, ureg.Unit(asked)).to_root_units().units:
         raise ValueError(f"has a unit of another kind ('{written}'); allowed is {unit} or what converts to it, such as '{example}'")
-    return float(quantity.to(unit).magnitude)
+    return float(quantity.to(asked).magnitude)
 
 
 @dataclass(frozen=True)
