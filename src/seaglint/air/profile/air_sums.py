@@ -21,6 +21,7 @@ from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.band_laws import BandLaws
 from seaglint.air.profile.bent_ray import BentRay, RefractingAir
 from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols
+from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
 
@@ -91,7 +92,8 @@ class AirSums:
         self.profile, self.haze = profile, haze
         self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64))
         middle = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
-        self.air = RefractingAir.of(profile.height, refractivity(profile, middle), profile.earth_radius)
+        self.index = LayeredIndex(profile.height, refractivity(profile, middle), profile.earth_radius)
+        self.air = RefractingAir.of(profile.height, self.index.refractivity, profile.earth_radius)
         gases = absorber_densities(profile, self.laws.columns)
         self._cold_row = self.laws.columns.index(9)
         self._self_row = self.laws.columns.index(5)

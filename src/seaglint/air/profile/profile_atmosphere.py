@@ -19,6 +19,7 @@ from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.air_sums import AirSums, RaySpectra
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.lowtran_numbers import numbers_provenance
+from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.air.protocol import ClearAir, require_height, require_line, require_solar_zenith, slant_range
 from seaglint.air.sky_spline import brightness_temperature, radiance_of
 from seaglint.base.conventions import FloatArray, horizon_depression
@@ -128,6 +129,11 @@ class ProfileAtmosphere(ClearAir):
 
     def _ray(self, height: float, zenith: float) -> RaySpectra:
         return (self.sums.along if self.levels == "continuous" else self.sums.in_layers)(height, zenith)
+
+    @property
+    def index(self) -> LayeredIndex:
+        """Refraction of the profile, ducts as they are."""
+        return self.sums.index
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
         """Scatterers on part of the channels."""

@@ -11,7 +11,8 @@ import numpy as np
 from seaglint.air.profile.absorber_densities import refractivity
 from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.bent_ray import trapping_layers
-from seaglint.base.conventions import FloatArray
+from seaglint.air.profile.ray_paths import LayeredIndex
+from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.base.free_form import JsonObject
 from seaglint.files.lowtran.deck import MODELS
 from seaglint.files.soundings.sounding import read_sounding
@@ -22,6 +23,12 @@ INFRARED_CM: Final = 2500.0
 
 REFERENCE_HEIGHT: Final = 10.0
 """Height of the air that is compared with the sea [m]."""
+
+EYES: Final = (10.0, 100.0)
+"""Heights of sensors whose horizon is told [m]."""
+
+FARTHEST: Final = 500e3
+"""Arc up to which rays to the horizon are followed [m]."""
 
 LOWEST: Final = 100.0
 """Height up to which the mean gradient of refractivity is taken [m]."""
@@ -77,6 +84,12 @@ class AirSummary:
         return trapping_layers(self.profile.height, 1e-6 * self.refractivity_units, self.profile.earth_radius)
 
     @property
+    def horizons(self) -> dict[float, float]:
+        """Arcs to the sea's horizon [m] by height of the sensor [m], at most :data:`FARTHEST`."""
+        index = LayeredIndex(self.profile.height, 1e-6 * self.refractivity_units, self.profile.earth_radius)
+        return {height: index.horizon(height, FARTHEST) for height in EYES}
+
+    @property
     def air_minus_sea(self) -> float:
         """Temperature of the air at 10 m less that of the sea [K]."""
         return float(np.interp(REFERENCE_HEIGHT, self.profile.height, self.profile.temperature)) - self.sea_kelvin
@@ -96,6 +109,10 @@ class AirSummary:
         out.append(
             f"refractivity gradient to 100 m {self.lowest_gradient:+.0f}e-9 per m (standard -22e-9; -157e-9 bends rays like the Earth)"
         )
+        seen = ", ".join(
+            f"{1e-3 * arc:.1f} km from {height:g} m (standard {1e-3 * horizon_range(height):.1f})" for height, arc in self.horizons.items()
+        )
+        out.append(f"sea's horizon {seen}")
         ducts = ", ".join(f"{a:.0f}-{b:.0f} m" for a, b in self.ducts)
         out.append(f"ducts: {ducts}; air bends rays there less than that in its sums" if ducts else "ducts: none")
         return [*out, *(f"note: {note}" for note in self.notes)]
@@ -115,6 +132,7 @@ class AirSummary:
             "hydrostatic_misfit": self.misfit,
             "air_minus_sea_k": self.air_minus_sea,
             "refractivity_gradient_per_m": 1e-9 * self.lowest_gradient,
+            "horizon_m": {f"{height:g}": arc for height, arc in self.horizons.items()},
             "ducts_m": [list(duct) for duct in self.ducts],
             "notes": list(self.notes),
         }

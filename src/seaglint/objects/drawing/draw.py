@@ -93,6 +93,8 @@ class Stage:
         The resolved waves of the instant; without them the sea is flat.
     columns, rows : (int, int)
         Pixels that are drawn, first and end.
+    sea_hides : float
+        Arc beyond which the sea hides nothing of a body but what is under it [m].
     """
 
     imager: Imager
@@ -101,6 +103,7 @@ class Stage:
     sea: tuple[Levels, Surface] | None
     columns: tuple[int, int]
     rows: tuple[int, int]
+    sea_hides: float = math.inf
 
     @cached_property
     def lens(self) -> Lens:
@@ -114,6 +117,8 @@ class Stage:
 
     def crests(self, one: Placed) -> Crests:
         """Sea in front of a part."""
+        if one.span[0].arc[0] > self.sea_hides:
+            return calm(self.pose.height)._replace(horizon=(math.inf, 0.0))
         if self.sea is None:
             return calm(self.pose.height)
         return sea_before(*self.sea, self.pose.height, one.span[0])

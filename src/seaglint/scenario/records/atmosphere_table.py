@@ -33,6 +33,15 @@ AirMinusSea = Annotated[
 ]
 
 
+Refraction = Annotated[
+    Literal["standard", "profile"],
+    Field(
+        description="standard: lines of sight bend as in a standard atmosphere; profile: as in this air, so that horizon, objects and "
+        "sea shift, and mirages show (upright cameras with equal steps of angle)"
+    ),
+]
+
+
 class TableAtmosphereSettings(Record):
     """One of LOWTRAN7's model atmospheres with its Navy maritime aerosol at the scenario's wind."""
 
@@ -43,6 +52,7 @@ class TableAtmosphereSettings(Record):
     ] = "midlatitude-summer"
     levels: Levels = "continuous"
     air_minus_sea_k: AirMinusSea = None
+    refraction: Refraction = "standard"
     scattered_sunlight: Annotated[
         bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
     ] = True
@@ -105,6 +115,7 @@ class LowtranAtmosphere(_Profile):
     source: Literal["lowtran"] = "lowtran"
     levels: Levels = "continuous"
     air_minus_sea_k: AirMinusSea = None
+    refraction: Refraction = "standard"
 
 
 class LowtranFortranAtmosphere(_Profile):

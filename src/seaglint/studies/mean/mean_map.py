@@ -7,7 +7,7 @@ import json
 import logging
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, assert_never
 
@@ -19,6 +19,7 @@ from seaglint.base.threads import single_threaded_algebra
 from seaglint.facet.sea_view import SeaView
 from seaglint.files.provenance import band_attributes, provenance
 from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.refracted import air_beyond
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean_radiance import MeanModel, SeaRadiance, mean_radiance
@@ -28,6 +29,7 @@ from seaglint.scenario.records.sea_slopes import SpectrumSlopes
 from seaglint.scenario.records.sea_spectrum import SpectrumFile
 from seaglint.studies.mean.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.refraction import bending, require_standard_refraction
 from seaglint.studies.sequence.render_sequence import poses
 
 if TYPE_CHECKING:
@@ -73,6 +75,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
         azimuth, elevation = camera.azimuths, camera.elevations
         maps = _of_rows(scenario, camera, view, length)
     else:
+        require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
         maps = over_pixels(imager, pose, _seen(scenario, view, length))
     total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
@@ -124,16 +127,23 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -
 
     Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
     """
-    rows, across = RowAverage.of(camera), azimuths_across(view, camera.column_step)
+    bent = bending(scenario, view)
+    rows, across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
+    rays = None if bent is None else bent.paths(rows.elevations)
+    elevations = rows.elevations if bent is None or rays is None else bent.straight(rays)
     azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
     match scenario.mean.mode:
         case "spectral":
-            fine = mean_radiance(view, rows.elevations, azimuths)
+            fine = mean_radiance(view, elevations, azimuths)
         case "article":
-            fine = article_radiance(view, rows.elevations, azimuths)
+            fine = article_radiance(view, elevations, azimuths)
         case other:
             assert_never(other)
-    variance = sea_variance(view, fine, rows.elevations, np.repeat(pixel_solid_angle(camera), rows.points), length)
+    variance = sea_variance(view, fine, elevations, np.repeat(pixel_solid_angle(camera), rows.points), length)
+    if bent is not None and rays is not None:
+        share, added = (each[:, None] for each in air_beyond(view, bent, bent.beyond(rays)))
+        lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
+        fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
     shape = (camera.rows, camera.columns)
     maps = {}
     for name, part in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
@@ -185,9 +195,9 @@ class RowAverage:
     points: NDArray[np.intp]
 
     @classmethod
-    def of(cls, camera: Camera) -> RowAverage:
-        """Elevations for the rows of a camera, row by row from the top."""
-        below = np.abs(camera.elevations + horizon_depression(camera.height))
+    def of(cls, camera: Camera, horizon: float | None = None) -> RowAverage:
+        """Elevations for the rows of a camera, row by row from the top; ``horizon`` is that of the sea where refraction is not standard."""
+        below = np.abs(camera.elevations + (horizon_depression(camera.height) if horizon is None else -horizon))
         points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
         points[below < 0.5 * camera.row_step] = CUT_POINTS
         row = np.repeat(np.arange(camera.rows), points)

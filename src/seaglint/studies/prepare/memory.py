@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 from seaglint.base.errors import ScenarioError
+from seaglint.imaging.bending import FINER
 from seaglint.scenario.model import Scenario
 from seaglint.sea.tiles import TILES
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.refraction import bends_by_profile
 
 BYTES_PER_PIXEL = 80
 """Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
@@ -36,6 +38,8 @@ def memory_needed(scenario: Scenario, oversampling: int = 1) -> int:
     each = BYTES_PER_SENSED_PIXEL if scenario.sensor.senses else BYTES_PER_PIXEL
     if not scanned and prepare.upright_camera(scenario) is None:
         each = BYTES_PER_RESAMPLED_PIXEL
+    if bends_by_profile(scenario):
+        rows *= 1 + FINER
     pixels = columns * rows * each * (2 if scenario.render.layers else 1)
     waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
     return BASE + pixels + waves

@@ -63,7 +63,8 @@ def profile_atmosphere(
     trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
     if trapped:
         layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
-        _log.warning("%s traps rays at %s: its sums bend them a little less, and pictures show no mirage", sounding.path, layers)
+        shown = "" if wanted.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
+        _log.warning("%s traps rays at %s: its sums bend them a little less%s", sounding.path, layers, shown)
     return _made(profile, choice, sounding.provenance)
 
 

@@ -22,8 +22,10 @@ from seaglint.files.provenance import provenance
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, check_output, write_sequence
+from seaglint.imaging.bending import RowShift
 from seaglint.imaging.camera.pose import Track
 from seaglint.imaging.layers import Layers
+from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.scene import Scene, image
 from seaglint.imaging.swept import SweptScene
 from seaglint.imaging.turned import TurnedScene
@@ -34,6 +36,7 @@ from seaglint.sea.field import WaveField
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.memory import require_memory
+from seaglint.studies.prepare.refraction import bending, require_standard_refraction
 from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.studies.sequence.spread import over
@@ -256,13 +259,19 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     camera = prepare.gliding_camera(scenario) if scanned else prepare.swept_camera(scenario)
     if camera is not None:
         first = prepare.view(scenario)
+        bent = bending(scenario, first)
         sea = prepare.sea(scenario, first.slopes)
         track = prepare.track(scenario)
 
+        shift = None if bent is None else RowShift.of(bent, camera)
+        grid = camera if shift is None else shift.standard
+
         def prepared(sun: SunPosition) -> Scene:
             view = prepare.under(first, sun)
-            return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+            scene = SweptScene.prepare(view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+            return scene if shift is None else RefractedScene(scene, shift)
     else:
+        require_standard_refraction(scenario)
         sea, imager, at = prepare.sea(scenario, slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
         track = prepare.track(scenario, sea.waves)
 

@@ -13,11 +13,13 @@ from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.files.store.stored_truth import Truth, packed
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import Layers
+from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.scene import Instant, Scene, joined
 from seaglint.objects.body import Body
 from seaglint.objects.drawing.compose import BodySight, composed
 from seaglint.objects.drawing.draw import Drawer, Stage
 from seaglint.objects.drawing.object_shadow import shadowed
+from seaglint.objects.drawing.refracted_bodies import refracted_picture
 from seaglint.objects.drawing.truth import labels, numbers_of
 from seaglint.scenario.model import Scenario
 from seaglint.sea.field import WaveField
@@ -94,7 +96,10 @@ class SceneObjects:
         layers, sea = image
         waves = None if scene.waves is None else (sea.levels, sea.surface)
         stage = Stage(scene.pixels, pose, scene.seen_from(pose), waves, *window)
-        picture = self.drawer.picture(stage, time)
+        if isinstance(scene, RefractedScene):
+            picture = refracted_picture(self.drawer, stage, scene, time)
+        else:
+            picture = self.drawer.picture(stage, time)
         if self.shadows:
             layers = shadowed(layers, stage, picture.placed, self.drawer.light(stage.view))
         out, sights = composed(layers, stage, picture, self.drawer.light(stage.view))

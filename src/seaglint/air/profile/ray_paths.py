@@ -1,0 +1,176 @@
+r"""Heights of rays over the arc along the sea, through layers that may trap them: horizons, ducts and mirages.
+
+With :math:`\zeta = R \ln(1 + z/R)` over the arc :math:`x` the round Earth becomes flat and the index of refraction
+:math:`m = n (1 + z/R)`; along a ray that starts at an elevation :math:`e_0`
+
+.. math:: \frac{d^2\zeta}{dx^2} = \frac{1}{2 C^2} \frac{d m^2}{d \zeta}, \qquad C = m_0 \cos e_0
+
+exactly. Between levels :math:`m^2` is linear, so a ray is a parabola there and is followed from level to level without steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+
+FINEST: Final = ((0.0, 5.0), (200.0, 25.0), (2e3, 200.0), (12e3, 1e3))
+"""Largest thickness of a layer [m] above heights [m]: within it the refractivity's gradient is one number."""
+
+ABOVE: Final = 2e5
+"""Height above the last level up to which rays are followed, without air [m]."""
+
+MOST_LEVELS: Final = 400
+"""Levels of a profile are kept where there are no more of them; of more, those at steps of :data:`DENSE` serve."""
+
+DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e3))
+"""As :data:`FINEST`, for profiles of many levels."""
+
+HIGHEST: Final = 0.01
+"""Elevation up to which a ray in a duct may come back to the sea [rad]."""
+
+MOST_CROSSINGS: Final = 20_000
+"""Largest number of levels that a ray crosses; one in a duct crosses some tens in 10 km."""
+
+
+@dataclass(frozen=True, eq=False)
+class RayPaths:
+    """Rays from one height, followed to the sea, to the top of the air or to the farthest arc.
+
+    Attributes
+    ----------
+    elevation : ndarray
+        Elevations at the sensor [rad, (rays,)].
+    end : ndarray
+        Arc at which each ray ends [m, (rays,)].
+    sea : ndarray of bool
+        True for rays that end at the sea.
+    """
+
+    elevation: FloatArray
+    end: FloatArray
+    sea: NDArray[np.bool_]
+    _radius: float
+    _begin: FloatArray
+    _height: FloatArray
+    _slope: FloatArray
+    _curve: FloatArray
+
+    def at(self, arc: float, *, into_sea: bool = False) -> FloatArray:
+        """Heights of the rays at an arc [m, (rays,)]; NaN where they have met the sea before.
+
+        With ``into_sea`` they go on below it, as into the trough of a wave.
+        """
+        piece = np.maximum((self._begin <= arc).sum(axis=0) - 1, 0)
+        ray = np.arange(piece.size)
+        x = arc - self._begin[piece, ray]
+        flat = self._height[piece, ray] + x * (self._slope[piece, ray] + 0.5 * self._curve[piece, ray] * x)
+        z = self._radius * np.expm1(flat / self._radius)
+        return z if into_sea else np.where(self.sea & (self.end < arc), np.nan, z)
+
+
+@dataclass(frozen=True, eq=False)
+class LayeredIndex:
+    """Refraction of a profile, ducts as they are.
+
+    Parameters
+    ----------
+    height, refractivity : ndarray
+        Levels [m], the first at the sea, and ``n - 1`` there, exponential between them; (levels,).
+    earth_radius : float
+        [m].
+    """
+
+    height: FloatArray
+    refractivity: FloatArray
+    earth_radius: float
+
+    @cached_property
+    def levels(self) -> tuple[FloatArray, FloatArray]:
+        """Heights over the flattened Earth [m] and ``log m`` there, (levels,)."""
+        top = float(self.height[-1])
+        few = self.height.size <= MOST_LEVELS
+        steps = FINEST if few else DENSE
+        ladder = [
+            np.arange(low, min(high, top), step)
+            for (low, step), high in zip(steps, [*(low for low, _ in steps[1:]), np.inf], strict=True)
+            if low < top
+        ]
+        z = np.unique(np.concatenate([self.height if few else self.height[[0, -1]], *ladder]))
+        z = z[np.concatenate([[True], np.diff(z) > 1e-3])]
+        n = np.exp(np.interp(z, self.height, np.log(np.maximum(self.refractivity, 1e-20))))
+        z, n = np.append(z, top + ABOVE), np.append(n, 0.0)
+        round_earth = np.log1p(z / self.earth_radius)
+        return self.earth_radius * round_earth, np.log1p(n) + round_earth
+
+    def paths(self, height: float, elevation: FloatArray, farthest: float) -> RayPaths:
+        """Follow rays from a height [m] at elevations [rad, (rays,)] up to an arc [m].
+
+        Errors: those of a gradient that is constant within :data:`FINEST` (1e-6 rad over 30 km), none of steps.
+        """
+        zeta, log_m = self.levels
+        start = self.earth_radius * np.log1p(height / self.earth_radius)
+        first = int(np.clip(np.searchsorted(zeta, start, side="right") - 1, 0, zeta.size - 2))
+        square = np.expm1(2.0 * log_m)
+        gradient = np.diff(square) / np.diff(zeta)
+        here = square[first] + gradient[first] * (start - zeta[first])
+        e = np.asarray(elevation, dtype=np.float64)
+        curvature = gradient[:, None] / (2.0 * (1.0 + here) * np.cos(e) ** 2)
+        x, z, slope = np.zeros(e.size), np.full(e.size, start), np.tan(e)
+        layer, going = np.full(e.size, first), np.ones(e.size, bool)
+        sea = np.zeros(e.size, bool)
+        ray = np.arange(e.size)
+        begin, heights, slopes, curves = [], [], [], []
+        for _ in range(MOST_CROSSINGS):
+            a = curvature[layer, ray]
+            begin.append(np.where(going, x, np.inf))
+            heights.append(z)
+            slopes.append(slope)
+            curves.append(a)
+            up, down = _reach(zeta[layer + 1] - z, slope, a), _reach(z - zeta[layer], -slope, -a)
+            step = np.where(going, np.minimum(up, down), 0.0)
+            rises = up < down
+            past = going & (x + step >= farthest)
+            step = np.where(past, 0.0, step)
+            crossed = going & ~past
+            slope = np.where(crossed, slope + a * step, slope)
+            x = np.where(past, farthest, x + step)
+            z = np.where(crossed, zeta[np.where(rises, layer + 1, layer)], z)
+            layer = layer + np.where(crossed, np.where(rises, 1, -1), 0)
+            sea |= crossed & (layer < 0)
+            going = crossed & (layer >= 0) & (layer < zeta.size - 1)
+            layer = np.clip(layer, 0, zeta.size - 2)
+            if not going.any():
+                break
+        return RayPaths(e, x, sea, self.earth_radius, np.array(begin), np.array(heights), np.array(slopes), np.array(curves))
+
+    def lowest_sky(self, height: float, farthest: float) -> float:
+        """Elevation of the sea's horizon from a height [rad]: no ray above it meets the sea within an arc [m]."""
+        depth = np.sqrt(2.0 * height / self.earth_radius) + 1e-3
+        low, high = -min(1.6 * depth, 0.5 * np.pi), max(1.6 * depth, HIGHEST)
+        for _ in range(7):
+            tried = np.linspace(low, high, 65)
+            met = np.flatnonzero(self.paths(height, tried, farthest).sea)
+            if met.size == 0 or met[-1] == tried.size - 1:
+                break
+            low, high = float(tried[met[-1]]), float(tried[met[-1] + 1])
+        return float(high)
+
+    def horizon(self, height: float, farthest: float) -> float:
+        """Arc to the sea's horizon from a height [m], at most ``farthest``."""
+        seen = self.paths(height, np.array([self.lowest_sky(height, farthest) - 1e-9]), farthest)
+        return float(seen.end[0])
+
+
+def _reach(distance: FloatArray, slope: FloatArray, curve: FloatArray) -> FloatArray:
+    """Arc to the next crossing of a level ``distance`` ahead [m]; infinite where there is none."""
+    root = slope * slope + 2.0 * curve * distance
+    size = np.sqrt(np.maximum(root, 0.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ahead = np.where(slope > 0.0, 2.0 * distance / (slope + size), np.where(curve > 0.0, (size - slope) / curve, np.inf))
+    return np.where((root >= 0.0) & np.isfinite(ahead), ahead, np.inf)

@@ -1,0 +1,265 @@
+r"""Refraction by a profile as a shift of rows: where the standard picture has what a bent ray sees.
+
+A picture is drawn with standard refraction, straight lines over an Earth of effective radius. A ray of this air that leaves the sensor at
+an elevation meets the sea at an arc, goes to the sky, or is at some height over the arc of an object; the standard picture has the same
+place of the sea, sky or object at another elevation. Several elevations may see one place (a mirage), or none.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from seaglint.air.profile.ray_paths import LayeredIndex, RayPaths
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression, horizon_range
+from seaglint.imaging.camera.image_grid import Camera
+
+RAYS_PER_ROW: Final = 8
+"""Number of rays followed through each row of pixels."""
+
+BROKEN: Final = 8.0
+"""Neighbouring rays whose places in the standard picture are this many times farther apart than they are see different things."""
+
+HALVINGS: Final = 12
+"""Number of times that the gap between such rays is halved."""
+
+FINER: Final = 3
+"""Rows of the standard picture in a row of the camera."""
+
+BEYOND: Final = 2e5
+"""Rays are followed this much farther than twice the standard horizon [m]."""
+
+GRAZING: Final = 1e-7
+"""Smallest elevation above the standard horizon's, below which sea is looked up [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bending:
+    """Bending of the lines of sight of a sensor at one height.
+
+    Attributes
+    ----------
+    index : LayeredIndex
+        The air.
+    height : float
+        Height of the sensor [m].
+    air_temperature : float
+        Temperature of the lowest air [K], which emits before sea beyond the standard horizon.
+    """
+
+    index: LayeredIndex
+    height: float
+    air_temperature: float
+
+    @property
+    def farthest(self) -> float:
+        """Arc up to which rays are followed [m]."""
+        return 2.0 * horizon_range(self.height) + BEYOND
+
+    @cached_property
+    def horizon(self) -> float:
+        """Elevation below which there is sea [rad]; strips of sky among it are a mirage."""
+        return self.index.lowest_sky(self.height, self.farthest)
+
+    def paths(self, elevation: FloatArray) -> RayPaths:
+        """Rays at elevations [rad, (rays,)]."""
+        return self.index.paths(self.height, elevation, self.farthest)
+
+    def straight(self, rays: RayPaths) -> FloatArray:
+        """Standard elevations of the sea or sky that rays see [rad, (rays,)].
+
+        Sea beyond the standard horizon is the sea there, behind more air (:attr:`RowShift.beyond`); sky below the horizontal is placed by
+        its share of the dip.
+        """
+        dip = horizon_depression(self.height)
+        arc = np.clip(rays.end, 1e-6, horizon_range(self.height))
+        sea = np.minimum(-depression_of_range(self.height, arc), -dip - GRAZING)
+        share = dip / -self.horizon if self.horizon < 0.0 else 0.0
+        sky = np.where(rays.elevation < 0.0, np.maximum(rays.elevation * share, -dip), rays.elevation)
+        return np.where(rays.sea, sea, sky)
+
+    def beyond(self, rays: RayPaths) -> FloatArray:
+        """Arcs from the standard horizon to the sea that rays meet beyond it [m, (rays,)]; 0 for others."""
+        return np.where(rays.sea, np.maximum(rays.end - horizon_range(self.height), 0.0), 0.0)
+
+    def over(self, rays: RayPaths, arc: float, *, into_sea: bool = False) -> FloatArray:
+        """Standard elevations of the places where rays are at an arc [m, rad (rays,)]; NaN where they have met the sea before.
+
+        With ``into_sea`` they go on below the mean sea: waves are there to hide what they do.
+        """
+        z, psi = rays.at(arc, into_sea=into_sea), arc / EFFECTIVE_EARTH_RADIUS
+        up = z * math.cos(psi) - self.height - 2.0 * EFFECTIVE_EARTH_RADIUS * math.sin(0.5 * psi) ** 2
+        return np.arctan2(up, (EFFECTIVE_EARTH_RADIUS + z) * math.sin(psi))
+
+    def elevation(self, height: float, arc: float) -> FloatArray:
+        """Elevations at which a point is seen, from the lowest image up [rad, (images,)]: none, one, or several in a mirage.
+
+        ``height`` above the sea and ``arc`` of the point [m].
+        """
+        middle = math.atan2(height - self.height, arc) - 0.5 * arc / EFFECTIVE_EARTH_RADIUS
+        wide = 3e-3 + 0.2 * arc / EFFECTIVE_EARTH_RADIUS
+        tried = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 4001)
+        off = self.paths(tried).at(arc) - height
+        found = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
+        found = found[np.isfinite(off[found]) & np.isfinite(off[found + 1])]
+        low, high, below = tried[found], tried[found + 1], off[found]
+        for _ in range(HALVINGS):
+            half = 0.5 * (low + high)
+            here = self.paths(half).at(arc) - height
+            same = (here <= 0.0) == (below <= 0.0)
+            low, high, below = np.where(same, half, low), np.where(same, high, half), np.where(same, here, below)
+        return 0.5 * (low + high)
+
+
+@dataclass(frozen=True, eq=False)
+class RowShift:
+    """Rows of a camera as mixtures of rows of a finer, standard picture. Make it with :meth:`of`.
+
+    Attributes
+    ----------
+    camera, standard : Camera
+        Grid of the picture, and that of the standard one.
+    bending : Bending
+        The air.
+    rays : RayPaths
+        Rays of the rows, from the top down.
+    """
+
+    camera: Camera
+    standard: Camera
+    bending: Bending
+    rays: RayPaths
+    _sea: list[csr_array] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, bending: Bending, camera: Camera) -> RowShift:
+        """Follow the rays of a camera's rows and lay the standard picture's around what they see."""
+        edge = 0.5 * math.pi - 1e-9
+        nodes: FloatArray = np.clip(camera.top - camera.row_step / RAYS_PER_ROW * np.arange(camera.rows * RAYS_PER_ROW + 1), -edge, edge)
+        rays = bending.paths(nodes)
+        for _ in range(HALVINGS):
+            seen = bending.straight(rays)
+            cut = np.flatnonzero(_broken(nodes, seen) | (np.diff(rays.sea.astype(int)) != 0))
+            if cut.size == 0:
+                break
+            nodes = np.asarray(np.sort(np.concatenate([nodes, 0.5 * (nodes[cut] + nodes[cut + 1])]))[::-1], np.float64)
+            rays = bending.paths(nodes)
+        seen, step = bending.straight(rays), camera.row_step / FINER
+        above = math.ceil(max(float(seen.max()) - camera.top, 0.0) / step) + FINER
+        top = camera.top + above * step
+        if top > 0.5 * math.pi:
+            top = camera.top + math.floor((0.5 * math.pi - camera.top) / step) * step
+        bottom = max(float(seen.min()) - FINER * step, -0.5 * math.pi)
+        rows = max(math.floor((top - bottom) / step), 1)
+        return cls(camera, _grid(camera, top, step, rows), bending, rays)
+
+    @property
+    def sea(self) -> csr_array:
+        """Shares of the standard picture's rows in the camera's, of sea and sky [1, (rows, standard rows)]."""
+        if not self._sea:
+            self._sea.append(self._mixed(self.bending.straight(self.rays), self.standard, held=True)[0])
+        return self._sea[0]
+
+    def behind(self, share: FloatArray) -> csr_array:
+        """The shares of :attr:`sea` times those that are let through in every piece between two rays [1, (rows, standard rows)]."""
+        return self._mixed(self.bending.straight(self.rays), self.standard, held=True, factor=share)[0]
+
+    @cached_property
+    def beyond(self) -> FloatArray:
+        """Arc of the sea beyond the standard horizon in every piece between two rays [m, (rays - 1,)]; 0 elsewhere."""
+        beyond = self.bending.beyond(self.rays)
+        both = self.rays.sea[:-1] & self.rays.sea[1:]
+        return np.where(both, 0.5 * (beyond[:-1] + beyond[1:]), 0.0)
+
+    def summed(self, light: FloatArray) -> FloatArray:
+        """Mean over each row of what the pieces between rays add [(rays - 1,)] (rows,)."""
+        row, share = self._pieces
+        return np.asarray(np.bincount(row, share * light, self.camera.rows), np.float64)
+
+    def wider(self, margin: float) -> Camera:
+        """The standard picture's grid with rows added above and below [rad]."""
+        step, one = self.standard.row_step, self.standard
+        above = math.floor(min(margin, 0.5 * math.pi - one.top) / step)
+        below = math.floor(min(margin, one.bottom + 0.5 * math.pi) / step)
+        return _grid(self.camera, one.top + above * step, step, one.rows + above + below)
+
+    def objects(self, arc: float, standard: Camera, *, into_sea: bool) -> tuple[csr_array, csr_array]:
+        """Shares of a standard picture's rows in the camera's, of what stands at an arc [m], and the same times the row [1, pixels]."""
+        return self._mixed(self.bending.over(self.rays, arc, into_sea=into_sea), standard, held=False)
+
+    def images(self, arc: float, elevation: float, *, into_sea: bool) -> list[tuple[float, float]]:
+        """Images of a point at an arc [m] whose standard elevation is given [rad]: row from the top [pixels], and magnification [1]."""
+        e, seen = self.rays.elevation, self.bending.over(self.rays, arc, into_sea=into_sea) - elevation
+        with np.errstate(invalid="ignore", divide="ignore"):
+            met = np.flatnonzero((seen[:-1] > 0.0) & (seen[1:] <= 0.0) | (seen[:-1] <= 0.0) & (seen[1:] > 0.0))
+            share = seen[met] / (seen[met] - seen[met + 1])
+            larger = np.abs((e[met + 1] - e[met]) / (seen[met + 1] - seen[met]))
+        rows = (self.camera.top - (e[met] + share * (e[met + 1] - e[met]))) / self.camera.row_step
+        return [(float(row), float(size)) for row, size in zip(rows, larger, strict=True)]
+
+    def sea_arcs(self) -> FloatArray:
+        """Mean arc of the sea in each row [m, (rows,)]; NaN where a row sees none."""
+        row, share = self._pieces
+        both = self.rays.sea[:-1] & self.rays.sea[1:]
+        arc = 0.5 * (self.rays.end[:-1] + self.rays.end[1:])
+        total = np.bincount(row[both], share[both], self.camera.rows)
+        with np.errstate(invalid="ignore"):
+            return np.bincount(row[both], share[both] * arc[both], self.camera.rows) / np.where(total > 0.0, total, np.nan)
+
+    @cached_property
+    def _pieces(self) -> tuple[NDArray[np.intp], FloatArray]:
+        """Row of each piece between two rays, and the share of the row that it fills."""
+        e = self.rays.elevation
+        row = ((self.camera.top - 0.5 * (e[:-1] + e[1:])) / self.camera.row_step).astype(np.intp)
+        return np.clip(row, 0, self.camera.rows - 1), (e[:-1] - e[1:]) / self.camera.row_step
+
+    def _mixed(self, seen: FloatArray, standard: Camera, *, held: bool, factor: FloatArray | None = None) -> tuple[csr_array, csr_array]:
+        """Shares of standard rows and their first moments; what is beyond the picture is held at its edge, or left out."""
+        e, (row, share) = self.rays.elevation, self._pieces
+        share = share if factor is None else share * factor
+        place = (standard.top - seen) / standard.row_step
+        first, last = place[:-1].copy(), place[1:].copy()
+        ends = (first, last)
+        apart = _broken(e, seen) | (np.diff(self.rays.sea.astype(int)) != 0) if held else _broken(e, seen)
+        # rays that see different things stand for half of the piece each
+        whole = np.isfinite(first) & np.isfinite(last) & ~apart
+        parts = [(row[whole], share[whole], first[whole], last[whole])]
+        for end in ends:
+            half = np.isfinite(end) & ~whole
+            parts.append((row[half], 0.5 * share[half], end[half], end[half]))
+        row, share, first, last = (np.concatenate(some) for some in zip(*parts, strict=True))
+        middle = (self.camera.top - 0.5 * (e[:-1] + e[1:])) / self.camera.row_step
+        where = np.concatenate([middle[whole], *(middle[np.isfinite(end) & ~whole] for end in ends)])
+        low, high = np.minimum(first, last), np.maximum(first, last)
+        if held:
+            low, high = (np.clip(x, 1e-9, standard.rows - 1e-6) for x in (low, high))
+        high = np.maximum(high, low + 1e-9)
+        rows, columns, weights, moments = [], [], [], []
+        for k in range(int(np.ceil(np.max(high - low, initial=0.0))) + 1):
+            cell = np.floor(low) + k
+            part = share * np.clip(np.minimum(high, cell + 1.0) - np.maximum(low, cell), 0.0, None) / (high - low)
+            kept = (part > 0.0) & (cell >= 0) & (cell < standard.rows)
+            rows.append(row[kept])
+            columns.append(cell[kept].astype(np.intp))
+            weights.append(part[kept])
+            moments.append(part[kept] * where[kept])
+        at = (np.concatenate(rows), np.concatenate(columns))
+        size = (self.camera.rows, standard.rows)
+        return csr_array((np.concatenate(weights), at), shape=size), csr_array((np.concatenate(moments), at), shape=size)
+
+
+def _broken(elevation: FloatArray, seen: FloatArray) -> NDArray[np.bool_]:
+    """True between rays whose places in the standard picture lie far apart [(rays - 1,)]."""
+    with np.errstate(invalid="ignore"):
+        return np.abs(np.diff(seen)) > BROKEN * np.abs(np.diff(elevation)) + 1e-12
+
+
+def _grid(camera: Camera, top: float, step: float, rows: int) -> Camera:
+    return Camera(camera.height, camera.azimuth, top - 0.5 * rows * step, camera.width, rows * step, camera.columns, rows)
