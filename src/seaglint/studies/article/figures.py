@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from seaglint.air.protocol import slant_range
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, horizon_range, surface_range, view_zenith
 from seaglint.base.free_form import Attributes
 from seaglint.facet.legs import VIEWER
@@ -28,6 +27,7 @@ from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.studies.article.fig10 import figure_10
+from seaglint.studies.prepare.profile_air import model_air
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,7 +73,7 @@ def _silent(done: int, total: int) -> None:
 def _view(band: Band, wind_speed: float, height: float) -> SeaView:
     """The article's sea and air at a wind."""
     return SeaView(
-        atmosphere=TableAtmosphere.load(MODEL, wind_speed, (band.min_um, band.max_um)),
+        atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um)),
         band=band,
         water=sea_water.article(),
         slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),

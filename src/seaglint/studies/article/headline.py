@@ -13,7 +13,6 @@ import numpy as np
 from scipy.special import ndtr
 
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
@@ -24,6 +23,7 @@ from seaglint.radiance.glint_correlation import capillary_length
 from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.studies.article.article_row import ArticleRow
+from seaglint.studies.prepare.profile_air import model_air
 
 _MODEL: Final = "midlatitude-summer"
 _SEA_TEMPERATURE: Final = 288.15
@@ -70,7 +70,7 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
         Found by a search over 60-89 deg Sun zenith and depressions from the horizon to 12 deg, refined once to 0.3 deg of the Sun
         (0.1 K of a peak several degrees wide).
     """
-    air = TableAtmosphere.load(_MODEL, wind_speed, (_BAND.min_um, _BAND.max_um))
+    air = model_air(_MODEL, wind_speed, (_BAND.min_um, _BAND.max_um))
     view = SeaView(
         atmosphere=air,
         band=_BAND,
