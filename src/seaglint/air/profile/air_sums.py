@@ -123,7 +123,7 @@ class AirSums:
         spectra = [aerosols(self.profile, self.haze, self.laws.wavenumber_cm, float(h)).extinction[0] for h in LOCAL_HUMIDITIES]
         return np.concatenate([held.density[0] * hats, held.density[1:]]), np.concatenate([spectra, held.extinction[1:]])
 
-    def _amounts(self, ray: BentRay) -> tuple[FloatArray, FloatArray]:
+    def ray_amounts(self, ray: BentRay) -> tuple[FloatArray, FloatArray]:
         """Amounts of the pieces of a ray [(pieces, rows)] and their mean temperatures [K, (pieces,)]."""
         z = ray.between(CUTS)
         slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
@@ -151,16 +151,31 @@ class AirSums:
     def along(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:
         """Spectra along a ray from a height [m] at a zenith angle [rad], continuous; ``end`` as :meth:`RefractingAir.ray`."""
         ray = self.air.ray(height, zenith, end)
-        return RaySpectra(ray, *self._continuous(ray.height, *self._amounts(ray)))
+        return RaySpectra(ray, *self._continuous(ray.height, *self.ray_amounts(ray)))
 
     def passed(self, height: float, zenith: float) -> FloatArray:
         """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
         ray = self.air.ray(height, zenith)
-        amounts, mean = self._amounts(ray)
+        amounts, mean = self.ray_amounts(ray)
+        return np.asarray(np.exp(-self.gas_depth(amounts, mean) - self.haze_depth(amounts[:, : self._aerosol_rows].sum(axis=0))))
+
+    def gas_depth(self, amounts: FloatArray, mean: FloatArray) -> FloatArray:
+        """Optical depth of the gases [1, (n,)] from the amounts of pieces [(pieces, rows)] and their temperatures [K, (pieces,)]."""
         gases = amounts[:, self._aerosol_rows : -4]
         gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - mean) / (WARM - COLD), 0.0, 1.0)
-        depth = self.laws.optical_depth(gases.sum(axis=0, keepdims=True))[0]
-        return np.asarray(np.exp(-depth - amounts[:, : self._aerosol_rows].sum(axis=0) @ self._extinction))
+        return np.asarray(self.laws.optical_depth(gases.sum(axis=0, keepdims=True))[0])
+
+    def haze_amounts(self, height: FloatArray, length: FloatArray) -> FloatArray:
+        """Amounts of the aerosols in the pieces of a line cut at heights [m] into parts of lengths [m] [(pieces, aerosols)]."""
+        return self._along_line(height, length, slice(0, self._aerosol_rows))
+
+    def haze_depth(self, amounts: FloatArray) -> FloatArray:
+        """Optical depth of amounts of the aerosols [(..., aerosols)] [1, (..., n)]."""
+        return np.asarray(amounts @ self._extinction)
+
+    def cut_line(self, height: float, target: float, length: float) -> tuple[FloatArray, FloatArray]:
+        """Heights of the cuts [m] and lengths of the parts [m] of the path between two heights [m] of a length [m]."""
+        return self.air.line(height, target, length, CUTS)
 
     def between(self, height: float, target: float, length: float) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of the path between two heights [m] of a length [m].
@@ -168,8 +183,8 @@ class AirSums:
         The path is a line over the Earth of the radius that makes this air's rays straight between the heights that it passes; air
         below the sea is that at it.
         """
-        z, step = self.air.line(height, target, length, CUTS)
-        amounts, mean = self._line_amounts(z, step)
+        z, step = self.cut_line(height, target, length)
+        amounts, mean = self.line_amounts(z, step)
         passed, emitted = self._continuous(z[::CUTS], amounts, mean)
         return passed[-1], emitted
 
@@ -184,7 +199,7 @@ class AirSums:
         glow = (at_node[:-1] + 4.0 * planck_wavenumber(nu, mean[:, None]) + at_node[1:]) / 6.0
         return passed, np.sum(glow * (passed[:-1] - passed[1:]), axis=0)
 
-    def _line_amounts(self, z: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def line_amounts(self, z: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Amounts [(pieces, rows)] and mean temperatures [K, (pieces,)] along a line cut at heights [m], ``CUTS`` to a piece.
 
         Cuts that hardly rise have the density at their height.
@@ -192,16 +207,22 @@ class AirSums:
         z = np.maximum(z, 0.0)
         step = np.diff(z)
         level = np.abs(step) < LEVEL
-        vertical = np.diff(_sums_to(self._height, self._density, self._sums, 1e-3 * z), axis=0)
-        heat = np.diff(_heat_to(self.profile, self._heat, z))
+        kelvin = np.diff(_heat_to(self.profile, self._heat, z)) / np.where(level, 1.0, step)
+        if level.any():
+            kelvin[level] = np.interp(0.5 * (z[1:] + z[:-1])[level], self.profile.height, self.profile.temperature)
+        return self._along_line(z, length, slice(None)), kelvin.reshape(-1, CUTS).mean(axis=1)
+
+    def _along_line(self, z: FloatArray, length: FloatArray, rows: slice) -> FloatArray:
+        z = np.maximum(z, 0.0)
+        step = np.diff(z)
+        level = np.abs(step) < LEVEL
+        density = self._density[rows]
+        vertical = np.diff(_sums_to(self._height, density, self._sums[rows], 1e-3 * z), axis=0)
         amounts = vertical * np.where(level, 0.0, length / np.where(level, 1.0, step))[:, None]
-        kelvin = heat / np.where(level, 1.0, step)
         if level.any():
             middle = 0.5 * (z[1:] + z[:-1])[level]
-            amounts[level] = 1e-3 * length[level, None] * _density_at(self._height, self._density, 1e-3 * middle)
-            kelvin[level] = np.interp(middle, self.profile.height, self.profile.temperature)
-        rows = amounts.shape[1]
-        return amounts.reshape(-1, CUTS, rows).sum(axis=1), kelvin.reshape(-1, CUTS).mean(axis=1)
+            amounts[level] = 1e-3 * length[level, None] * _density_at(self._height, density, 1e-3 * middle)
+        return np.asarray(amounts.reshape(-1, CUTS, amounts.shape[1]).sum(axis=1))
 
     def layer_humidity(self, height: float, zenith: float) -> float:
         """Humidity [%] that LOWTRAN7 gives a humid haze along the ray of :meth:`in_layers`."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from scipy.optimize import brentq
 
 from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.lowtran_numbers import lowtran_numbers
@@ -43,6 +44,9 @@ HUMIDITIES: Final = np.array([0.0, 70.0, 80.0, 99.0])
 
 TROPOSPHERE_HUMIDITY: Final = 70.0
 """Humidity of the troposphere's aerosol above the boundary layer [%]."""
+
+DROPLET_KINK: Final = 2.2 + 0.5 / 5.866
+"""Wind of the last 24 hours up to which the Navy's second size of droplets is constant [m s-1]."""
 
 CLEAR_MOLECULES: Final = 0.01159
 """Extinction of clean air at 0.55 um [km-1]."""
@@ -210,3 +214,15 @@ def _desert(wind: float, visibility: float) -> tuple[FloatArray, float]:
     green = spectra[0, 3]
     spectra[:2] /= green
     return spectra, visibility or CONTRAST / (green + CLEAR_MOLECULES)
+
+
+def wind_kinks(profile: AirProfile) -> tuple[float, ...]:
+    """Winds at which the Navy's haze changes its law over a profile [m s-1, ascending]: number of droplets, and visibility tables."""
+    surface = float(profile.relative_humidity[0] if profile.haze_humidity is None else profile.haze_humidity)
+
+    def beyond(wind: float, visibility: float) -> float:
+        return _navy(HazeWeather(wind=wind, wind_24h=wind), surface, 0.0)[1] - visibility
+
+    low, high = DROPLET_KINK, 20.0
+    met = [v for v in VISIBILITIES[1:] if beyond(low, v) > 0.0 > beyond(high, v)]
+    return (DROPLET_KINK, *sorted(float(brentq(beyond, low, high, args=(v,))) for v in met))

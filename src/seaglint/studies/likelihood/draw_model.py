@@ -11,12 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
-from seaglint.air.table.table_file import BandTable, table_models
+from seaglint.air.profile.air_profile import model_profile
+from seaglint.air.profile.hazes import wind_kinks
+from seaglint.air.profile.windy_air import WindyAir
+from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
 from seaglint.facet.legs import VIEWER, Shadowing
+from seaglint.files.lowtran.deck import MODELS
 from seaglint.files.weather.weather_cells import read_cells
 from seaglint.files.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.model import Scenario
@@ -27,6 +30,7 @@ from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.profile_air import model_air
 from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.weather.conditions import GeographicRegion, Times, timestamp
 from seaglint.weather.ephemeris import Ephemeris
@@ -177,14 +181,20 @@ class LikelihoodModel:
         of_table = isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings)
         one = None if of_table else prepare.atmosphere(scenario, over)
 
+        edges, article = (over.min_um, over.max_um), scenario.mean.mode == "article"
+        profiles = {model: model_profile(model) for model in self.models} if of_table else {}
+        windy = {model: WindyAir.of(profile, wavenumber_grid(*edges)) for model, profile in profiles.items()}
+
         def air_at(model: str, wind: float) -> Any:
-            return one if one is not None else TableAtmosphere.load(model, wind, (over.min_um, over.max_um))
+            if one is not None:
+                return one
+            # the article's way asks for emission too
+            return model_air(model, wind, edges, "lowtran") if article else windy[model].at(wind)
 
         top = min(self.winds[1], NAVY_AEROSOL_WIND[1])
-        article = scenario.mean.mode == "article"
         winds = (0.0, top) if of_table else None
         water = prepare.water(scenario)
-        kinks = [BandTable.read(model, (over.min_um, over.max_um)).wind_kinks for model in self.models] if of_table else ()
+        kinks = [wind_kinks(profile) for profile in profiles.values()]
         return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)
 
     @cached_property
@@ -284,7 +294,7 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
     if not isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings):
         return (scenario.atmosphere.source,), np.zeros(len(table), dtype=np.int64)
     names = np.where(table.text("atmosphere") == "", scenario.atmosphere.model, table.text("atmosphere"))
-    known = sorted(table_models())
+    known = sorted(MODELS)
     for row, name in enumerate(names.tolist()):
         if name not in known:
             raise DataError(

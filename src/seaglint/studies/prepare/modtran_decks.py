@@ -8,8 +8,10 @@ from typing import Final, Literal
 
 import numpy as np
 
+from seaglint.air.coordinates import Refraction
+from seaglint.air.profile.absorber_densities import refractivity
+from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.air.table.table_file import BandTable
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
 from seaglint.files.failures import storage_errors
@@ -39,8 +41,8 @@ OUTPUTS: Final[dict[DeckFormat, tuple[str, ...]]] = {
 }
 """Names under which the results of each are looked for."""
 
-REFRACTION_BAND: Final = (3.5, 5.0)
-"""Any band of the tables [um]: refraction is the same in all."""
+REFRACTION_CM: Final = 2665.0
+"""Wavenumber of the refractivity by which lines of sight are laid [cm-1]: infrared air is the same to 1e-4."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
         )
     zenith = sun_position(scenario).zenith
     lit = zenith if scattered and zenith <= 0.5 * np.pi else None
-    lines = needed_lines(BandTable.read(air.model, REFRACTION_BAND).refraction, height, lit, to_horizon=form == "tape5-lowtran7")
+    lines = needed_lines(_refraction(air.model), height, lit, to_horizon=form == "tape5-lowtran7")
     solar_deg = None if lit is None else float(np.degrees(lit))
     text = json_deck(lines, air, solar_deg, NAME) if form == "modtran6-json" else deck(lines, air, solar_deg, modtran=form == "tape5")
     manifest = Manifest(tuple(lines), height, solar_deg, OUTPUTS[form])
@@ -124,3 +126,9 @@ def _air(scenario: Scenario) -> LowtranAir:
     over = prepare.band(scenario)
     grid = wavenumber_grid(over.min_um, over.max_um, step_cm=float(STEP_CM))
     return LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), levels)
+
+
+def _refraction(model: str) -> Refraction:
+    """Refraction of a model atmosphere, by which lines of sight are laid."""
+    profile = model_profile(model)
+    return Refraction(profile.height, refractivity(profile, REFRACTION_CM), profile.earth_radius)

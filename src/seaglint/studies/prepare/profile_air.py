@@ -68,10 +68,10 @@ def profile_atmosphere(
     return _made(profile, choice, sounding.provenance)
 
 
-def model_air(model: str, wind_speed: float, edges: tuple[float, float]) -> ProfileAtmosphere:
+def model_air(model: str, wind_speed: float, edges: tuple[float, float], levels: Levels = "continuous") -> ProfileAtmosphere:
     """Return a model atmosphere with the Navy maritime aerosol at a wind [m s-1], at most 20, over wavelengths [um]."""
     wind = min(wind_speed, NAVY_AEROSOL_WIND[1])
-    return _kept(model, _Choice(HazeWeather(wind=wind, wind_24h=wind), edges))
+    return _kept(model, _Choice(HazeWeather(wind=wind, wind_24h=wind), edges, levels))
 
 
 def _changes_height(scenario: Scenario) -> bool:
