@@ -13,7 +13,6 @@ import pytest
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import require_height, require_range, wavenumber_grid
 from seaglint.air.table.batch import BatchAtmosphere
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
@@ -54,8 +53,8 @@ ROOT = Path(__file__).resolve().parents[1]
         (lambda: exoatmospheric_irradiance(np.array([2500.0, 1.0])), "wavenumber_cm", 1.0, None),
         (lambda: hale_querry_sea().index([np.nan]), "wavelength_um", None, None),
         (lambda: IsothermalAtmosphere(-1.0, np.array([2000.0])), "temperature", -1.0, "above 0 K"),
-        (lambda: TableAtmosphere.load("tropical", 21.0), "wind_speed", 21.0, (0.0, 20.0)),
-        (lambda: TableAtmosphere.load("tropical", 7.0, (3.0, 7.0)), "band_um", (3.0, 7.0), None),
+        (lambda: BatchAtmosphere.load("tropical", (3.0, 5.0)).path([21.0], [10.0], [0.1]), "wind_speed", 21.0, (0.0, 20.0)),
+        (lambda: BatchAtmosphere.load("tropical", (3.0, 7.0)), "band_um", (3.0, 7.0), None),
         (lambda: BatchAtmosphere.load("tropical", (3.0, 5.0)).path([5.0], [1.0], [0.1]), "sensor_height", 1.0, (2.0, 10_000.0)),
         (lambda: Aerosol(wind=25.0).card(), "wind_speed", 25.0, (0.0, 20.0)),
         (lambda: lowtran_atmosphere("tropical", Aerosol(), 30.0, (3.0, 40.0)), "band_um", (3.0, 40.0), (0.2, 28.0)),

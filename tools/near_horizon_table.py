@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.air.protocol import Atmosphere
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import view_zenith
 from seaglint.facet.legs import BOTH, NESTED
 from seaglint.facet.sea_view import SeaView
@@ -38,6 +37,7 @@ from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles, resolve_limit
+from seaglint.studies.prepare.profile_air import model_air
 
 WIND = 10.0
 DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)
@@ -106,7 +106,7 @@ def ratios(
 def near_horizon(sun_zenith_deg: float, frames: range, depressions: Sequence[float] = DEPRESSIONS) -> list[Ratio]:
     """One row of the table: a fully developed sea of 10 m/s that runs towards the sensor, seen towards the Sun from 30 m."""
     waves, slopes = elfouhaily_sea(WIND, math.pi, SHORTEST_WAVE)
-    air = TableAtmosphere.load("midlatitude-summer", WIND, (BAND.min_um, BAND.max_um))
+    air = model_air("midlatitude-summer", WIND, (BAND.min_um, BAND.max_um))
     low, high = 0.9 * min(depressions), 1.06 * max(depressions)
     row = 0.02 * min(depressions)
     count = math.ceil((high - low) / row)
@@ -122,7 +122,7 @@ STEEP = tuple((d, d - 1.0, d + 1.0) for d in (30.0, 40.0, 50.0, 60.0, 70.0, 80.0
 def steep(wind: float, sun_zenith_deg: float, frames: range) -> list[Ratio]:
     """Ratios of a fully developed sea seen from 80 m towards the Sun, waves down to 0.5 m (or 80 % of the slopes) as geometry."""
     waves, slopes = elfouhaily_sea(wind, 0.75 * math.pi, SHORTEST_WAVE)
-    air = TableAtmosphere.load("midlatitude-summer", wind, (BAND.min_um, BAND.max_um))
+    air = model_air("midlatitude-summer", wind, (BAND.min_um, BAND.max_um))
     camera = Camera(80.0, 0.0, math.radians(-55.0), math.radians(16.0), math.radians(53.0), 8, 106)
     return ratios(sea_view(air, slopes, 80.0, sun_zenith_deg), camera, waves, STEEP, frames)
 

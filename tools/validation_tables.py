@@ -20,7 +20,6 @@ from pathlib import Path
 import numpy as np
 
 from data_folders import data_folder
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.table.table_file import models
 from seaglint.facet.emissivity import emissivity
 from seaglint.files.tables.cases import read_cases
@@ -35,6 +34,7 @@ from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.profile_air import model_air
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
@@ -124,7 +124,7 @@ def lowtran_case(row: dict[str, str], edges: tuple[float, float]) -> list[float]
     wind, height, depression, sun_zenith, sky_zenith = (
         float(row[key]) for key in ("wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg")
     )
-    air = TableAtmosphere.load(row["atmosphere"], wind, edges)
+    air = model_air(row["atmosphere"], wind, edges)
     weights = Band.rectangular(*edges).weights(air.wavenumber_cm)
     tau, path = air.path(height, air.range_of_depression(height, np.radians(depression)))
     sun, sky = air.solar_irradiance(np.radians(sun_zenith)), air.sky_radiance(np.radians(sky_zenith), 0.0)

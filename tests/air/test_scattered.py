@@ -18,13 +18,13 @@ from seaglint.air.scattering.scattered_light import (
 from seaglint.air.scattering.scattered_line import KINDS, horizon_zenith, local_zenith
 from seaglint.air.scattering.scattered_tables import ScatteredLight, scattered_in
 from seaglint.air.scattering.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, molecular_phase, scattering_angle
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.errors import DomainError
 from seaglint.facet.local_sun import solar_zenith_at
 from seaglint.facet.sea_view import BandSum
 from seaglint.optics.band import Band
+from seaglint.studies.prepare.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 4.2)
 HIGHEST_KM = 100.0
@@ -32,7 +32,7 @@ HIGHEST_KM = 100.0
 
 @pytest.fixture(scope="module")
 def scattering_air():
-    table = TableAtmosphere.load("midlatitude-summer", 7.0, (3.5, 4.2))
+    table = model_air("midlatitude-summer", 7.0, (3.5, 4.2))
     return table.scattering(BandSum.of(BAND, table).grid)
 
 
@@ -230,11 +230,11 @@ def test_air_without_scatterers_is_dark(nothing):
 
 
 def test_night_and_the_far_infrared_are_dark():
-    air = TableAtmosphere.load("us-standard-1976", 7.0, (3.5, 4.2))
+    air = model_air("us-standard-1976", 7.0, (3.5, 4.2))
     over = BandSum.of(BAND, air)
     night = scattered_in(air, over.grid, over.weights, 30.0, np.radians(95.0), 0.004)
     assert scattered_sky_at(0.2, 0.1, night.sky) == 0.0
-    far = TableAtmosphere.load("us-standard-1976", 7.0, (8.0, 12.0))
+    far = model_air("us-standard-1976", 7.0, (8.0, 12.0))
     assert far.scattering(slice(None)) is None
     assert not scatters_in((8.0, 12.0))
 

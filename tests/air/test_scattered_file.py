@@ -9,8 +9,8 @@ from seaglint.air.scattering.scattered_file import SampledLight
 from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares
 from seaglint.air.scattering.scattered_samples import ScatteredSamples, ScatteredSky
 from seaglint.air.scattering.scattered_tables import ScatteredLight
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import depression_of_range, horizon_depression, horizon_range
+from seaglint.studies.prepare.profile_air import model_air
 
 HEIGHT, BAND = 30.0, (3.5, 4.2)
 AZIMUTH = np.radians([0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 150.0, 180.0])
@@ -19,7 +19,7 @@ AZIMUTH = np.radians([0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 1
 @pytest.fixture(scope="module", params=[50.0, 76.0])
 def lights(request):
     """Our own light, and the same sampled as a file would have it."""
-    air = TableAtmosphere.load("midlatitude-summer", 7.0, BAND)
+    air = model_air("midlatitude-summer", 7.0, BAND)
     every = slice(0, air.wavenumber_cm.size)
     weights = np.full(air.wavenumber_cm.size, 5.0)
     sun = math.radians(request.param)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seaglint.air.table import table_file
-from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.table.batch import BatchAtmosphere
 from seaglint.air.table.table_file import models, read_table
 from seaglint.base.errors import DataError
 
@@ -59,7 +59,7 @@ def test_a_band_reads_its_own_file_only(monkeypatch):
     read = []
     original = table_file.read_table
     monkeypatch.setattr(table_file, "read_table", lambda model, region: read.append((model, region)) or original(model, region))
-    TableAtmosphere.load("us-standard-1976", 5.0, (8.0, 12.0))
+    BatchAtmosphere.load("us-standard-1976", (8.0, 12.0))
     assert read == [("us-standard-1976", "lwir")]
 
 

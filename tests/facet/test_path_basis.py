@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from render_scenes import BAND, furnace, table_air
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.facet.path_basis import path_basis
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.studies.prepare.profile_air import model_air
 
 
 def _spectra(air, grid):
@@ -19,7 +19,7 @@ def _spectra(air, grid):
 @pytest.mark.parametrize("height", [2.0, 30.0, 1000.0])
 @pytest.mark.parametrize("band", [BAND, Band.rectangular(3.0, 5.0)], ids=["3.5-5", "3-5"])
 def test_products_are_the_direct_spectral_integrals(height, band):
-    air = TableAtmosphere.load("midlatitude-summer", 9.0, (band.min_um, band.max_um))
+    air = model_air("midlatitude-summer", 9.0, (band.min_um, band.max_um))
     arcs = np.geomspace(0.3 * height, 4000.0 * np.sqrt(height), 77)
     basis = path_basis(air, band, height, arcs)
     weights = band.weights(air.wavenumber_cm)

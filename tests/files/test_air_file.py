@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DataError
 from seaglint.files.air.air_file import read_atmosphere
+from seaglint.studies.prepare.profile_air import model_air
 
 HEIGHT = 30.0
 BAND = (3.9, 4.0)
@@ -21,7 +21,7 @@ SENSOR_ZENITH = np.concatenate([ZENITH, 90.0 + DIP * np.linspace(0.1, 1.0, 9)])
 
 @pytest.fixture(scope="module")
 def table():
-    return TableAtmosphere.load("midlatitude-summer", 7.0, BAND)
+    return model_air("midlatitude-summer", 7.0, BAND)
 
 
 def rows_of(air):

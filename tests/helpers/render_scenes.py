@@ -8,7 +8,6 @@ import numpy as np
 
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import slant_range
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.accuracy import Accuracy
@@ -25,6 +24,7 @@ from seaglint.optics.sea_water import WaterIndex
 from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import Tile, plan_tiles
+from seaglint.studies.prepare.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA_TEMPERATURE = 288.15
@@ -69,7 +69,7 @@ def furnace() -> Furnace:
 
 
 def table_air(wind, model="midlatitude-summer"):
-    return TableAtmosphere.load(model, wind, (BAND.min_um, BAND.max_um))
+    return model_air(model, wind, (BAND.min_um, BAND.max_um))
 
 
 def sea_view(air, slopes, height=30.0, sun_zenith=60.0, sun_azimuth=0.0, **changes) -> SeaView:

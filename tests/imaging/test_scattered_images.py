@@ -9,7 +9,6 @@ from render_scenes import BAND, camera, elfouhaily, furnace, sea_view, shown, sw
 from scattered_sums import hazy, mirrored
 
 from seaglint.air.scattering.scattered_light import in_band, scattered_path, scattered_shares
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import surface_range, view_zenith_of_range
 from seaglint.facet.facet_sunlight import level_optics
@@ -23,6 +22,7 @@ from seaglint.imaging.camera.pose import Track
 from seaglint.optics.band import Band
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
+from seaglint.studies.prepare.profile_air import model_air
 
 PARTS = ("path_radiance", "sky_radiance", "emitted_radiance")
 DISTANCE_FACTOR = 1.03
@@ -182,7 +182,7 @@ def test_resolved_waves_average_to_rough_facets():
     [
         (furnace(), BAND),
         (VacuumAtmosphere.for_band(3.5, 5.0), BAND),
-        (TableAtmosphere.load("tropical", 7.0, (8.0, 10.0)), Band.rectangular(8.0, 10.0)),
+        (model_air("tropical", 7.0, (8.0, 10.0)), Band.rectangular(8.0, 10.0)),
     ],
     ids=["isothermal", "vacuum", "long-wave"],
 )

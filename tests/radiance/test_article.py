@@ -4,7 +4,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seaglint.air.isothermal import IsothermalAtmosphere
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
@@ -13,6 +12,7 @@ from seaglint.optics.band import Band
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
+from seaglint.studies.prepare.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 5.0)
 
@@ -63,7 +63,7 @@ def test_where_nothing_has_lines_band_means_are_the_integral():
 
 @pytest.mark.parametrize("depression", [1.0, 2.0, 5.0])
 def test_band_means_miss_the_common_lines_of_sunlight_and_path(depression):
-    view = _view(TableAtmosphere.load("midlatitude-summer", 10.0, (3.5, 5.0)))
+    view = _view(model_air("midlatitude-summer", 10.0, (3.5, 5.0)))
     means = article_radiance(view, [-np.radians(depression)], [0.0])
     integral = mean_radiance(view, [-np.radians(depression)], [0.0])
     assert 1.1 < float(integral.sun[0, 0] / means.sun[0, 0]) < 2.1  # 5-95 % of random cases in 3-5 um
@@ -78,5 +78,5 @@ def test_wavelength_mean_is_flat_over_wavelength():
 
 
 def test_sun_below_the_horizon_leaves_the_boundary_radiance():
-    view = _view(TableAtmosphere.load("midlatitude-summer", 5.0, (3.5, 5.0)), solar_zenith=np.radians(100.0))
+    view = _view(model_air("midlatitude-summer", 5.0, (3.5, 5.0)), solar_zenith=np.radians(100.0))
     assert np.all(article_radiance(view, [-0.05], [0.0]).sun == 0.0)

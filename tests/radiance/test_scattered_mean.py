@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares, scattered_sky_at
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import surface_range, view_zenith
 from seaglint.facet.legs import BOTH
 from seaglint.facet.local_sun import solar_zenith_at
@@ -17,12 +16,13 @@ from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean_radiance import MeanModel, mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
+from seaglint.studies.prepare.profile_air import model_air
 
 AZIMUTHS = np.radians([0.0, 12.0, -40.0, 180.0])
 
 
 def _view(wind=7.0, sun=75.0, height=30.0, slopes=cox_munk_anisotropic, band=(3.5, 5.0), **changes):
-    air = TableAtmosphere.load("midlatitude-summer", wind, band)
+    air = model_air("midlatitude-summer", wind, band)
     view = SeaView(
         air,
         Band.rectangular(*band),

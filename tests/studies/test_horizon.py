@@ -5,17 +5,15 @@ import itertools
 import numpy as np
 import pytest
 
-from seaglint.air.table.profiles import PROFILES
 from seaglint.api import image
 from seaglint.base.conventions import horizon_depression
+from seaglint.files.lowtran.deck import MODELS
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare
 
 BANDS = ((3.5, 5.0), (8.0, 12.0))
-MODELS = tuple(PROFILES)
-
 BUMP = 0.1  # K: what may be seen beside the step from sea to sky
 
 OFF = np.radians(np.geomspace(1e-4, 0.1, 40))  # from the sea horizon [rad]

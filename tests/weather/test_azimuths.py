@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.facet.legs import NESTED
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import cox_munk_gram_charlier
+from seaglint.studies.prepare.profile_air import model_air
 from seaglint.weather.azimuths import azimuth_shares
 from seaglint.weather.looks import looks
 from seaglint.weather.mirrored_sunlight import mirrored_light
@@ -24,7 +24,7 @@ STEPS = 1440
 @pytest.fixture(scope="module")
 def light_and_seas():
     def band_air(model, wind):
-        return TableAtmosphere.load(model, wind, BAND)
+        return model_air(model, wind, BAND)
 
     light = mirrored_light(band_air, ["midlatitude-summer"], None, (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
     return light, seas(lambda wind: cox_munk_gram_charlier(wind, 0.0), (0.0, 20.0), NESTED)

@@ -7,7 +7,6 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from scipy.interpolate import RegularGridInterpolator
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.table.table_file import BandTable
 from seaglint.base.conventions import horizon_depression, view_zenith
 from seaglint.facet.legs import NESTED
@@ -18,6 +17,7 @@ from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
+from seaglint.studies.prepare.profile_air import model_air
 from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.looks import Search, looks, sea_at
 from seaglint.weather.measures import DetectionCurve, detected, deviation, exceeded_by, passes
@@ -41,7 +41,7 @@ SLOPES = {"gaussian": cox_munk_anisotropic, "skewed": cox_munk_gram_charlier}
 
 
 def band_air(model, wind):
-    return TableAtmosphere.load(model, wind, BAND)
+    return model_air(model, wind, BAND)
 
 
 def kinks(*models):
@@ -249,7 +249,7 @@ def test_elevations_of_looks_are_those_of_a_round_sea():
 
 def test_looks_from_many_heights_equal_the_model(sea):
     """Air of one wind, so that few tables are made: heights of two layers of air and the ground's."""
-    still = TableAtmosphere.load("midlatitude-summer", 5.0, BAND)
+    still = model_air("midlatitude-summer", 5.0, BAND)
     water, band = hale_querry_sea(), Band.rectangular(*BAND)
     table = mirrored_light(lambda model, wind: still, ["any"], None, (300.0, 2600.0), DEPRESSION, band, water)
     rows = drawn(40, 15, (300.0, 2600.0), suns=(40.0, 80.0), beside=10.0)

@@ -22,7 +22,7 @@ from importlib import resources
 from io import BytesIO
 from lzma import LZMAError
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, Literal
 from zipfile import BadZipFile
 
 import numpy as np
@@ -30,13 +30,14 @@ from numpy.typing import ArrayLike
 
 from seaglint.air.coordinates import Refraction, decode_optical_depth, elevation_coordinate, height_coordinate, sky_height_coordinate
 from seaglint.air.protocol import require_solar_zenith, wavenumber_grid
-from seaglint.air.table.absorbers import Region
 from seaglint.air.table.stencil import Stencil
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
 
 _DATA = resources.files("seaglint.air").joinpath("data")
+
+Region = Literal["mwir", "lwir"]
 
 _REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
 

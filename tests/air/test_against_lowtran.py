@@ -10,10 +10,15 @@ import csv
 import numpy as np
 import pytest
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.profile.air_profile import model_profile
+from seaglint.air.profile.air_sums import AirSums
+from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.protocol import wavenumber_grid
+from seaglint.air.table.batch import BatchAtmosphere
 from seaglint.air.table.table_file import models
 from seaglint.base.conventions import horizon_depression
 from seaglint.optics.band import Band
+from seaglint.studies.prepare.profile_air import model_air
 
 QUANTITIES = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
 
@@ -50,18 +55,35 @@ ROW_ERROR = 2e-3  # the median it is built for (0.2 %); single cases may reach 1
 SMALL = 5e-4  # of the largest value of a column: below it only the absolute error counts
 
 
-def quantities(model, wind, height, depression, solar_zenith, sky_zenith, edges):
-    air = TableAtmosphere.load(model, wind, edges)
-    weights = Band.rectangular(*edges).weights(air.wavenumber_cm)
-    tau, path = air.path(height, air.range_of_depression(height, np.radians(depression)))
-    sun = air.solar_irradiance(np.radians(solar_zenith))
-    sky = air.sky_radiance(np.radians(sky_zenith), 0.0)
+def of_tables(model, wind, height, depression, solar_zenith, sky_zenith, edges):
+    """Transmittance, path, sunlight and sky of one case by the tables that serve many."""
+    air = BatchAtmosphere.load(model, edges)
+    tau, path = air.path([wind], [height], np.radians([depression]))
+    sun, sky = air.solar_irradiance([wind], np.radians([solar_zenith])), air.sky_radiance([wind], np.radians([sky_zenith]))
+    return air.wavenumber_cm, tau[0], path[0], sun[0], sky[0]
+
+
+def of_sums(model, wind, height, depression, solar_zenith, sky_zenith, edges):
+    """The same by sums along the ray, in LOWTRAN7's layers."""
+    sums = AirSums(model_profile(model), HazeWeather(wind=wind, wind_24h=wind), wavenumber_grid(*edges))
+    ray = sums.in_layers(height, 0.5 * np.pi + np.radians(depression))
+    sun = sums.laws.source * sums.passed(0.0, np.radians(solar_zenith))
+    return sums.laws.wavenumber_cm, ray.transmittance[-1], ray.emitted, sun, sums.in_layers(0.0, np.radians(sky_zenith)).emitted
+
+
+def quantities(*case, by):
+    nu, tau, path, sun, sky = by(*case)
+    weights = Band.rectangular(*case[-1]).weights(nu)
     return np.array([weights @ tau / weights.sum(), weights @ path, weights @ sun, weights @ (sun * tau), weights @ sky])
 
 
+both_routes = pytest.mark.parametrize("by", [of_tables, of_sums])
+
+
+@both_routes
 @pytest.mark.parametrize("row", ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m-{r[3]:g}deg")
-def test_single_cases(row):
-    np.testing.assert_allclose(quantities(*row[:6], (3.0, 5.0)), row[6:], rtol=ROW_ERROR, atol=SMALL)
+def test_single_cases(row, by):
+    np.testing.assert_allclose(quantities(*row[:6], (3.0, 5.0), by=by), row[6:], rtol=ROW_ERROR, atol=SMALL)
 
 
 # Winds beside the one at which LOWTRAN7's visibility falls to 23 km and its aerosol profile is bent:
@@ -78,13 +100,11 @@ HAZE_ROWS = [
 HAZE_ERROR = 5e-4  # a spline across the corner misses these by 1e-3 to 1.5e-2
 
 
+@both_routes
 @pytest.mark.parametrize("row", HAZE_ROWS, ids=lambda r: f"{r[0]}-{r[1]:g}")
-def test_the_corner_of_the_haze_between_two_winds(row):
+def test_the_corner_of_the_haze_between_two_winds(row, by):
     model, wind, height, depression, expected = row
-    air = TableAtmosphere.load(model, wind, (8.0, 12.0))
-    weights = Band.rectangular(8.0, 12.0).weights(air.wavenumber_cm)
-    transmittance = air.transmittance(height, air.range_of_depression(height, np.radians(depression)))
-    assert weights @ transmittance / weights.sum() == pytest.approx(expected, rel=HAZE_ERROR)
+    assert quantities(model, wind, height, depression, 45.0, 45.0, (8.0, 12.0), by=by)[0] == pytest.approx(expected, rel=HAZE_ERROR)
 
 
 # Sky from a height: model, wind [m/s], height [m], depression of the sea horizon seen as 1 (0 is that horizon, 1 the horizontal),
@@ -110,22 +130,23 @@ SKY_ERROR = 1.5e-2  # LOWTRAN7's layers, met almost along, jump where a ray's lo
 @pytest.mark.parametrize("row", SKY_ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m-{r[4]:.2f}deg")
 @pytest.mark.parametrize(("edges", "column"), [((3.0, 5.0), 5), ((8.0, 12.0), 6)], ids=["3-5um", "8-12um"])
 def test_sky_near_the_horizon_from_a_height(row, edges, column):
-    air = TableAtmosphere.load(row[0], row[1], edges)
+    air = model_air(row[0], row[1], edges, "lowtran")
     # Below the horizontal both count in parts of their own dip: refraction makes LOWTRAN7's a little another.
     below = horizon_depression(row[2]) * (1.0 - row[3]) if row[4] < 0.0 else -np.radians(row[4])
     sky = air.sky_radiance(0.5 * np.pi + below, 0.0, row[2]) @ Band.rectangular(*edges).weights(air.wavenumber_cm)
     assert sky == pytest.approx(row[column], rel=SKY_ERROR)
 
 
+@both_routes
 @pytest.mark.validation
 @pytest.mark.parametrize("edges", [(3.0, 5.0), (3.5, 5.0), (8.0, 12.0)])
-def test_all_reference_cases(reference_dir, edges):
+def test_all_reference_cases(reference_dir, edges, by):
     """Median error at most 0.2 %, 95th percentile 1 % of the value (or 5e-4 of the column's maximum), each quantity."""
     with (reference_dir / "lowtran7_slant_paths.csv").open() as file:
         cases = [row for row in csv.DictReader(file) if row["atmosphere"] in models()]
     assert len(cases) == 150
     keys = ("wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg")
-    ours = np.array([quantities(row["atmosphere"], *(float(row[k]) for k in keys), edges) for row in cases])
+    ours = np.array([quantities(row["atmosphere"], *(float(row[k]) for k in keys), edges, by=by) for row in cases])
     theirs = np.array([[float(row[f"{q}[{edges[0]:.1f}-{edges[1]:.1f}]"]) for q in QUANTITIES] for row in cases])
     absolute = np.abs(ours - theirs)
     relative = absolute / np.maximum(theirs, 1e-30)  # one path lets nothing through at all
@@ -139,7 +160,7 @@ def test_sky_of_the_older_single_precision_set_without_aerosol_is_darker(referen
     """Navy maritime aerosol at 7 m/s adds emission: our sky lies above the aerosol-free one and below a blackbody at 294.2 K."""
     with (reference_dir / "lowtran7_spectra_3to5um.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    air = TableAtmosphere.load("midlatitude-summer", 7.0)
+    air = model_air("midlatitude-summer", 7.0, (3.0, 5.0), "lowtran")
     wavenumber = np.array([float(r["wavenumber_cm-1"]) for r in rows])
     theirs = np.array([float(r["sky_L|midlat_summer|none|60"]) for r in rows]) * 1e4 * 1e4 / wavenumber**2
     ours = np.interp(wavenumber, air.wavenumber_cm, air.sky_radiance(np.radians(60.0), 0.0))
