@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from data_folders import data_folder
+from seaglint.air.table.batch import BatchAtmosphere
 from seaglint.air.table.table_file import models
 from seaglint.facet.emissivity import emissivity
 from seaglint.files.tables.cases import read_cases
@@ -34,7 +35,6 @@ from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.profile_air import model_air
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
@@ -124,11 +124,11 @@ def lowtran_case(row: dict[str, str], edges: tuple[float, float]) -> list[float]
     wind, height, depression, sun_zenith, sky_zenith = (
         float(row[key]) for key in ("wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg")
     )
-    air = model_air(row["atmosphere"], wind, edges)
+    air = BatchAtmosphere.load(row["atmosphere"], edges)
     weights = Band.rectangular(*edges).weights(air.wavenumber_cm)
-    tau, path = air.path(height, air.range_of_depression(height, np.radians(depression)))
-    sun, sky = air.solar_irradiance(np.radians(sun_zenith)), air.sky_radiance(np.radians(sky_zenith), 0.0)
-    return [float(weights @ value) for value in (tau / weights.sum(), path, sun, sun * tau, sky)]
+    tau, path = air.path([wind], [height], np.radians([depression]))
+    sun, sky = air.solar_irradiance([wind], np.radians([sun_zenith])), air.sky_radiance([wind], np.radians([sky_zenith]))
+    return [float(value[0] @ weights) for value in (tau / weights.sum(), path, sun, sun * tau, sky)]
 
 
 def wu_smith() -> Lines:

@@ -7,12 +7,12 @@ import os
 
 import matplotlib.pyplot as plt
 
-from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.studies.prepare.profile_air import model_air
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 figure, axes = plt.subplots(figsize=(8.4, 4.4), layout="constrained")
 for limits in ((2.1, 5.4), (7.6, 13.9)):
-    air = TableAtmosphere.load("midlatitude-summer", 7.0, limits)
+    air = model_air("midlatitude-summer", 7.0, limits)
     for kilometres, colour in {1: "tab:blue", 5: "tab:orange", 15: "tab:red"}.items():
         label = f"{kilometres} km" if limits[0] < 3 else None
         axes.plot(1e4 / air.wavenumber_cm, air.transmittance(30.0, 1000.0 * kilometres), color=colour, lw=1, label=label)

@@ -67,7 +67,7 @@ def of_sums(model, wind, height, depression, solar_zenith, sky_zenith, edges):
     """The same by sums along the ray, in LOWTRAN7's layers."""
     sums = AirSums(model_profile(model), HazeWeather(wind=wind, wind_24h=wind), wavenumber_grid(*edges))
     ray = sums.in_layers(height, 0.5 * np.pi + np.radians(depression))
-    sun = sums.laws.source * sums.passed(0.0, np.radians(solar_zenith))
+    sun = sums.laws.source * sums.in_layers(0.0, np.radians(solar_zenith)).transmittance[-1]
     return sums.laws.wavenumber_cm, ray.transmittance[-1], ray.emitted, sun, sums.in_layers(0.0, np.radians(sky_zenith)).emitted
 
 

@@ -22,7 +22,8 @@ HEIGHT = 100.0
 with (Path(__file__).parent / "lowtran7_between_heights.csv").open() as stream:
     ROWS = list(csv.DictReader(line for line in stream if not line.startswith("#")))
 
-# Of transmittance, both ends below 1 km and otherwise; of radiance, in which LOWTRAN7's layers of a kilometre have one temperature each and the air has none.
+# Of transmittance, both ends below 1 km and otherwise; of radiance, in which LOWTRAN7's layers of a kilometre have one temperature each
+# and the air has none.
 TRANSMITTANCE, RADIANCE = (2e-3, 1e-2), 0.08
 
 
@@ -66,7 +67,9 @@ def test_lowtran7_between_two_heights(row, band):
     weights = Band.rectangular(*band).weights(air.wavenumber_cm)
     tau, radiance = air.path(height, arc, target)
     label = f"[{band[0]:g}-{band[1]:g}]"
-    assert weights @ tau / weights.sum() == pytest.approx(float(row["tau" + label]), rel=TRANSMITTANCE[max(height, target) >= 1000.0], abs=2e-5)
+    assert weights @ tau / weights.sum() == pytest.approx(
+        float(row["tau" + label]), rel=TRANSMITTANCE[max(height, target) >= 1000.0], abs=2e-5
+    )
     assert weights @ radiance == pytest.approx(float(row["radiance" + label]), rel=RADIANCE)
 
 

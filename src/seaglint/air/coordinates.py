@@ -1,6 +1,6 @@
 """Coordinates of the nodes of an atmosphere table: refraction, normalised path length and elevation, splines between kinks.
 
-The table builder and :mod:`seaglint.air.table.lowtran7` share this file, so that nodes and look-ups cannot drift apart.
+The table builder and :mod:`seaglint.air.table.batch` share this file, so that nodes and look-ups cannot drift apart.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Geometry of a straight line over the effective Earth: heights along it, its lowest point, crossings of levels.
+"""Geometry of a straight line over the effective Earth: heights along it, and its lowest point.
 
 Points of the line are named by their ``share`` of its length: 0 at one end, 1 at the other. Heights follow from
 ``r^2 = a^2 (1 - x) + b^2 x - x (1 - x) s^2`` with the distances ``a``, ``b`` of the ends from the Earth's centre, written with the
@@ -33,18 +33,3 @@ def lowest_height(start: ArrayLike, end: ArrayLike, slant: ArrayLike) -> FloatAr
     squared = np.asarray(slant, dtype=np.float64) ** 2
     nearest = np.clip((a - b + squared) / np.maximum(2.0 * squared, 1e-12), 0.0, 1.0)
     return np.minimum(heights_along(start, end, slant, nearest), np.minimum(start, end))
-
-
-def level_shares(start: FloatArray, end: FloatArray, slant: FloatArray, levels: FloatArray) -> FloatArray:
-    """Shares at which lines (cases) cross ``levels`` [m], ascending from 0 to 1: (cases, 2 levels + 2).
-
-    A line meets a level twice, once or not at all; what is missing stands at 0 or 1, so that the pieces there are empty.
-    """
-    a, b, squared = _over_radius(start)[:, None], _over_radius(end)[:, None], (slant * slant)[:, None]
-    half, left = 0.5 * (b - a - squared), a - _over_radius(levels)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        root = np.sqrt(half * half - squared * left)
-        crossings = np.concatenate([(-half - root) / squared, (-half + root) / squared], axis=1)
-    inside = np.sort(np.clip(np.where(np.isnan(crossings), 1.0, crossings), 0.0, 1.0), axis=1)
-    edge = np.zeros((start.size, 1))
-    return np.concatenate([edge, inside, edge + 1.0], axis=1)

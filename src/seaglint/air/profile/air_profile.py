@@ -21,9 +21,6 @@ from seaglint.base.errors import DomainError
 MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)
 """Levels of LOWTRAN7's own models [m]."""
 
-TOP: Final = 100e3
-"""Top of the atmosphere [m]."""
-
 ZERO_CELSIUS: Final = 273.15
 
 STANDARD_PRESSURE: Final = 1013.25

@@ -238,7 +238,10 @@ class ProfileAtmosphere(ClearAir):
         y = np.linspace(float(_sky_coordinate(-dip)), float(_sky_coordinate(0.5 * np.pi)), SUN_NODES)
         elevation = np.minimum(_sky_elevation(y), 0.5 * np.pi)
         elevation = np.where(elevation < 0.0, elevation * bent * (1.0 - 1e-9), elevation)
-        passed = [self.sums.passed(height, 0.5 * np.pi - float(e)) for e in elevation]
+        if self.levels == "continuous":
+            passed = [self.sums.passed(height, 0.5 * np.pi - float(e)) for e in elevation]
+        else:
+            passed = [self.sums.in_layers(height, 0.5 * np.pi - float(e)).transmittance[-1] for e in elevation]
         return self._suns.setdefault(height, CubicSpline(y, encode_optical_depth(-np.log(np.maximum(passed, 1e-300))), axis=0))
 
     def solar_irradiance(self, solar_zenith: ArrayLike, height: float = 0.0) -> FloatArray:

@@ -1,6 +1,6 @@
 """Atmosphere from spectra at nodes, for one sensor height: a user's calculation or measurement, or a live run of LOWTRAN7.
 
-Between the nodes the same quantities are splined as in the tables (:mod:`seaglint.air.table.lowtran7`): encoded optical depth and
+Between the nodes the same quantities are splined as in the tables (:mod:`seaglint.air.table.batch`): encoded optical depth and
 effective air temperature of the path, encoded optical depth towards the Sun, brightness temperature of the sky.
 """
 

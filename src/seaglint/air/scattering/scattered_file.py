@@ -25,8 +25,7 @@ DIP_ROWS: Final = 64
 LOW: Final = 300.0
 """Height [m] up to which the sky below the horizontal is the horizontal's.
 
-LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea
-(:mod:`seaglint.air.table.low_sky`).
+LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea.
 """
 
 _RANK: Final = 1e-4
