@@ -150,3 +150,33 @@ def test_what_cannot_be_refracted_is_refused_in_one_line():
     with pytest.raises(ScenarioError, match="refraction"):
         scenario({"source": "isothermal", "refraction": "profile"})
     assert memory_needed(scenario(profile)) > memory_needed(scenario())
+
+
+CHANGES = (-20.0, -6.0, 4.0, 9.0, 20.0)
+PLACES = ((20.0, (3.5, 5.0)), (2.0, (3.5, 5.0)), (900.0, (3.0, 5.0)), (60.0, (8.0, 12.0)))
+LOWEST = [
+    pytest.param(change, *place, marks=() if place is PLACES[0] and change in (-20.0, 9.0) else pytest.mark.validation)
+    for place in PLACES
+    for change in CHANGES
+]
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize(("change", "height", "band"), LOWEST)
+def test_any_lowest_air_has_pictures_by_day(change, height, band):
+    """Scattered sunlight, direct sunlight and thermal radiance, over air that bends rays more than the Earth is round and less."""
+    for refraction in ("standard", "profile"):
+        settings = parse_scenario(
+            {
+                "sensor": {"pixels": [6, 12], "fov_deg": [1.0, 2.0], "elevation_deg": -0.5, "height_m": height},
+                "sun": {"zenith_deg": 70.0},
+                "wind": {"speed_m_s": 3.0},
+                "band": {"min_um": band[0], "max_um": band[1]},
+                "sea": {"resolve_waves": False},
+                "atmosphere": {"source": "table", "air_minus_sea_k": change, "refraction": refraction},
+            }
+        )
+        for light in (mean(settings), image(settings)):
+            values = light.radiance.values
+            assert np.isfinite(values).all()
+            assert values.min() > 0.0

@@ -24,6 +24,11 @@ from seaglint.imaging.camera.image_grid import Camera
 RAYS_PER_ROW: Final = 8
 """Number of rays followed through each row of pixels."""
 
+MOST_RAYS: Final = 6000
+"""Number of rays from which on fewer are followed through a row, for their memory (10 kB each), down to :data:`FEWEST_RAYS`."""
+
+FEWEST_RAYS: Final = 2
+
 BROKEN: Final = 8.0
 """Neighbouring rays whose places in the standard picture are this many times farther apart than they are see different things."""
 
@@ -142,7 +147,8 @@ class RowShift:
     def of(cls, bending: Bending, camera: Camera) -> RowShift:
         """Follow the rays of a camera's rows and lay the standard picture's around what they see."""
         edge = 0.5 * math.pi - 1e-9
-        nodes: FloatArray = np.clip(camera.top - camera.row_step / RAYS_PER_ROW * np.arange(camera.rows * RAYS_PER_ROW + 1), -edge, edge)
+        parts = min(max(MOST_RAYS // camera.rows, FEWEST_RAYS), RAYS_PER_ROW)
+        nodes: FloatArray = np.clip(camera.top - camera.row_step / parts * np.arange(camera.rows * parts + 1), -edge, edge)
         rays = bending.paths(nodes)
         for _ in range(HALVINGS):
             seen = bending.straight(rays)

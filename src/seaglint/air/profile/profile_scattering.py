@@ -9,6 +9,7 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
 from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols, mean_humidity
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
 from seaglint.air.scattering.lowtran_ray import AEROSOLS, layer_amounts
@@ -68,7 +69,8 @@ class Scatterers:
         self._source = held["source"][keep]
         self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS])
         middle = 0.5 * float(nu[0] + nu[-1]) if refracted_cm is None else refracted_cm
-        self._refractivity = refractivity(thin, middle)
+        # layers that would trap rays are almost trapping here too: a ray must rise or fall through all of them
+        self._refractivity = np.exp(RefractingAir.of(thin.height, refractivity(thin, middle), thin.earth_radius).log_refractivity)
         none = np.zeros((AEROSOLS, thin.height.size))
         self._grid = grid_of(self._levels("none", none, np.zeros(AEROSOLS)))
 
