@@ -9,7 +9,7 @@ import tomllib
 import pytest
 
 from seaglint.base.errors import DataError, ScenarioError
-from seaglint.scenario.keys import key_paths
+from seaglint.scenario.keys import key_paths, kinds_with, tags
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.text.template import PRESETS, json_schema, template, write_template
 
@@ -65,3 +65,10 @@ def test_the_schema_names_every_key_and_takes_text_with_units():
     assert [option["type"] for option in height["anyOf"]] == ["number", "string"]
     assert height["anyOf"][0]["exclusiveMinimum"] == 0
     assert schema["additionalProperties"] is False
+
+
+def test_every_kind_of_a_union_is_named_by_the_key_that_chooses_it():
+    assert tags(("atmosphere",)) == ("table", "lowtran", "lowtran-fortran", "file", "isothermal", "none")
+    assert kinds_with(("atmosphere",), "refraction") == ("table", "lowtran")
+    line = next(line for line in template("calm").splitlines() if line.startswith("source = "))
+    assert line.endswith('"table" | "lowtran" | "lowtran-fortran" | "file" | "isothermal" | "none"')

@@ -109,7 +109,8 @@ def tags(location: tuple[str | int, ...]) -> tuple[str, ...]:
     records = _at(tuple(str(part) for part in location))
     if len(records) < 2:
         return ()
-    return tuple(str(choice) for record in records for choice in _choices(next(iter(record.model_fields.values())).annotation))
+    name = next(iter(records[0].model_fields))  # others may inherit fields that stand before it
+    return tuple(str(choice) for record in records for choice in _choices(record.model_fields[name].annotation))
 
 
 def choices_of_kind(key: Key) -> str:
@@ -125,12 +126,8 @@ def tag_name(location: tuple[str | int, ...]) -> str:
 
 def kinds_with(location: tuple[str | int, ...], name: str) -> tuple[str, ...]:
     """Return the kinds of the union at a location that have a key ``name``, as :func:`tag_name` is written for them."""
-    found = []
-    for record in _at(tuple(str(part) for part in location)):
-        tag = record.model_fields[next(iter(record.model_fields))]
-        if name in record.model_fields and isinstance(tag.default, str):
-            found.append(tag.default)
-    return tuple(found)
+    records, kind = _at(tuple(str(part) for part in location)), tag_name(location)
+    return tuple(record.model_fields[kind].default for record in records if name in record.model_fields)
 
 
 @cache
