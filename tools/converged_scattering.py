@@ -81,6 +81,7 @@ def main() -> None:
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     profile, haze = model_profile("midlatitude-summer"), HazeWeather(wind=7.0, wind_24h=7.0)
     air = scattering_air(profile, haze, wavenumber_grid(*BAND))
+    smooth = scattering_air(profile, haze, wavenumber_grid(*BAND), continuous=True)
     print("| from | zenith angle | " + " | ".join(f"{a:g} deg from a Sun at {z:g} deg" for a, z in SUNS_DEG) + " |")
     print("|---" * (2 + len(SUNS_DEG)) + "|")
     for height in HEIGHTS:
@@ -89,10 +90,9 @@ def main() -> None:
             for azimuth, sun in SUNS_DEG:
                 line = (np.radians(zenith), np.radians(azimuth), np.radians(sun))
                 own = float(converged(profile, haze, air, height, line).sum())
-                amplitude, _ = air.amplitudes(height, np.array([line]))
                 phase = air.phase(scattering_angle(*line[:2], float(air.apparent_zenith(line[2], height))))
-                layered = float((air.source * (phase * amplitude[0]).sum(axis=0)).sum())
-                cells.append(f"{layered / own:.2f}")
+                found = [each.amplitudes(height, np.array([line]))[0][0] for each in (air, smooth)]
+                cells.append(", ".join(f"{float((air.source * (phase * each).sum(axis=0)).sum()) / own:.3f}" for each in found))
             print(f"| {height:g} m | {zenith:g} deg | " + " | ".join(cells) + " |")
 
 

@@ -21,8 +21,12 @@ from seaglint.base.limits import NAVY_AEROSOL_WIND
 MODELS_REFRACTED_CM: Final = 3410.0
 """Wavenumber of the refractivity in cases evaluated one by one, whatever their bands [cm-1]: the middle of 2-5.5 um."""
 
-MOST_LEVELS: Final = 34
-"""Levels that single scattering is summed over, as in LOWTRAN7; of profiles with more, those that interpolate the others best."""
+FINEST_KM: Final = 0.005
+"""Thickness of the first piece of lines of sight in continuous air [km]."""
+
+MOST_LEVELS: Final = (34, 150)
+"""Levels that single scattering is summed over, in LOWTRAN7's layers as the program does, and in continuous air (a sounding of 800 levels
+changes by 0.05 % in the median, 0.5 % at most); of profiles with more, those that interpolate the others best."""
 
 HUMID_MODELS: Final = {
     "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
@@ -57,9 +61,12 @@ class Scatterers:
     (173,)
     """
 
-    def __init__(self, profile: AirProfile, wavenumber_cm: FloatArray, refracted_cm: float | None = None) -> None:
+    def __init__(
+        self, profile: AirProfile, wavenumber_cm: FloatArray, refracted_cm: float | None = None, *, continuous: bool = False
+    ) -> None:
+        self._continuous = continuous
         held, keep = lowtran_numbers(), channels_of(wavenumber_cm)
-        self._profile = thin = thinned(profile)
+        self._profile = thin = thinned(profile, MOST_LEVELS[continuous])
         self._nu = nu = np.asarray(wavenumber_cm, dtype=np.float64)
         power = held["band_power"][:, keep]
         column = held["band_column"][:, keep].astype(np.int64)
@@ -104,7 +111,8 @@ class Scatterers:
         amount[:, :, :AEROSOLS] = layer_amounts(np.diff(levels.height), kept.density)
         angle = np.radians(lowtran_numbers()["phase_angle_deg"])
         laws = AerosolLaws(kept.extinction, kept.absorption, angle, self._log_phase(haze.haze, kept.asymmetry[0]))
-        return ScatteringAir.assembled(self._spectral, self._bands, levels, laws, self._source, self._grid._replace(amount=amount))
+        finest = FINEST_KM if self._continuous else 0.0
+        return ScatteringAir.assembled(self._spectral, self._bands, levels, laws, self._source, self._grid._replace(amount=amount), finest)
 
     def _log_phase(self, haze: str, asymmetry: FloatArray) -> FloatArray:
         """Logarithm of the phase functions [(KINDS - 1, n, angles)], linear in wavelength as in LOWTRAN7."""
@@ -118,10 +126,16 @@ class Scatterers:
 
 
 def scattering_air(
-    profile: AirProfile, haze: HazeWeather, wavenumber_cm: FloatArray, refracted_cm: float | None = None, humidity: float | None = None
+    profile: AirProfile,
+    haze: HazeWeather,
+    wavenumber_cm: FloatArray,
+    refracted_cm: float | None = None,
+    humidity: float | None = None,
+    *,
+    continuous: bool = False,
 ) -> ScatteringAir:
     """Return :class:`Scatterers` of a profile on channels [cm-1, (n,)] with one haze."""
-    return Scatterers(profile, wavenumber_cm, refracted_cm).with_haze(haze, humidity)
+    return Scatterers(profile, wavenumber_cm, refracted_cm, continuous=continuous).with_haze(haze, humidity)
 
 
 @lru_cache(maxsize=8)
@@ -141,16 +155,16 @@ def _phase_humidity(haze: str, humidity: FloatArray) -> FloatArray:
     return np.array(HUMIDITIES)[np.searchsorted(HUMIDITIES, humidity, side="right") - 1] if haze == "tropospheric" else humidity
 
 
-def thinned(profile: AirProfile) -> AirProfile:
-    """Return the profile with at most :data:`MOST_LEVELS` levels: ends first, then the worst interpolated one after the other."""
+def thinned(profile: AirProfile, most: int) -> AirProfile:
+    """Return the profile with at most some levels: ends first, then the worst interpolated one after the other."""
     z = profile.height
-    if z.size <= MOST_LEVELS:
+    if z.size <= most:
         return profile
     scaled = np.stack(
         [np.log(profile.pressure) / _THINNING[0], profile.temperature / _THINNING[1], profile.relative_humidity / _THINNING[2]]
     )
     chosen = [0, z.size - 1]
-    while len(chosen) < MOST_LEVELS:
+    while len(chosen) < most:
         order = np.sort(chosen)
         guess = np.array([np.interp(z, z[order], row[order]) for row in scaled])
         chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=0))))

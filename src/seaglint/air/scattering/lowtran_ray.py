@@ -28,7 +28,7 @@ SELF: Final = 6
 SELF_COLD: Final = 7
 """Columns of the water continuum at 296 K and of its share that is colder."""
 
-MOST_POINTS: Final = 72
+MOST_POINTS: Final = 400
 """Largest number of points of a line."""
 
 WORK_ROWS: Final = 6
@@ -45,6 +45,9 @@ _FINE, _FINE_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(12)[0]), 0.
 
 _TO_HEIGHTS = np.linalg.solve(np.vander(_HEIGHTS, increasing=True).T, np.vander(_FINE, 5, increasing=True).T).T * _FINE_WEIGHTS[:, None]
 """Matrix from densities at the fine nodes to weights of a function's values at the nodes of a whole layer."""
+
+_HUMID: Final = (5.0, 3.0, 0.25)
+"""Largest thickness of a piece of a finely cut line above a height, and below it, where droplets grow with humidity [km, km, km]."""
 
 _STRAIGHT: Final = 2.5
 """Growth of the squared cosine of the zenith angle below which a layer is summed on its fixed heights."""
@@ -93,6 +96,8 @@ class Laws(NamedTuple):
     power: np.ndarray
     log_coefficient: np.ndarray
     grid: LayerGrid
+    finest: float
+    """Thickness of the first piece of a line of sight [km]; further ones are as thick as they lie above or below it. 0: whole layers."""
 
 
 @njit
@@ -342,6 +347,8 @@ def trace(laws: Laws, z: float, zenith: float, line: LevelCrossings, work: np.nd
         while start - lowest > 1e-9:
             i = _layer_of(laws, start - 1e-9)
             end = max(laws.height[i], lowest)
+            if laws.finest > 0.0:
+                end = max(end, start - max(laws.finest, min(z - start, start - lowest, _HUMID[0] if start > _HUMID[1] else _HUMID[2])))
             if line.height[n] - end < 1e-4 and end > lowest:  # as LOWTRAN7, no pieces of less than 0.1 m
                 start = end
                 continue
@@ -358,11 +365,13 @@ def trace(laws: Laws, z: float, zenith: float, line: LevelCrossings, work: np.nd
     else:
         _rung(line, 0, z, zenith, 0.0, 0)
     level = first
-    top = laws.height[-1]
+    top, bottom = laws.height[-1], start
     while top - start > 1e-4:
         end = laws.height[_layer_of(laws, start) + 1]
         if descending and start < z - 1e-4 and end > z:
             end = z
+        if laws.finest > 0.0:
+            end = min(end, start + max(laws.finest, min(start - bottom, _HUMID[0] if start > _HUMID[1] else _HUMID[2])))
         if end - start < 1e-4:
             start = end
             continue

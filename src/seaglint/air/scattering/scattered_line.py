@@ -173,7 +173,83 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
 
 
 @njit
+def _log_mean(a: float, b: float) -> float:
+    """Mean of a quantity that changes exponentially from ``a`` to ``b``; their mean where one is 0."""
+    if a <= 0.0 or b <= 0.0:
+        return 0.5 * (a + b)
+    x = math.log(b / a)
+    return a * (1.0 + x * (0.5 + x / 6.0)) if abs(x) < 1e-3 else (b - a) / x
+
+
+@njit
+def line_sums(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out: np.ndarray) -> float:
+    """Compute amplitudes as :func:`line_amplitudes`, of continuous air: ``J_c`` is the integral of ``beta_c T`` over the line.
+
+    T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its own
+    kind where it is.
+    """
+    columns, channels = laws.density.shape[0], laws.linear.shape[1]
+    work = np.zeros((WORK_ROWS, columns))
+    line = _empty_line(columns)
+    points = trace(laws, z, zenith, line, work)
+    for c in range(KINDS):
+        for i in range(channels):
+            out[c, i] = 0.0
+    whole = work[WORK_ROWS - 1]
+    light, share = np.zeros((2, channels)), np.zeros(AEROSOLS)
+    seen = np.zeros(channels)
+    for j in range(points):
+        here, before = j % 2, 1 - j % 2
+        up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
+        for i in range(channels):
+            light[here, i] = 0.0
+        if up > 0.0:
+            for k in range(columns):
+                whole[k] += line.amount[j, k]
+            transmittances(laws, whole, seen)
+            for i in range(channels):
+                light[here, i] = up * seen[i]
+        if j == 0:
+            continue
+        _humid_shares(laws, 0.5 * (line.height[j - 1] + line.height[j]), share)
+        for i in range(channels):
+            seen[i] = _log_mean(light[before, i], light[here, i])
+        for region in range(AEROSOLS):
+            w = line.amount[j, region] - line.amount[j - 1, region]
+            if w <= 0.0:
+                continue
+            for c in range(AEROSOLS if region == 0 else 1):
+                kind, part = (c, share[c] * w) if region == 0 else (AEROSOLS + region - 1, w)
+                if part > 0.0:
+                    for i in range(channels):
+                        out[kind, i] += part * laws.scattering[region, i] * seen[i]
+        w = line.amount[j, MOLECULES] - line.amount[j - 1, MOLECULES]
+        for i in range(channels):
+            out[KINDS - 1, i] += w * laws.linear[MOLECULES, i] * seen[i]
+    return float(line.arc[points - 1])
+
+
+@njit
+def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
+    """Shares of the boundary layer's kinds at a height [km], by the humidity there."""
+    rh = min(max(np.interp(z, laws.height, laws.humidity), HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
+    for c in range(AEROSOLS):
+        out[c] = 0.0
+    upper = 1
+    while upper < AEROSOLS - 1 and HUMIDITIES[upper] < rh:
+        upper += 1
+    share = (rh - HUMIDITIES[upper - 1]) / (HUMIDITIES[upper] - HUMIDITIES[upper - 1])
+    out[upper - 1], out[upper] = 1.0 - share, share
+
+
+@njit
 def many_amplitudes(laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], out: np.ndarray, arc: np.ndarray) -> None:
-    """Amplitudes by :func:`line_amplitudes` of part of the lines ``(zenith, azimuth, solar zenith)`` [rad, (lines, 3)] from one height."""
+    """Amplitudes by :func:`line_amplitudes` or :func:`line_sums` of part of the lines from one height.
+
+    ``lines`` [rad, (lines, 3)]: zenith, azimuth, solar zenith.
+    """
     for i in range(part[0], part[1]):
-        arc[i] = line_amplitudes(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])
+        if laws.finest > 0.0:
+            arc[i] = line_sums(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])
+        else:
+            arc[i] = line_amplitudes(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])

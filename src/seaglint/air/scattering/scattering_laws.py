@@ -152,9 +152,19 @@ class ScatteringAir:
 
     @classmethod
     def assembled(
-        cls, spectral: SpectralLaws, bands: Segments, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray, grid: LayerGrid
+        cls,
+        spectral: SpectralLaws,
+        bands: Segments,
+        levels: AirLevels,
+        aerosol: AerosolLaws,
+        source: FloatArray,
+        grid: LayerGrid,
+        finest: float = 0.0,
     ) -> ScatteringAir:
-        """Assemble the air as :meth:`of`, with given results of :meth:`SpectralLaws.segments` and :func:`grid_of`."""
+        """Assemble the air as :meth:`of`, with given results of :meth:`SpectralLaws.segments` and :func:`grid_of`.
+
+        ``finest``: thickness of the first piece of a line [km]; 0 for LOWTRAN7's layers.
+        """
         # Copies, which can be written to: kernels are compiled once for them, wherever the arrays are from.
         density = np.array(levels.density)
         density[SELF_COLD] = 0.0  # made of the column before it, by temperature
@@ -171,6 +181,7 @@ class ScatteringAir:
             aerosol.extinction - aerosol.absorption,
             *bands,
             grid,
+            finest,
         )
         return cls(spectral.wavenumber_cm, source, laws, aerosol)
 

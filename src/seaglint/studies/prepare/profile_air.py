@@ -117,7 +117,7 @@ def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> Profil
         # Numba comes with it: thermal bands do without.
         from seaglint.air.profile.profile_scattering import scattering_air
 
-        return scattering_air(profile, choice.haze, grid[part], middle)
+        return scattering_air(profile, choice.haze, grid[part], middle, continuous=choice.levels == "continuous")
 
     scatters = choice.edges[0] < THERMAL_UM
     return ProfileAtmosphere(
