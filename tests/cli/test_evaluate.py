@@ -427,3 +427,17 @@ def test_continuous_air_is_that_of_pictures(seaglint, cases, tmp_path):
         close = 0.06 if "path" in name or "sky" in name else 3e-3
         np.testing.assert_allclose(continuous[name], layers[name], rtol=close, err_msg=name)
     assert not np.allclose(continuous["sky_radiance_W_m2_sr3550"], layers["sky_radiance_W_m2_sr3550"], rtol=5e-3)
+
+
+def test_scattered_sunlight_in_layers_and_without(seaglint, cases, tmp_path):
+    """A level line from 20 m stays in LOWTRAN7's lowest layer and has half as much sunlight again there; steeper ones hardly differ."""
+    path = cases(SCATTERED, "sky,midlatitude-summer,7,20,0.1,10,60", "path,midlatitude-summer,7,20,-5,10,60", "sky,tropical,12,0,20,90,30")
+    found = {}
+    for levels in ("lowtran", "continuous"):
+        output = tmp_path / f"{levels}.csv"
+        assert seaglint("evaluate", "scattered", path, "-o", output, "--band", "3.5-5.0", "--levels", levels).code == 0
+        found[levels] = [np.array([float(row[f"{name}_W_m2_sr[3.5-5.0]"]) for row in table(output)]) for name in ("scattered", "thermal")]
+    light, warmth = (found["lowtran"][i] / found["continuous"][i] for i in (0, 1))
+    assert 1.3 < light[0] < 1.7
+    assert np.all(np.abs(light[1:] - 1.0) < 0.2)
+    assert np.all((warmth > 0.9) & (warmth < 1.01))

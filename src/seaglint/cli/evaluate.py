@@ -102,8 +102,8 @@ def mean(cases: CasesFile, output: Output, request: BandsRequest, show: Progress
 
 
 @evaluate.command()
-@takes_records(order="cases output bands")
-def scattered(cases: CasesFile, output: Output, request: BandsRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
+@takes_records(order="cases output bands levels")
+def scattered(cases: CasesFile, output: Output, request: AirRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Sunlight scattered into paths to the sea and the clear sky.
 
     Columns needed: kind (path or sky), atmosphere (a model's name), wind_speed_m_s, sensor_height_m (0 for sky seen from the sea),
@@ -114,4 +114,4 @@ def scattered(cases: CasesFile, output: Output, request: BandsRequest, show: Pro
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
-    _run(cases, output, request, show, partial(evaluate_scattered, bands=parse_bands(request.bands)))
+    _run(cases, output, request, show, partial(evaluate_scattered, bands=parse_bands(request.bands), levels=request.levels))

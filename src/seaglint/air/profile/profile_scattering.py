@@ -139,9 +139,9 @@ def scattering_air(
 
 
 @lru_cache(maxsize=8)
-def model_scatterers(model: str, channels: tuple[float, ...]) -> Scatterers:
+def model_scatterers(model: str, channels: tuple[float, ...], *, continuous: bool = False) -> Scatterers:
     """Return the scatterers of a model atmosphere on channels [cm-1]."""
-    return Scatterers(model_profile(model), np.array(channels), MODELS_REFRACTED_CM)
+    return Scatterers(model_profile(model), np.array(channels), MODELS_REFRACTED_CM, continuous=continuous)
 
 
 def maritime(wind_speed: float) -> HazeWeather:

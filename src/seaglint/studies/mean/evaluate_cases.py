@@ -27,7 +27,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.studies.mean.case_slopes import WIND_FROM, slope_kinds, slopes_of
-from seaglint.studies.mean.continuous_rays import continuous_rays
+from seaglint.studies.mean.continuous_rays import continuous_light, continuous_rays
 from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
 
 Columns = dict[str, FloatArray | list[str]]
@@ -297,8 +297,10 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     return {**columns, **marks}
 
 
-@documented(BandsRequest)
-def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
+@documented(AirRequest)
+def evaluate_scattered(
+    cases: Cases, bands: Sequence[NamedBand], *, levels: str = "lowtran", extrapolate: bool = False, progress: Progress | None = None
+) -> Columns:
     """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
 
     Parameters
@@ -353,14 +355,16 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
         _tell(progress, done, total)
         for band in bands:
             air = airs[band.label][_model_of(key)]
-            thermal = (
-                air.path(wind[rows], height[rows], -elevation[rows])[1]
-                if is_path[rows[0]]
-                else air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
-            )
+            if levels == "continuous":
+                thermal = continuous_light(_model_of(key), air.wavenumber_cm, wind[rows], height[rows], elevation[rows])
+            elif is_path[rows[0]]:
+                thermal = air.path(wind[rows], height[rows], -elevation[rows])[1]
+            else:
+                thermal = air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
             columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
         lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
-        for band, values in zip(seen, scattered_cases(_model_of(key), lines, [band.band for band in seen]), strict=True):
+        light = scattered_cases(_model_of(key), lines, [band.band for band in seen], continuous=levels == "continuous")
+        for band, values in zip(seen, light, strict=True):
             columns[f"scattered_W_m2_sr[{band.label}]"][rows] = values
         done += rows.size * len(bands)
     _tell(progress, done, total)
