@@ -344,7 +344,7 @@ def test_laws_of_a_run_give_its_scattered_sunlight(live, haze, line):
 
 def test_live_air_scatters_like_the_table(live):
     found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
-    table = model_air("us-standard-1976", 7.0, BAND)
+    table = model_air("us-standard-1976", 7.0, BAND, "lowtran")
     over = BandSum.of(Band.rectangular(*BAND), table)
     ours, theirs = (scattered_in(air, over.grid, over.weights, 30.0, 1.2) for air in (found, table))
     for elevation, azimuth in ((0.1, 0.2), (1.0, 2.0)):
