@@ -30,10 +30,12 @@ from pathlib import Path
 from typing import Any
 
 from data_folders import name_folders
+from seaglint.base.syntax import syntax_text
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = Path("src") / "seaglint"
 MADE = ROOT / "docs" / "data" / "made.toml"
+IMPORTS = (ast.Import, ast.ImportFrom)
 NUMBER = re.compile(r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:[eE](?P<exponent>[-+]?\d+))?")
 SPARE = 0.6
 """Units of the last printed digit that a number may be off [1]: half of one by rounding, the rest for other processors' arithmetic."""
@@ -109,29 +111,13 @@ def parts(path: Path) -> tuple[str, ...]:
 
 def statements(source: str) -> list[str]:
     """Top-level statements of a module as text, without imports, docstrings and the list of public names."""
-    found = (dumped(node) for node in ast.parse(source).body if not isinstance(node, ast.If) or not only_imports(node))
+    found = (syntax_text(node, IMPORTS) for node in ast.parse(source).body if not isinstance(node, ast.If) or not only_imports(node))
     return [text for text in found if text and not text.startswith("Assign(targets=[Name(id='__all__'")]
 
 
 def only_imports(node: ast.If) -> bool:
     """Whether a branch is there for imports alone, as ``if TYPE_CHECKING`` is."""
     return all(isinstance(one, ast.Import | ast.ImportFrom) for one in (*node.body, *node.orelse))
-
-
-def dumped(node: object) -> str:
-    """Syntax tree as text, the same for all versions of Python: fields without content are left out."""
-    match node:
-        case None | ast.Import() | ast.ImportFrom() | ast.Expr(value=ast.Constant()):
-            return ""
-        case ast.AST():
-            fields = ((name, dumped(value)) for name, value in ast.iter_fields(node))
-            return f"{type(node).__name__}({','.join(f'{name}={text}' for name, text in fields if text)})"
-        case []:
-            return ""
-        case list():
-            texts = ("-" if one is None else dumped(one) for one in node)
-            return "[" + ",".join(text for text in texts if text) + "]"
-    return repr(node)
 
 
 def made() -> dict[str, dict[str, str]]:

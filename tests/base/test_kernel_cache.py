@@ -46,7 +46,15 @@ def package(tmp_path: Path) -> Path:
     """A package whose kernel calls one of another file and reads a constant."""
     folder = tmp_path / "src" / "seaglint"
     (folder / "base").mkdir(parents=True)
-    for name in ("__init__.py", "base/__init__.py", "base/jit.py", "base/kernel_bodies.py", "base/kernel_cache.py", "base/user_cache.py"):
+    for name in (
+        "__init__.py",
+        "base/__init__.py",
+        "base/jit.py",
+        "base/kernel_bodies.py",
+        "base/kernel_cache.py",
+        "base/syntax.py",
+        "base/user_cache.py",
+    ):
         shutil.copy(SOURCE / name, folder / name)
     for name, text in (("inner", INNER), ("outer", OUTER), ("base/constants", "ADDED = 1.0\n"), ("bystander", "x = 1\n")):
         (folder / f"{name}.py").write_text(text)

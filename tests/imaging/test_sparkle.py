@@ -213,7 +213,7 @@ def sparkle_image(sparkle, camera: Camera, sun, variance: np.ndarray, time: floa
     """Factors of mean 1 on the mirrored Sun of an image, for the relative variance of its pixels (rows, columns)."""
     images = np.ones((camera.columns, 1, FEWEST, camera.rows))
     images[:, 0, SPREAD] = variance.T
-    sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, (0.0, 0.0), time, images)
+    sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, (0.0, 0.0), time, images, (0, camera.azimuths.size))
     return np.ascontiguousarray(images[:, 0, SUN_CHANNEL].T)
 
 

@@ -19,7 +19,7 @@ SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
 def _reach(sea, x, y):
     """The line through a point and its distance along it."""
     r = math.hypot(x, y) or 1.0
-    return surface_module.course(sea, 0, x / r, y / r), math.hypot(x, y)
+    return surface_module.course(sea, 0, x / r, y / r, (0.0, 0.0)), math.hypot(x, y)
 
 
 def _height(sea, x, y):
@@ -89,7 +89,7 @@ def test_strips_are_read_like_single_samples(first):
     arcs = first + np.cumsum(np.random.default_rng(2).uniform(0.1, 1.4, surface_module.STRIP))
     strip = surface_module.new_strip()
     for angle in np.linspace(0.0, 6.0, 9):
-        line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle))
+        line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle), (0.0, 0.0))
         for count in (surface_module.STRIP - 3, 1):
             strip.height[:] = 0.5
             for j in range(2):
@@ -150,7 +150,7 @@ def test_a_line_for_one_arc_is_straight_and_displaced_as_there():
     sea, direction = surface_of(_tiles(), SPACING, TURN, wander=_wander()), (np.sin(0.4), np.cos(0.4))
     whole = surface_module.course(sea, 0, *direction, (100.0, 300.0))
     one = surface_module.course(sea, 0, *direction, (100.0, 100.0))
-    still = surface_module.course(surface_of(_tiles(), SPACING, TURN), 0, *direction)
+    still = surface_module.course(surface_of(_tiles(), SPACING, TURN), 0, *direction, (0.0, 0.0))
     for j in range(2):
         assert surface_module.position(one, j, 100.0) == pytest.approx(surface_module.position(whole, j, 100.0), abs=1e-9)
         moved = np.subtract(surface_module.position(one, j, 170.0), surface_module.position(one, j, 100.0))
@@ -208,7 +208,7 @@ def test_smooth_lattices_are_read_at_some_samples(step, worst):
     tile = np.zeros((n, n, 3), np.float32)
     tile[..., 0] = np.sin(phase)[None, :] + 0.5 * np.cos(phase)[:, None]
     sea = surface_of((tile,), np.array([spacing]), np.zeros(1))
-    line = surface_module.course(sea, 0, np.sin(0.7), np.cos(0.7))
+    line = surface_module.course(sea, 0, np.sin(0.7), np.cos(0.7), (0.0, 0.0))
     strip, count = surface_module.new_strip(), surface_module.STRIP
     arcs = 1000.0 + step * np.arange(2 * count)
     for first in (0, 5):

@@ -22,7 +22,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 # Every option is given explicitly: a function takes missing ones from the function that happens to be compiled with it.
-COUNTED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": False, "forceinline": False, "_nrt": True}
+COUNTED: dict[str, Any] = {
+    "error_model": "numpy",
+    "nogil": True,
+    "fastmath": False,
+    "forceinline": False,
+    "_nrt": True,
+    "no_cfunc_wrapper": True,  # nobody calls kernels from C; each wrapper costs 20 ms
+}
 UNCOUNTED: dict[str, Any] = COUNTED | {"fastmath": {"contract"}, "forceinline": True, "_nrt": False}
 
 
@@ -51,10 +58,27 @@ def _cached(made: Any, function: Callable[..., Any], form: str) -> bool:
     folder = kernel_folder(_settings.CACHE_DIR)
     if folder is None:
         return False
+    _require_own_name(function)
     made._cache = KernelCache(function, folder, form)
     _name_apart(made)
     _take_turns(made, folder)
     return True
+
+
+_codes: dict[tuple[str, str], Any] = {}
+
+
+def _require_own_name(function: Callable[..., Any]) -> None:
+    """Refuse a second kernel of one name in a module, or one that closes over values: their files would be one.
+
+    Raises
+    ------
+    TypeError
+        In development only: no kernel of the package does so.
+    """
+    code = _codes.setdefault((function.__module__, function.__qualname__), function.__code__)
+    if code != function.__code__ or function.__closure__:
+        raise TypeError(f"kernel {function.__module__}.{function.__qualname__} needs a name of its own and no closure")
 
 
 def _name_apart(compiled: Any) -> None:
@@ -110,12 +134,16 @@ def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]
 
     @cache
     def body() -> Any:
-        without: dict[str, Any] = {"pipeline_class": BodyCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        without: dict[str, Any] = {"pipeline_class": BodyCompiler, "no_cpython_wrapper": True}
         other: Any = numba.njit(**(options | without))(function)
         _cached(other, function, ".body")
         return other
 
-    made.get_call_template = lambda args, kws: body().get_call_template(args, kws)
+    def any_value(types: Any) -> Any:
+        # For "f(0)" and "f(1)" Numba would compile two forms, where one that takes any number is as fast after it was linked in.
+        return tuple(numba.types.unliteral(one) for one in types)
+
+    made.get_call_template = lambda args, kws: body().get_call_template(any_value(args), {k: any_value((v,))[0] for k, v in kws.items()})
     made.get_overload = lambda signature: body().get_overload(signature)
 
 

@@ -118,18 +118,29 @@ class _Place(caching._CacheLocator):
 
 
 class KernelCache(caching.FunctionCache):
-    """Numba's cache of one function, in files named by its module."""
+    """Numba's cache of one function, in files named by its module and name, without lines: prose above a function compiles nothing."""
 
     def __init__(self, function: Callable[..., Any], folder: Path, form: str) -> None:
         place = _Place(function.__code__.co_filename, folder)
-        name = function.__qualname__.translate({ord(sign): None for sign in "<>"})
-        module, line = function.__module__.removeprefix("seaglint."), function.__code__.co_firstlineno
-        stem = f"{module}.{name}-{line}{form}.{sys.implementation.cache_tag}"
+        stem = file_stem(function.__module__, function.__qualname__, form)
         self._name, self._py_func = repr(function), function
         self._impl = self._impl_class.__new__(self._impl_class)
-        self._impl._lineno, self._impl._locator, self._impl._filename_base = line, place, stem
+        self._impl._lineno, self._impl._locator, self._impl._filename_base = 0, place, stem
         if form:
             self._impl.rebuild = _rebuild
         self._cache_path = place.get_cache_path()
         self._cache_file = caching.IndexDataCacheFile(self._cache_path, stem, place.get_source_stamp())
         self.enable()
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """Return what tells compiled forms apart: types and processor.
+
+        Numba adds the function's bytecode, in which a docstring has its place; here the folder's name stands for the sources.
+        """
+        return sig, codegen.magic_tuple()
+
+
+def file_stem(module: str, name: str, form: str = "") -> str:
+    """Return the first part of the names of a function's files."""
+    plain = name.translate({ord(sign): None for sign in "<>"})
+    return f"{module.removeprefix('seaglint.')}.{plain}{form}.{sys.implementation.cache_tag}"

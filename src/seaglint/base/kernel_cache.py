@@ -1,12 +1,13 @@
 """Folder of compiled kernels, named by a digest of all their sources.
 
 Numba looks at the file of the function that it loads, not at those of the kernels that this one calls: after a change of these alone
-it would run old physics. Here any change of a kernel's file leads to another folder.
+it would run old physics. Here any change of what a kernel's file does leads to another folder; a change of its prose does not.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import shutil
 import tempfile
@@ -18,6 +19,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+from seaglint.base.syntax import syntax_digest
 from seaglint.base.user_cache import cache_folder
 
 try:
@@ -43,12 +45,16 @@ TURN: Final = 600.0
 
 
 def sources_digest(package: Path = PACKAGE) -> str:
-    """Digest of all files that enter compiled kernels: physics, other files that import ``base.jit`` or define tuples, and constants."""
+    """Digest of what all files do that enter compiled kernels: physics, files that import ``base.jit`` or define tuples, and constants.
+
+    Comments, docstrings and layout do not enter. A file is parsed once: :func:`_known_digests` has those of earlier processes.
+    """
     # Without pathlib, whose walk through some hundred files takes longer than reading them.
     root, paths = str(package), []
     for folder, folders, names in os.walk(root):
         folders[:] = [name for name in folders if name != "__pycache__"]
         paths += [os.path.join(folder, name) for name in names if name.endswith(".py")]
+    known, used = _known_digests(), dict[str, str]()
     digest = hashlib.blake2b(digest_size=10)
     for path in sorted(paths):
         with open(path, "rb") as file:
@@ -60,9 +66,40 @@ def sources_digest(package: Path = PACKAGE) -> str:
             or b"(NamedTuple)" in content
             or name in ("base/jit.py", "base/kernel_bodies.py", "base/constants.py")
         ):
-            digest.update(f"{name}\n{len(content)}\n".encode())
-            digest.update(content)
+            exact = hashlib.blake2b(content, digest_size=16).hexdigest()
+            used[exact] = known.get(exact) or syntax_digest(content)
+            digest.update(f"{name}\n{used[exact]}\n".encode())
+    if not used.keys() <= known.keys():
+        _write_digests(used)
     return digest.hexdigest()
+
+
+DIGESTS: Final = "syntax-digests.json"
+"""File of the digests of what sources do, by digests of their bytes: parsing all sources takes a second or two."""
+
+
+def _known_digests() -> dict[str, str]:
+    """Digests that an earlier process wrote; empty where there are none, or where the file is damaged."""
+    for parent in _parents(""):
+        with suppress(OSError, ValueError):
+            found = json.loads((parent / DIGESTS).read_bytes())
+            return {str(exact): str(digest) for exact, digest in found.items()} if isinstance(found, dict) else {}
+    return {}
+
+
+def _write_digests(digests: dict[str, str]) -> None:
+    """Write digests as a whole into the first folder that can be written, or not at all."""
+    for parent in _parents(""):
+        partial = parent / f"{DIGESTS}.{os.urandom(4).hex()}"
+        try:
+            parent.mkdir(parents=True, exist_ok=True)
+            partial.write_text(json.dumps(digests))
+            os.replace(partial, parent / DIGESTS)
+        except OSError:
+            with suppress(OSError):
+                partial.unlink()
+        else:
+            return
 
 
 @cache

@@ -20,14 +20,13 @@ import math
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, unit_vector
 from seaglint.base.errors import DomainError
-from seaglint.base.jit import njit_parallel
+from seaglint.base.jit import in_threads, njit
 from seaglint.facet.legs import NESTED, Legs, Shadowing, legs_of
 from seaglint.facet.local_sun import STEADY, SunTable, turn_kernel, visible_sun
 from seaglint.facet.mirror import FacetDensity, SunDisc, chance_kernel, sun_disc
@@ -133,7 +132,10 @@ class GlintModel:
         out = np.zeros((3, view_zenith.size, azimuth.shape[1]))
         if self._shines(turn):
             area = self._area(view_zenith[:, None], azimuth)
-            _fill_grid(view_zenith, azimuth, turn, area, self._sea, self._disc, self._legs, terms, out)
+            in_threads(
+                lambda part: _fill_grid(view_zenith, azimuth, turn, area, self._sea, self._disc, self._legs, terms, out, part),
+                view_zenith.size,
+            )
         return out[0], out[1], out[2]
 
     def at(self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray) -> GlintGeometry:
@@ -141,7 +143,8 @@ class GlintModel:
         chance, cosine = np.zeros(view_zenith.size), np.zeros(view_zenith.size)
         if self._shines(turn):
             area = self._area(view_zenith, view_azimuth)
-            _fill_list(np.stack([view_zenith, view_azimuth, turn]), area, self._sea, self._disc, self._legs, chance, cosine)
+            views = np.stack([view_zenith, view_azimuth, turn])
+            in_threads(lambda part: _fill_list(views, area, self._sea, self._disc, self._legs, chance, cosine, part), view_zenith.size)
         return GlintGeometry(chance, cosine)
 
     def _shines(self, turn: FloatArray) -> bool:
@@ -214,7 +217,7 @@ def glint(
     return GlintGeometry(evaluated.chance.reshape(shape), evaluated.cos_incidence.reshape(shape))
 
 
-@njit_parallel
+@njit
 def _fill_grid(
     zenith: FloatArray,
     azimuth: FloatArray,
@@ -225,9 +228,10 @@ def _fill_grid(
     legs: Legs,
     terms: FloatArray,
     out: FloatArray,
+    part: tuple[int, int],
 ) -> None:
     sines, cosines = np.sin(azimuth), np.cos(azimuth)
-    for row in numba.prange(zenith.size):
+    for row in range(part[0], part[1]):
         if not zenith[row] <= 0.5 * math.pi:  # NaN: not of the sea
             continue
         sine, cosine = math.sin(zenith[row]), math.cos(zenith[row])
@@ -245,11 +249,18 @@ def _fill_grid(
             out[2, row, column] = cos_incidence
 
 
-@njit_parallel
+@njit
 def _fill_list(
-    views: FloatArray, area: FloatArray, sea: FacetDensity, disc: SunDisc, legs: Legs, chance: FloatArray, cosine: FloatArray
+    views: FloatArray,
+    area: FloatArray,
+    sea: FacetDensity,
+    disc: SunDisc,
+    legs: Legs,
+    chance: FloatArray,
+    cosine: FloatArray,
+    part: tuple[int, int],
 ) -> None:
     zenith, azimuth, turn = views[0], views[1], views[2]
-    for i in numba.prange(zenith.size):
+    for i in range(part[0], part[1]):
         view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))
         chance[i], cosine[i], _ = chance_kernel(view, azimuth[i], turn_kernel(turn[i]), area[i] if area.size > 0 else -1.0, sea, disc, legs)

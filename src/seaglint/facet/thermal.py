@@ -11,13 +11,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.jit import kernel, njit, njit_parallel
+from seaglint.base.jit import in_threads, kernel, njit
 from seaglint.facet.path_basis import PathBasis
 from seaglint.facet.roughness import Roughness, Sight, along
 from seaglint.facet.sea_view import SeaView
@@ -280,11 +279,13 @@ def mean_facet(
         out[k] /= total
 
 
-@njit_parallel
-def fill_thermal(sources: ThermalSources, quadrature: SlopeQuadrature, rough: Roughness, axes: np.ndarray, out: np.ndarray) -> None:
-    """Tabulate :func:`mean_facet` over grazing angle, view azimuth and resolved slope."""
-    nu, nx, na, nc, _ = out.shape
-    for row in numba.prange(nu * nx * na):
+@njit
+def fill_thermal(
+    sources: ThermalSources, quadrature: SlopeQuadrature, rough: Roughness, axes: np.ndarray, out: np.ndarray, part: tuple[int, int]
+) -> None:
+    """Tabulate :func:`mean_facet` over grazing angle, view azimuth and resolved slope, for a part of the rows of these three."""
+    _, nx, na, nc, _ = out.shape
+    for row in range(part[0], part[1]):
         u, x, a = row // (nx * na), (row // na) % nx, row % na
         sine = min(axes[0, 0] + u / axes[0, 1], 1.0)
         chi = axes[1, 0] + x / axes[1, 1]
@@ -293,7 +294,8 @@ def fill_thermal(sources: ThermalSources, quadrature: SlopeQuadrature, rough: Ro
         for c in range(nc):
             slope = (axes[2, 0] + a / axes[2, 1], axes[3, 0] + c / axes[3, 1])
             mean_facet(sources, quadrature, rough, sight, sine, slope, buffer)
-            out[u, x, a, c, :] = buffer
+            for k in range(buffer.shape[0]):  # a slice would compile Numba's text for arrays of unequal shapes, four seconds
+                out[u, x, a, c, k] = buffer[k]
 
 
 def _axis(low: float, high: float, step: float) -> tuple[float, float, int]:
@@ -367,5 +369,5 @@ def thermal_table(
     cross, cross_weights = hermegauss(CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())
     thermal = np.empty((*shape, terms), dtype=np.float32)
-    fill_thermal(sources, quadrature, rough, axes, thermal)
+    in_threads(lambda part: fill_thermal(sources, quadrature, rough, axes, thermal, part), shape[0] * shape[1] * shape[2])
     return thermal

@@ -14,7 +14,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads
 from seaglint.imaging.camera.imager import Quads, Resampling, SweepGrid, apply_weights, fill_weights, resample_at_once
-from seaglint.imaging.layers import CHANNELS, upright
+from seaglint.imaging.layers import BLOCK, CHANNELS, upright
 from seaglint.imaging.rays import RayTables, walk_pixels
 from seaglint.imaging.sparkle import SparkleRows, sparkle_columns
 from seaglint.imaging.sweep.sweep import Rows, Swept, skies_alone, sweep_columns
@@ -77,7 +77,7 @@ def surface_of(
 
 def foot_height(surface: Surface) -> float:
     """Height of the sea under the sensor [m]."""
-    line = course(surface, 0, 1.0, 0.0)
+    line = course(surface, 0, 1.0, 0.0, (0.0, 0.0))
     return float(height(surface, line, 0, line.part.shape[0], 0.0))
 
 
@@ -100,13 +100,13 @@ def add_sparkles(
     swept: Swept, rows: SparkleRows, azimuths: FloatArray, place: tuple[float, float], time: float, images: FloatArray
 ) -> None:
     """Apply sparkles to the mirrored Sun of columns, seen from above a place, east and north [m], at a time [s]."""
-    sparkle_columns(swept.sparkle, rows, swept.sunlight, azimuths, place, time, images)
+    in_threads(lambda part: sparkle_columns(swept.sparkle, rows, swept.sunlight, azimuths, place, time, images, part), azimuths.size)
 
 
 def planes_of(columns: FloatArray, planes: NDArray[np.int64], kind: DTypeLike) -> NDArray[np.floating]:
     """Planes of an image [(planes, rows, columns)], as numbers of a kind, from the channels of its columns [(columns, channels, rows)]."""
     out = np.empty((planes.size, columns.shape[2], columns.shape[0]), kind)
-    upright(columns, planes, out)
+    in_threads(lambda part: upright(columns, planes, out, part), -(-out.shape[1] // BLOCK))
     return out
 
 
@@ -130,18 +130,21 @@ def weights_of(quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGri
     start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
     count = np.zeros(pixels.size, np.int32)
     index, weight = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.float32)
-    fill_weights(quadrilaterals.column, quadrilaterals.sine, cells, start, count, index, weight)
+    column, sine = quadrilaterals.column, quadrilaterals.sine
+    in_threads(lambda part: fill_weights(column, sine, cells, start, count, index, weight, part), pixels.size)
     return Resampling(pixels, start, count, index, weight)
 
 
 def resample(weights: Resampling, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
     """Resample images of the sweep's cells (planes, rows, columns) into pixels of ``out`` (planes, pixels of the camera)."""
-    apply_weights(weights.start, weights.count, weights.index, weights.weight, images.reshape(images.shape[0], -1), weights.pixels, out)
+    flat, w = images.reshape(images.shape[0], -1), weights
+    in_threads(lambda part: apply_weights(w.start, w.count, w.index, w.weight, flat, w.pixels, out, part), w.pixels.size)
 
 
 def resample_once(
     quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid, images: NDArray[np.float32], out: NDArray[np.float32]
 ) -> None:
     """Resample as :func:`resample` with the weights of :func:`weights_of`, which are not stored."""
-    most = int(quadrilaterals.bound.max())
-    resample_at_once(quadrilaterals.column, quadrilaterals.sine, cells, most, images.reshape(images.shape[0], -1), pixels, out)
+    most, flat = int(quadrilaterals.bound.max()), images.reshape(images.shape[0], -1)
+    column, sine = quadrilaterals.column, quadrilaterals.sine
+    in_threads(lambda part: resample_at_once(column, sine, cells, most, flat, pixels, out, part), pixels.size)

@@ -22,12 +22,11 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
-import numba
 import numpy as np
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import horizon_depression, horizon_range, surface_range
-from seaglint.base.jit import kernel, njit_parallel
+from seaglint.base.jit import kernel, njit
 from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
 from seaglint.base.random import stream
 from seaglint.facet.glint import glint
@@ -390,7 +389,7 @@ def sparkle_column(
                 images[part, SUN, row] = solar * factor
 
 
-@njit_parallel
+@njit
 def sparkle_columns(
     sparkle: Sparkle,
     rows: SparkleRows,
@@ -399,7 +398,8 @@ def sparkle_columns(
     origin: tuple[float, float],
     time: float,
     images: np.ndarray,
+    part: tuple[int, int],
 ) -> None:
-    """Apply :func:`sparkle_column` to every column of ``images`` (columns, intervals, channels, rows)."""
-    for column in numba.prange(azimuths.shape[0]):
+    """Apply :func:`sparkle_column` to a part of the columns of ``images`` (columns, intervals, channels, rows)."""
+    for column in range(part[0], part[1]):
         sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])

@@ -164,7 +164,7 @@ def lay_course(surface: Surface, level: int, direction: tuple[float, float], arc
 
 
 @njit
-def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float] = (0.0, 0.0)) -> SurfaceLine:
+def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float]) -> SurfaceLine:
     """Line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
     count, most = 0, 1
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:

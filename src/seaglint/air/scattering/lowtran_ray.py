@@ -109,7 +109,7 @@ def _interpolated(a: float, b: float, part: float) -> float:
 
 
 @njit
-def _layer_of(laws: Laws, z: float) -> int:
+def layer_of(laws: Laws, z: float) -> int:
     """Index of the layer whose lower level is at or below z, the upper above it."""
     i = int(np.searchsorted(laws.height, z, side="right")) - 1
     return min(max(i, 0), laws.height.size - 2)
@@ -118,7 +118,7 @@ def _layer_of(laws: Laws, z: float) -> int:
 @njit
 def refractivity_at(laws: Laws, z: float) -> float:
     """Refractivity ``n - 1`` at a height [km]."""
-    i = _layer_of(laws, z)
+    i = layer_of(laws, z)
     part = (z - laws.height[i]) / (laws.height[i + 1] - laws.height[i])
     low, high = laws.refractivity[i] + 1e-20, laws.refractivity[i + 1] + 1e-20
     return float(low * (high / low) ** part)
@@ -177,7 +177,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     Quadrature along the parabola that the ray nearly is: the integrand stays smooth down to the height where the ray runs level.
     """
     re = laws.earth_radius
-    layer = _layer_of(laws, 0.5 * (z1 + z2))
+    layer = layer_of(laws, 0.5 * (z1 + z2))
     columns = out.size
     low, high = work[0, :columns], work[1, :columns]
     _level_values(laws, z1, layer, low)
@@ -255,7 +255,7 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
 def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
     """Add :func:`layer_part` of a ray between any two heights; parts of layers thinner than 0.1 m are omitted."""
     turn, bending = 0.0, 0.0
-    first, last = _layer_of(laws, low), _layer_of(laws, high)
+    first, last = layer_of(laws, low), layer_of(laws, high)
     if laws.height[first] < low:
         end = min(laws.height[first + 1], high)
         if end - low > _THIN:
@@ -345,7 +345,7 @@ def trace(laws: Laws, z: float, zenith: float, line: LevelCrossings, work: np.nd
         level = below + 1
         _rung(line, 0, z, zenith, 0.0, level)
         while start - lowest > 1e-9:
-            i = _layer_of(laws, start - 1e-9)
+            i = layer_of(laws, start - 1e-9)
             end = max(laws.height[i], lowest)
             if laws.finest > 0.0:
                 end = max(end, start - max(laws.finest, min(z - start, start - lowest, _HUMID[0] if start > _HUMID[1] else _HUMID[2])))
@@ -367,7 +367,7 @@ def trace(laws: Laws, z: float, zenith: float, line: LevelCrossings, work: np.nd
     level = first
     top, bottom = laws.height[-1], start
     while top - start > 1e-4:
-        end = laws.height[_layer_of(laws, start) + 1]
+        end = laws.height[layer_of(laws, start) + 1]
         if descending and start < z - 1e-4 and end > z:
             end = z
         if laws.finest > 0.0:

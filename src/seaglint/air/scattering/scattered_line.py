@@ -31,6 +31,7 @@ from seaglint.air.scattering.lowtran_ray import (
     Laws,
     LevelCrossings,
     invariant_of,
+    layer_of,
     sun_amounts,
     trace,
     transmittances,
@@ -232,7 +233,10 @@ def line_sums(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out
 @njit
 def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
     """Shares of the boundary layer's kinds at a height [km], by the humidity there."""
-    rh = min(max(np.interp(z, laws.height, laws.humidity), HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
+    i = layer_of(laws, z)
+    part = min(max((z - laws.height[i]) / (laws.height[i + 1] - laws.height[i]), 0.0), 1.0)
+    there = laws.humidity[i] + part * (laws.humidity[i + 1] - laws.humidity[i])  # NumPy's interp takes more than a second to compile
+    rh = min(max(there, HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
     for c in range(AEROSOLS):
         out[c] = 0.0
     upper = 1

@@ -14,13 +14,12 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray, wrap_angle
 from seaglint.base.errors import DomainError
-from seaglint.base.jit import kernel, njit, njit_parallel
+from seaglint.base.jit import kernel, njit
 from seaglint.base.limits import WIDEST_PINHOLE_DEG
 from seaglint.imaging.camera.image_grid import Camera
 
@@ -296,24 +295,36 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: SweepGrid, work: np.nd
     return count
 
 
-@njit_parallel
+@njit
 def fill_weights(
-    column: np.ndarray, sine: np.ndarray, cells: SweepGrid, start: np.ndarray, count: np.ndarray, index: np.ndarray, weight: np.ndarray
+    column: np.ndarray,
+    sine: np.ndarray,
+    cells: SweepGrid,
+    start: np.ndarray,
+    count: np.ndarray,
+    index: np.ndarray,
+    weight: np.ndarray,
+    part: tuple[int, int],
 ) -> None:
-    """Compute :func:`overlaps` of many quadrilaterals; those of pixel ``p`` lie from ``start[p]`` on, ``count[p]`` of them."""
-    blocks = (column.shape[0] + 255) // 256
-    for block in numba.prange(blocks):
-        work = np.empty((4, CORNERS, 2))
-        for p in range(256 * block, min(256 * block + 256, column.shape[0])):
-            count[p] = overlaps(column[p], sine[p], cells, work, index[start[p] : start[p + 1]], weight[start[p] : start[p + 1]])
+    """Compute :func:`overlaps` of a part of the quadrilaterals; those of pixel ``p`` lie from ``start[p]`` on, ``count[p]`` of them."""
+    work = np.empty((4, CORNERS, 2))
+    for p in range(part[0], part[1]):
+        count[p] = overlaps(column[p], sine[p], cells, work, index[start[p] : start[p + 1]], weight[start[p] : start[p + 1]])
 
 
-@njit_parallel
+@njit
 def apply_weights(
-    start: np.ndarray, count: np.ndarray, index: np.ndarray, weight: np.ndarray, images: np.ndarray, pixels: np.ndarray, out: np.ndarray
+    start: np.ndarray,
+    count: np.ndarray,
+    index: np.ndarray,
+    weight: np.ndarray,
+    images: np.ndarray,
+    pixels: np.ndarray,
+    out: np.ndarray,
+    part: tuple[int, int],
 ) -> None:
-    """Compute weighted sums of ``images`` (k, cells) in the named pixels of ``out`` (k, all pixels)."""
-    for p in numba.prange(pixels.shape[0]):
+    """Compute weighted sums of ``images`` (k, cells) in a part of the named pixels of ``out`` (k, all pixels)."""
+    for p in range(part[0], part[1]):
         for k in range(images.shape[0]):
             total = 0.0
             for i in range(start[p], start[p] + count[p]):
@@ -321,22 +332,27 @@ def apply_weights(
             out[k, pixels[p]] = total
 
 
-@njit_parallel
+@njit
 def resample_at_once(
-    column: np.ndarray, sine: np.ndarray, cells: SweepGrid, most: int, images: np.ndarray, pixels: np.ndarray, out: np.ndarray
+    column: np.ndarray,
+    sine: np.ndarray,
+    cells: SweepGrid,
+    most: int,
+    images: np.ndarray,
+    pixels: np.ndarray,
+    out: np.ndarray,
+    part: tuple[int, int],
 ) -> None:
     """Apply :func:`fill_weights` and :func:`apply_weights` without storing the weights; ``most`` cells are under a pixel at most."""
-    blocks = (column.shape[0] + 255) // 256
-    for block in numba.prange(blocks):
-        work = np.empty((4, CORNERS, 2))
-        index, weight = np.empty(most, np.int32), np.empty(most, np.float32)
-        for p in range(256 * block, min(256 * block + 256, column.shape[0])):
-            n = overlaps(column[p], sine[p], cells, work, index, weight)
-            for k in range(images.shape[0]):
-                total = 0.0
-                for i in range(n):
-                    total += weight[i] * images[k, index[i]]
-                out[k, pixels[p]] = total
+    work = np.empty((4, CORNERS, 2))
+    index, weight = np.empty(most, np.int32), np.empty(most, np.float32)
+    for p in range(part[0], part[1]):
+        n = overlaps(column[p], sine[p], cells, work, index, weight)
+        for k in range(images.shape[0]):
+            total = 0.0
+            for i in range(n):
+                total += weight[i] * images[k, index[i]]
+            out[k, pixels[p]] = total
 
 
 @dataclass(frozen=True, eq=False)

@@ -284,6 +284,15 @@ def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarr
 
 
 @njit
+def _repeated(values: np.ndarray, times: int) -> np.ndarray:
+    """Return each value a number of times; Numba takes a second to compile NumPy's ``repeat``."""
+    out = np.empty(times * values.shape[0])
+    for i in range(out.shape[0]):
+        out[i] = values[i // times]
+    return out
+
+
+@njit
 def sweep_columns(
     swept: Swept, surface: Surface, azimuths: np.ndarray, width: float, cuts: np.ndarray, images: np.ndarray, part: tuple[int, int]
 ) -> None:
@@ -300,12 +309,12 @@ def sweep_columns(
         image[:] = 0.0
         tangents = np.full(1, rows.bottom_tangent)
         for stage in range(walk.stage.shape[0] - 1):
-            tangents = np.repeat(tangents, 1 << walk.stage[stage, 2])
+            tangents = _repeated(tangents, 1 << walk.stage[stage, 2])
             first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
             optics = level_optics(swept.sunlight, swept.levels, level)
             axes, tables = optics.tables.axes, optics.tables
             sines = (max(axes[0, 0], 0.0), min(axes[0, 0] + (tables.thermal.shape[0] - 1) / axes[0, 1], 1.0))
-            sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
+            sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north, (0.0, 0.0))
             arcs = (walk.range_m[first], walk.range_m[end - 1])
             limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
             # lines of a narrow column share the tables of its middle: their azimuths differ by less than its width
