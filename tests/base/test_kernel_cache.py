@@ -289,3 +289,60 @@ def test_the_private_names_of_numba_are_there(package: Path) -> None:
     assert index.endswith(".nbi")
     assert data.startswith(index.removesuffix(".nbi"))
     assert data not in {f"{index.removesuffix('.nbi')}.1.nbc", index}
+
+
+PROSE = '''"""A module
+of two lines."""
+# ten lines
+# of prose
+
+
+# about
+# a kernel
+
+'''
+
+
+def test_prose_compiles_nothing(package: Path) -> None:
+    assert answer(package) == "7.0 7.0"
+    before = compiled(package.parent)
+    (package / "inner.py").write_text(PROSE + INNER.replace("def inner(x):", 'def inner(x):\n    """Twice a number."""  # why'))
+    (package / "outer.py").write_text(PROSE + OUTER.replace("inner(x) + ADDED", "(  # in brackets\n        inner(x) + ADDED\n    )"))
+    (package / "base" / "constants.py").write_text('ADDED = 1.0\n"""One [1]."""\n')
+    assert answer(package) == "7.0 7.0"
+    assert compiled(package.parent) == before
+    assert len(list((package.parent / "user" / "kernels").glob(f"{PREFIX}*"))) == 1
+
+
+def test_file_names_bear_no_lines(package: Path) -> None:
+    assert answer(package) == "7.0 7.0"
+    (folder,) = (package.parent / "user" / "kernels").glob(f"{PREFIX}*")
+    tag = sys.implementation.cache_tag
+    assert {path.name for path in folder.glob("*.nbi")} == {f"inner.inner.body.{tag}.nbi", f"outer.outer.{tag}.nbi", "compiling.nbi"}
+
+
+def test_damaged_digests_are_made_anew(package: Path) -> None:
+    digest = "from seaglint.base.kernel_cache import sources_digest; print(sources_digest())"
+    first = answer(package, digest)
+    (kept,) = (package.parent / "user" / "kernels").glob("syntax-digests.json")
+    for text in ("{", "[]", ""):
+        kept.write_text(text)
+        assert answer(package, digest) == first
+
+
+def test_two_kernels_of_one_name_are_refused(package: Path) -> None:
+    (package / "outer.py").write_text(OUTER + OUTER.replace("inner(x) + ADDED", "inner(x) - ADDED"))
+    process = subprocess.run(
+        [sys.executable, "-c", RUN],
+        env={k: v for k, v in os.environ.items() if not k.startswith("NUMBA_")} | {"PYTHONPATH": str(package.parent)},
+        capture_output=True,
+        text=True,
+    )
+    assert "kernel seaglint.outer.outer needs a name of its own" in process.stderr
+
+
+def test_a_kernel_called_with_several_numbers_is_compiled_once(package: Path) -> None:
+    code = OUTER.replace("return inner(x) + ADDED", "return inner(0) + inner(1) + inner(2) + ADDED + x")
+    (package / "outer.py").write_text(code)
+    assert answer(package, "from seaglint.outer import outer; print(outer(3.0))") == "10.0"
+    assert len([name for name in compiled(package.parent) if "inner.inner.body" in name]) == 1

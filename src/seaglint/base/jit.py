@@ -34,6 +34,7 @@ UNCOUNTED: dict[str, Any] = COUNTED | {"fastmath": {"contract"}, "forceinline": 
 
 
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
+_unliteral: Any = numba.types.unliteral  # without types
 
 
 def _compiled(function: F, **options: Any) -> F:
@@ -141,7 +142,7 @@ def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]
 
     def any_value(types: Any) -> Any:
         # For "f(0)" and "f(1)" Numba would compile two forms, where one that takes any number is as fast after it was linked in.
-        return tuple(numba.types.unliteral(one) for one in types)
+        return tuple(_unliteral(one) for one in types)
 
     made.get_call_template = lambda args, kws: body().get_call_template(any_value(args), {k: any_value((v,))[0] for k, v in kws.items()})
     made.get_overload = lambda signature: body().get_overload(signature)

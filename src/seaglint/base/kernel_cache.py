@@ -187,6 +187,23 @@ def _byte(function: str) -> int:
     return zlib.crc32(function.encode()) >> 1
 
 
+def can_wait() -> bool:
+    """Return whether files can be locked here, so that processes wait for each other."""
+    return fcntl is not None
+
+
+def try_turn(folder: Path, function: str) -> bool:
+    """Take the turn of a function if no other process has it; return whether it was taken."""
+    file = _turns(folder)
+    if fcntl is None or file is None:
+        return False
+    try:
+        fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(function))
+    except OSError:
+        return False
+    return True
+
+
 def take_turn(folder: Path, function: str) -> None:
     """Wait until no other process compiles a function.
 

@@ -7,8 +7,10 @@ from typing import Annotated
 
 import typer
 
+from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import log, print_json, tell
-from seaglint.cli.terminal.options import place_given
+from seaglint.cli.terminal.options import ProgressOption, place_given
+from seaglint.cli.terminal.progress import ProgressMode, progress
 
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 
@@ -41,8 +43,22 @@ def info(
         tell(told)
 
 
-def doctor(as_json: AsJson = False) -> None:
-    """Check versions, threads, GPU, codecs and tables' checksums."""
+def doctor(
+    scenario: Annotated[
+        Path | None, typer.Argument(metavar="[SCENARIO]", help="with --compile: the scenario; the default one if not given")
+    ] = None,
+    compile_kernels: Annotated[
+        bool, typer.Option("--compile", help="compile all kernels of a scenario now, so that later commands and workers load them")
+    ] = False,
+    as_json: AsJson = False,
+    show: ProgressOption = ProgressMode.AUTO,
+) -> None:
+    """Check versions, threads, GPU, codecs and tables' checksums, or compile kernels before they are needed."""
+    if compile_kernels:
+        _compile(scenario, as_json, show)
+        return
+    if scenario is not None:
+        raise DataError(f"{scenario} is given without --compile, and the checks need no scenario; add --compile or leave {scenario} out")
     from seaglint.cli.doctor import examine
 
     report = examine()
@@ -54,3 +70,19 @@ def doctor(as_json: AsJson = False) -> None:
         for problem in report.problems:
             log(f"seaglint: {problem}")
         raise typer.Exit(2)
+
+
+def _compile(scenario: Path | None, as_json: bool, show: ProgressMode) -> None:
+    """Compile the kernels of a scenario and say where they are."""
+    from seaglint.cli.compile_kernels import compile_kernels
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.start import only_numpy
+
+    only_numpy()
+    show_logs(quiet=True)
+    with progress(show, "kernels") as report:
+        done = compile_kernels(scenario, report)
+    if as_json:
+        print_json(done.as_dict())
+    else:
+        tell([done.line])

@@ -218,7 +218,8 @@ def walk_pixels(
     """
     columns = corner.shape[1] - 1
     optics = level_optics(tables.sunlight, tables.levels, 0)
-    room = Room(course(surface, 0, 1.0, 0.0), course(surface, 0, 1.0, 0.0), no_disc_line())
+    line, sunward = course(surface, 0, 1.0, 0.0, (0.0, 0.0)), course(surface, 0, 1.0, 0.0, (0.0, 0.0))
+    room = Room(line, sunward, no_disc_line())
     direction, one = np.empty(3), np.empty(channels.shape[1])
     for p in range(part[0], part[1]):
         row, column = pixels[p] // columns, pixels[p] % columns

@@ -55,7 +55,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "seaglint init uncooled.toml --camera pitch_um=17,pixels=640x512,focal_length_mm=35,f_number=1.1,netd_mk=50,band_um=7.5-13.5",
     ),
     "schema": ("seaglint schema > scenario.schema.json",),
-    "doctor": ("seaglint doctor --json",),
+    "doctor": ("seaglint doctor --json", "seaglint doctor --compile"),
     "view": (*_RUN, "seaglint view example.zarr"),
     "info": (*_RUN, "seaglint info example.zarr"),
     "reproduce": ("seaglint reproduce headline",),

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.kernel_plan import compile_ahead
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.facet.sea_view import SeaView
 from seaglint.files.provenance import band_attributes, provenance
@@ -65,6 +66,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
     """
     import xarray as xr
 
+    compile_ahead("mean")
     track, imager = prepare.track(scenario), prepare.imager(scenario)
     pose = track.at(0.0)
     view = prepare.standing_view(scenario, pose.height)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.kernel_plan import compile_ahead
 from seaglint.base.threads import single_threaded_algebra, thread_limit
 from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
@@ -253,6 +254,7 @@ def prepare_sequence(
 @single_threaded_algebra()
 def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
     prepare.require_drawable(scenario, slopes(scenario))
+    compile_ahead("render")
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)

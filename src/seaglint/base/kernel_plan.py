@@ -1,0 +1,191 @@
+"""Kernels that a kind of work needs, compiled by other processes while the first one prepares its scene.
+
+Numba compiles a function when it is first called. One process does this one after the other, half a minute for a first picture. The file
+``kernel_plan.txt`` lists which functions are called from Python, in order, with the types of their arguments: helper processes take them
+from the end, while the work itself needs them from the beginning. Of two that want one function the second waits and loads it
+(:mod:`seaglint.base.jit`), so that nothing is compiled twice, and the code is the same whoever compiles it. A function that is missing from
+the list is compiled when it is called. ``python tools/compile_times.py --plan`` writes the list.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import logging
+import os
+import signal
+import subprocess
+import sys
+import threading
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import numba
+
+from seaglint.base.kernel_bodies import file_stem
+from seaglint.base.kernel_cache import PACKAGE, can_wait, end_turn, kernel_folder, try_turn
+
+types: Any = numba.types  # most of them without types that a checker knows
+
+PLAN: Final = Path(__file__).with_name("kernel_plan.txt")
+
+MOST_HELPERS: Final = 7
+"""Processes that compile beside the first one [1]: the longest function alone takes a third of all the time."""
+
+FEWEST_MISSING: Final = 3
+"""Functions that must be missing before helpers start [1]; starting a process takes as long as compiling a few."""
+
+
+class PlannedKernel(NamedTuple):
+    """A function that Python calls."""
+
+    #: Kinds of work that call it, such as ``render``.
+    work: tuple[str, ...]
+    #: Module and name, with a dot between them.
+    function: str
+    #: Types of its arguments, as :func:`spell` writes them.
+    arguments: str
+
+    @property
+    def stem(self) -> str:
+        """First part of the names of its files."""
+        module, _, name = self.function.rpartition(".")
+        return file_stem(module, name)
+
+    def compile(self) -> None:
+        """Compile the function for these arguments, or load it."""
+        module, _, name = self.function.rpartition(".")
+        dispatcher = getattr(importlib.import_module(module), name)
+        dispatcher.compile(tuple(read_types(self.arguments)))
+
+
+def spell(kind: Any) -> str:
+    """Return a type of an argument as text that :func:`read_types` reads.
+
+    Raises
+    ------
+    TypeError
+        A type that kernels are not called with from Python.
+
+    Examples
+    --------
+    >>> spell(types.Array(types.float32, 2, "C")), spell(types.UniTuple(types.int64, 2))
+    ('float32[2, C]', '(int64, int64)')
+    """
+    if isinstance(kind, types.BaseNamedTuple):
+        return f"{kind.instance_class.__module__}.{kind.instance_class.__qualname__}({', '.join(map(spell, kind.types))})"
+    if isinstance(kind, types.BaseTuple):
+        return f"({', '.join(map(spell, kind.types))}{',' if kind.count == 1 else ''})"
+    if isinstance(kind, types.Array):
+        return f"{kind.dtype}[{kind.ndim}, {kind.layout}{'' if kind.mutable else ', readonly'}]"
+    if isinstance(kind, types.Number | types.Boolean) and not isinstance(kind, types.Literal):
+        return str(kind)
+    raise TypeError(f"{kind} has no spelling: pass numbers, arrays and tuples of them from Python to kernels")
+
+
+def read_types(text: str) -> list[Any]:
+    """Return the types that a text spells, separated by commas."""
+    body = ast.parse(f"({text},)" if text else "()", mode="eval").body
+    assert isinstance(body, ast.Tuple)
+    return [_read(node) for node in body.elts]
+
+
+def _read(node: ast.expr) -> Any:
+    match node:
+        case ast.Name(id=name):
+            return types.boolean if name == "bool" else getattr(types, name)
+        case ast.Tuple(elts=elements):
+            return types.BaseTuple.from_types([_read(one) for one in elements])
+        case ast.Subscript(value=number, slice=ast.Tuple(elts=[ast.Constant(value=dimensions), ast.Name(id=layout), *readonly])):
+            return types.Array(_read(number), dimensions, layout, readonly=bool(readonly))
+        case ast.Call(func=ast.Attribute() as name, args=fields):
+            module, _, record = ast.unparse(name).rpartition(".")
+            members = [_read(one) for one in fields]
+            same = len(set(members)) == 1
+            instance = getattr(importlib.import_module(module), record)
+            return types.NamedUniTuple(members[0], len(members), instance) if same else types.NamedTuple(members, instance)
+    raise ValueError(f"{ast.unparse(node)} is no type of an argument")
+
+
+def read_plan(work: str, path: Path = PLAN) -> list[PlannedKernel]:
+    """Return the functions that a kind of work calls, in order."""
+    rows = (line.split(maxsplit=2) for line in path.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#"))
+    planned = (PlannedKernel(tuple(kinds.split(",")), function, "".join(rest)) for kinds, function, *rest in rows)
+    return [kernel for kernel in planned if work in kernel.work]
+
+
+def missing(work: str) -> list[PlannedKernel]:
+    """Return the functions of a kind of work that nobody has compiled on this machine from these sources."""
+    folder = _folder()
+    return [] if folder is None else [kernel for kernel in read_plan(work) if not (folder / f"{kernel.stem}.nbi").exists()]
+
+
+def helpers_here() -> int:
+    """Return how many processes may compile beside this one [1]: one for each further thread that Numba may use."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(min(usable, int(_settings.NUMBA_NUM_THREADS)) - 1, 0) if can_wait() else 0
+
+
+@cache
+def compile_ahead(work: str) -> int:
+    """Start processes that compile what a kind of work will call; return their number.
+
+    They end by themselves when all is compiled or when this process ends, and nothing depends on them: what they have not compiled is
+    compiled when it is called. None are started where all is compiled, where there is one processor, or without a folder to share.
+    """
+    number = len(missing(work))
+    if number < FEWEST_MISSING:
+        return 0
+    count = min(helpers_here(), MOST_HELPERS, number - 1)
+    logging.getLogger("seaglint").info(
+        "compiling %d kernels, once on this machine for this version: about a minute, in %d process%s", number, count + 1, "es"[: 2 * count]
+    )
+    code = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r}); from seaglint.base.kernel_plan import help_with; help_with({work!r})"
+    for _ in range(count):
+        with suppress(OSError):  # no more processes or memory: this one does without
+            _helpers.append(
+                subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            )
+    return count
+
+
+_helpers: list[subprocess.Popen[bytes]] = []
+"""Their pipes stay open while this process lives; when it ends, however it ends, they read the end of their input."""
+
+_settings: Any = numba.config  # made at run time, where type checkers do not see it
+
+
+def _folder() -> Path | None:
+    """Return the folder that processes share; None where each compiles for itself, or nothing is compiled."""
+    return None if _settings.DISABLE_JIT or not sys.executable else kernel_folder(_settings.CACHE_DIR)
+
+
+def help_with(work: str) -> None:
+    """Compile from the end of a plan until all is compiled, or until the process that started this one has ended."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the first process, and that this one
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    for kernel in reversed(read_plan(work)):
+        with suppress(Exception):  # a plan that is older than the code: the first process compiles what it calls
+            compile_unless_begun(kernel)
+
+
+def _end_with_parent() -> None:
+    """Wait for the end of the standard input, then end this process at once."""
+    with suppress(OSError):
+        while os.read(0, 1):
+            pass
+    os._exit(0)
+
+
+def compile_unless_begun(kernel: PlannedKernel) -> None:
+    """Compile a function unless another process has compiled it or is at work on it."""
+    folder = _folder()
+    if folder is None or (folder / f"{kernel.stem}.nbi").exists():
+        return
+    if try_turn(folder, f"{kernel.stem}.nbi"):
+        try:
+            kernel.compile()
+        finally:
+            end_turn(folder, f"{kernel.stem}.nbi")

@@ -1,0 +1,137 @@
+"""Compile the kernels of a scenario before they are needed, as ``seaglint doctor --compile`` does for images of containers and clusters."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numba
+
+from seaglint.base.errors import BackendError, SeaglintError
+from seaglint.base.free_form import JsonObject
+from seaglint.base.kernel_cache import kernel_folder
+from seaglint.base.kernel_plan import missing
+from seaglint.cli.terminal.messages import log, naming_file
+
+if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
+    from seaglint.scenario.model import Scenario
+
+POLL = 0.5
+"""Seconds between two looks at what has been compiled."""
+
+_settings: Any = numba.config  # made at run time, where type checkers do not see it
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """What ``seaglint doctor --compile`` did."""
+
+    #: Scenario, or "the default scenario".
+    scenario: str
+    #: Number of functions that were compiled now [1]; the others were there.
+    compiled: int
+    #: Wall time [s].
+    seconds: float
+    #: Folder of compiled kernels; copy it with the package, or set ``SEAGLINT_CACHE`` to a folder that goes with it.
+    folder: str
+
+    @property
+    def line(self) -> str:
+        """Return the result as a sentence."""
+        if not self.compiled:
+            return f"all kernels of {self.scenario} are compiled, in {self.folder}"
+        return f"kernels of {self.scenario} compiled in {self.seconds:.0f} s: {self.compiled} functions in {self.folder}"
+
+    def as_dict(self) -> JsonObject:
+        """Return plain values, for JSON."""
+        return asdict(self)
+
+
+def compile_kernels(file: Path | None, report: Progress) -> Compiled:
+    """Compute a mean map and one frame of a scenario, in all processors, which compiles what they call.
+
+    Parameters
+    ----------
+    file : Path, optional
+        Scenario; the default one if not given.
+    report : callable
+        Called with numbers of functions: compiled, and in all.
+
+    Raises
+    ------
+    BackendError
+        No folder can be written, or kernels are not compiled here.
+    SeaglintError
+        A scenario that cannot be read or drawn.
+    """
+    from seaglint.scenario.load import load_scenario, parse_scenario
+
+    if _settings.DISABLE_JIT:
+        raise BackendError("NUMBA_DISABLE_JIT is set, so that kernels run as plain Python; unset it to compile them")
+    folder = kernel_folder(_settings.CACHE_DIR)
+    if folder is None:
+        raise BackendError("compiled kernels cannot be kept: no folder can be written; set SEAGLINT_CACHE to one that can")
+    scenario = parse_scenario({}) if file is None else load_scenario(file)
+    before, start = len(list(folder.glob("*.nbi"))), time.monotonic()
+    with naming_file(file, scenario) if file is not None else _nothing(), _watched(report):
+        _run(scenario)
+    number = len(list(folder.glob("*.nbi"))) - before
+    return Compiled(str(file or "the default scenario"), number, round(time.monotonic() - start, 1), str(folder))
+
+
+@contextmanager
+def _nothing() -> Iterator[None]:
+    yield
+
+
+def _run(scenario: Scenario) -> None:
+    """Compute what calls the kernels; nothing is stored."""
+    from seaglint.studies.mean.mean_map import mean
+
+    if scenario.sensor.senses:
+        from seaglint.studies.sequence.sensed import prepared_frames as sensed_frames
+
+        images = sensed_frames((scenario, range(1), False, False))[1]
+    else:
+        from seaglint.studies.sequence.render_sequence import prepared_frames
+
+        images = prepared_frames((scenario, range(1)))[1]
+    images(0)
+    try:
+        mean(scenario)
+    except SeaglintError as error:
+        log(f"kernels of mean maps are left out: {error}")
+
+
+@contextmanager
+def _watched(report: Progress) -> Iterator[None]:
+    """Report how many planned functions have been compiled, by whichever process, until the context is left."""
+    total, ended = _missing(), threading.Event()
+
+    def watch() -> None:
+        while not ended.wait(POLL) and (left := _missing()):
+            report(total - left, total)
+
+    if not total:
+        yield
+        return
+    report(0, total)
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
+    report(total, total)
+
+
+def _missing() -> int:
+    """Return the number of planned functions that have not been compiled."""
+    return len({kernel.function for work in ("mean", "render") for kernel in missing(work)})
