@@ -291,7 +291,7 @@ def test_a_plain_function_that_becomes_a_kernel_elsewhere_counts(tmp_path: Path)
     shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__", "data"))
     before = sources_digest(copy)
     changed = copy / "sea" / "slopes" / "slope_statistics.py"
-    changed.write_text(changed.read_text(encoding="utf-8") + "\n# changed\n", encoding="utf-8")
+    changed.write_text(changed.read_text(encoding="utf-8") + "\nCHANGED = 1\n", encoding="utf-8")
     assert sources_digest(copy) != before == sources_digest(SOURCE)
 
 
