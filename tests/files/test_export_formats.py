@@ -355,10 +355,18 @@ def test_ranges_that_are_none(run, tmp_path, limits):
         write_stack(select(run), tmp_path / "x.npy", dtype="uint16", limits=limits)
 
 
-def test_fits_without_astropy_names_the_extra(run, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "astropy.io.fits", None)
-    with pytest.raises(BackendError, match=r"seaglint\[fits\]"):
-        write_stack(select(run), tmp_path / "x.fits")
+@pytest.mark.parametrize(
+    ("name", "module", "message"),
+    [
+        ("x.fits", "astropy.io.fits", "FITS needs astropy, which is not installed; pip install 'astropy>=6.1'"),
+        ("x.tif", "tifffile", "TIFF needs tifffile, which is not installed; pip install 'tifffile>=2024.8'"),
+    ],
+)
+def test_a_missing_library_is_named_before_the_work(run, tmp_path, monkeypatch, name, module, message):
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(BackendError) as caught:
+        write_stack(select(run), tmp_path / name)
+    assert str(caught.value) == message
 
 
 class Stopped(BaseException):

@@ -279,7 +279,7 @@ FLAT = WaveChoice(THEN.time, THEN.latitude_deg, THEN.longitude_deg, from_deg=230
 @pytest.mark.parametrize("kind", WAVES)
 @numbers_of(MANY_FILES // 5)
 def test_wave_files(tmp_path, kind, numbers, hdf5):
-    pytest.importorskip("wavespectra", reason="wave files need the extra seaglint[waves]")
+    pytest.importorskip("wavespectra", reason="wavespectra, which reads wave files, is not installed")
     path = getattr(wave_files, kind)(tmp_path)
     whole, choice = path.read_bytes(), FLAT if kind == "triaxys_plain" else THEN
     assert read_waves(path, choice).spectrum.significant_height() > 1.0

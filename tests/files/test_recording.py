@@ -113,7 +113,7 @@ def save_hdf5(folder: Path) -> tuple[Path, np.ndarray]:
 
 
 def save_fits(folder: Path) -> tuple[Path, np.ndarray]:
-    fits = pytest.importorskip("astropy.io.fits", reason="astropy reads FITS (extra fits)")
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy, which reads FITS, is not installed")
     fits.PrimaryHDU(COUNTS).writeto(folder / "clip.fits")  # unsigned 16 bit is stored signed, with an offset
     return folder / "clip.fits", COUNTS
 
@@ -139,7 +139,7 @@ def save_netcdf(folder: Path) -> tuple[Path, np.ndarray]:
 
 
 def save_video(folder: Path) -> tuple[Path, np.ndarray]:
-    av = pytest.importorskip("av", reason="PyAV reads video (extra video)")
+    av = pytest.importorskip("av", reason="PyAV, which reads video, is not installed")
     frames = np.repeat(np.repeat(BYTES, 4, 1), 4, 2)[:, :, :32].copy()
     with av.open(str(folder / "clip.mkv"), "w") as container:
         stream = container.add_stream("ffv1", rate=30)

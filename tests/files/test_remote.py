@@ -93,7 +93,7 @@ def test_urls_of_files_are_folders_and_unknown_ones_are_refused(tmp_path, monkey
     with pytest.raises(DataError, match="no kind of place that is known"):
         place_of("nix://a/run.zarr")
     monkeypatch.setattr(fsspec, "get_filesystem_class", lambda name: (_ for _ in ()).throw(ImportError("Install s3fs to access S3")))
-    with pytest.raises(BackendError, match=r"pip install 'seaglint\[cloud\]'"):
+    with pytest.raises(BackendError, match=r"s3:// needs s3fs.*pip install 's3fs>=2024\.9'"):
         place_of("s3://bucket/run.zarr")
 
 

@@ -20,7 +20,7 @@ from seaglint.scenario.records.sea_spectrum import SpectrumFile
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
-wavespectra = pytest.importorskip("wavespectra", reason="wave files need the extra seaglint[waves]")
+wavespectra = pytest.importorskip("wavespectra", reason="wavespectra, which reads wave files, is not installed")
 
 THEN = WaveChoice(str(TIMES[1]), LATITUDE, LONGITUDE)
 

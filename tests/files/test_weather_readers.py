@@ -112,11 +112,11 @@ def test_an_unknown_unit_and_several_members_are_refused(tmp_path: Path) -> None
         era5.read_era5(tmp_path / "n.nc", Selection())
 
 
-def test_grib_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_grib_without_cfgrib_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "cfgrib", None)
     path = tmp_path / "era5.grib"
     path.write_bytes(b"GRIB\0\0\0\1")
-    with pytest.raises(BackendError, match=r"era5.grib: is GRIB.*pip install 'seaglint\[grib\]'"):
+    with pytest.raises(BackendError, match=r"era5.grib: GRIB needs cfgrib.*pip install 'cfgrib>=0\.9\.15'"):
         read_source(path, Selection(), WeatherReading())
 
 
@@ -310,8 +310,8 @@ def test_tables_come_back_as_they_were_written(tmp_path: Path, suffix: str) -> N
         write_weather(table, path)
 
 
-def test_parquet_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_parquet_without_pyarrow_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     table = WeatherTable({"wind_speed_m_s": np.ones(1), "cloud_cover": np.ones(1)})
-    with pytest.raises(BackendError, match=r"pip install 'seaglint\[weather\]', or use .csv"):
+    with pytest.raises(BackendError, match=r"pip install 'pyarrow>=17', or use .csv"):
         write_weather(table, tmp_path / "w.parquet")

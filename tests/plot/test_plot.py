@@ -160,7 +160,7 @@ def test_wide_panoramas_are_averaged_down(shape):
     assert set(np.unique(shown)) == {128}
 
 
-@pytest.mark.skipif(not video_available(), reason="PyAV (extra 'video') is not installed")
+@pytest.mark.skipif(not video_available(), reason="PyAV is not installed")
 def test_the_video_has_all_frames_at_their_rate(tmp_path):
     import av
 
@@ -177,7 +177,7 @@ def test_the_video_has_all_frames_at_their_rate(tmp_path):
 
 def test_without_pyav_a_video_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr(video, "video_available", lambda: False)
-    with pytest.raises(BackendError, match=r"seaglint\[video\]"):
+    with pytest.raises(BackendError, match=r"a video needs av.*pip install 'av>=14'"):
         write_video(sequence(tmp_path, np.ones((1, 4, 8))), tmp_path / "run.mp4")
 
 
@@ -242,7 +242,7 @@ def test_the_caption_has_time_bar_and_ends():
     assert captioned(picture[:, :20], scale, "", None).shape[1] % 2 == 0
 
 
-@pytest.mark.skipif(not video_available(), reason="PyAV (extra 'video') is not installed")
+@pytest.mark.skipif(not video_available(), reason="PyAV is not installed")
 def test_the_video_shows_the_sea_beside_glint(tmp_path):
     import av
 

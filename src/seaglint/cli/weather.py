@@ -21,7 +21,7 @@ def build(
         list[Path],
         typer.Argument(metavar="SOURCES...", help="ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, weather tables, CSV with --map"),
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="table to write: .csv, or .parquet with the extra 'weather'")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="table to write: .csv, or .parquet where PyArrow is installed")],
     box: Annotated[str | None, typer.Option("--box", metavar="W,S,E,N", help="places inside [deg]; west beyond east crosses 180")] = None,
     polygon: Annotated[
         str | None, typer.Option("--polygon", help="places inside: 'lon,lat lon,lat lon,lat', or a .csv or .geojson file")

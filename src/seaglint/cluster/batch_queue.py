@@ -11,6 +11,7 @@ from typing import Final
 
 from seaglint.base.errors import BackendError, DataError, one_line
 from seaglint.base.free_form import TomlTables
+from seaglint.base.optional import optional
 from seaglint.cluster.dask import DaskWorkers, Say, client_of, quiet, require_dask
 
 KINDS: Final = {
@@ -65,10 +66,7 @@ def queued(path: Path, say: Say = lambda line: None) -> Iterator[DaskWorkers]:
     """
     require_dask()
     kind, jobs, timeout, options = read_settings(path)
-    try:
-        import dask_jobqueue
-    except ImportError:
-        raise BackendError("dask-jobqueue is not installed; pip install 'seaglint[cluster]' adds it") from None
+    dask_jobqueue = optional("dask_jobqueue", "a batch queue")
     made = getattr(dask_jobqueue, KINDS[kind])
     command = str(made.job_cls.submit_command).split()[0]
     if shutil.which(command) is None:

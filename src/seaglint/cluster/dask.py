@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from seaglint.base.errors import BackendError, DataError, SeaglintError, one_line
+from seaglint.base.optional import optional
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 from seaglint.cluster.machine import Machine, this_machine
 from seaglint.cluster.remote import describe, do, packed
@@ -400,17 +401,14 @@ def client_of(address: Any, shown: str) -> Any:
 
 
 def require_dask() -> None:
-    """Check that the extra is installed.
+    """Check that Dask is installed.
 
     Raises
     ------
     BackendError
         It is not.
     """
-    try:
-        import distributed  # noqa: F401
-    except ImportError:
-        raise BackendError("Dask is not installed; pip install 'seaglint[cluster]' adds it, and workers=N needs nothing") from None
+    optional("distributed", "a Dask scheduler", "or choose workers=N, which needs no package")
 
 
 @contextmanager

@@ -56,7 +56,7 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise DataError(f"{path}: is no mesh file that is read; allowed are {', '.join(SUFFIXES)}: export it as one of them")
-    trimesh = optional("trimesh", f"{path}: a mesh file", "objects")
+    trimesh = optional("trimesh", f"{path}: a mesh file")
 
     try:
         mesh: Any = trimesh.load(str(path), force="mesh", process=False)

@@ -67,7 +67,7 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
         raise DomainError(f"shape.parts: a {operation} of no parts; give two or more")
     if len(parts) == 1:
         return parts[0]
-    manifold3d = optional("manifold3d", "a solid of several parts", "objects")
+    manifold3d = optional("manifold3d", "a solid of several parts")
 
     kind = manifold3d.OpType
     match operation:
@@ -90,13 +90,13 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
 
 def common_volume(one: Solid, other: Solid) -> float:
     """Common volume of two solids [m3]."""
-    manifold3d = optional("manifold3d", "a solid of several parts", "objects")
+    manifold3d = optional("manifold3d", "a solid of several parts")
 
     return float(manifold3d.Manifold.batch_boolean([_manifold(one), _manifold(other)], manifold3d.OpType.Intersect).volume())
 
 
 def _manifold(part: Solid) -> Any:
-    manifold3d = optional("manifold3d", "a solid of several parts", "objects")
+    manifold3d = optional("manifold3d", "a solid of several parts")
 
     values = np.column_stack([part.vertices, part.temperature, part.emissivity])
     same = merged(part.vertices)

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import DataError
+from seaglint.base.optional import missing
 from seaglint.files.export import endings
 from seaglint.files.export.encoding import Kind as NumberKind
 from seaglint.files.export.encoding import check_limits
@@ -113,7 +114,7 @@ def _show(
             f"fps = {rate:g} is outside {low:g}-{high:g}, the frames per second that {output.suffix} holds; give a rate within them"
         )
     if not video.video_available():
-        raise BackendError(f"{output}: a video needs PyAV, which is not installed; pip install 'seaglint[video]'")
+        raise missing(f"{output}: a video", "av")
     refuse_existing(output, overwrite=overwrite)
     shown = rate or video.shown_rate(stack.dataset, stack.variable, output.suffix.lower())
     video.write_video(

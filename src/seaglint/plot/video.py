@@ -1,4 +1,4 @@
-"""A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV, extra ``video``)."""
+"""A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.brightness import Scale, eight_bit
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import BackendError
+from seaglint.base.optional import missing
 from seaglint.base.schema import VARIABLES
 from seaglint.files.counts import pictures
 from seaglint.files.outputs import moved_when_whole
@@ -136,7 +136,7 @@ def write_video(
         No room or no rights; nothing is left behind.
     """
     if not video_available():
-        raise BackendError("a video needs PyAV, which is not installed; pip install 'seaglint[video]'")
+        raise missing("a video", "av")
     import av
 
     output = Path(output)

@@ -62,7 +62,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     ----------
     A. Vehtari et al., "Rank-normalization, folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021), 667-718.
     """
-    judge = optional("arviz_stats.base.array", "the judgement of chains", "textures").array_stats
+    judge = optional("arviz_stats.base.array", "the judgement of chains").array_stats
 
     if chains < 2 or draws < 8:
         raise DomainError(f"chains = {chains}, draws = {draws}: R-hat compares 2 chains or more of 8 draws or more")

@@ -46,7 +46,7 @@ def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Col
     elif ending == ".npy":
         np.save(out, image)
     elif ending == ".tif":
-        tifffile = optional("tifffile", "TIFF", "recordings")
+        tifffile = optional("tifffile", "TIFF")
 
         chosen = show.source.layer(show.layer)
         about_text = json.dumps({"name": chosen.name, "long_name": chosen.label, "units": chosen.unit, "frame": index}, ensure_ascii=True)

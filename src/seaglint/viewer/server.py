@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import DataError
+from seaglint.base.optional import missing
 from seaglint.viewer.safety import MOST_BODY, Application, Guard, is_loopback, new_token
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def workbench(scenario: str | Path | None = None) -> Page:
 
 
 def require_installed() -> None:
-    """Check that the extra is installed.
+    """Check that NiceGUI is installed.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def require_installed() -> None:
     from importlib.util import find_spec
 
     if any(find_spec(name) is None for name in ("nicegui", "starlette", "uvicorn")):
-        raise BackendError("the viewer needs NiceGUI, which is not installed; pip install 'seaglint[viewer]'")
+        raise missing("the viewer", "nicegui")
 
 
 def make_app(library: Library, pages: Sequence[Page] = (), *, host: str = "127.0.0.1", token: str | None = None) -> Application:

@@ -35,7 +35,7 @@ def write_picture(path: Path, levels: NDArray[Any], about: Mapping[str, Any]) ->
                 text.add_text(name, repr(value) if isinstance(value, float) else str(value))
             Image.fromarray(levels).save(partial, format="PNG", pnginfo=text, compress_level=6)
         else:
-            tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
+            tifffile = optional("tifffile", f"{path}: TIFF")
 
             with tifffile.TiffWriter(partial) as file:
                 # no date and no program: the same picture is the same file
@@ -58,7 +58,7 @@ def read_picture(path: Path) -> NDArray[Any]:
                 grey = image.mode in ("L", "I;16")
                 levels = np.asarray(image)
         else:
-            tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
+            tifffile = optional("tifffile", f"{path}: TIFF")
 
             levels = tifffile.imread(path)
             grey = levels.ndim == 2
@@ -79,7 +79,7 @@ def read_about(path: Path) -> dict[str, str]:
         with Image.open(path) as image:
             image.load()
             return {str(name): str(value) for name, value in image.info.items()}
-    tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
+    tifffile = optional("tifffile", f"{path}: TIFF")
 
     with tifffile.TiffFile(path) as file:
         return {name: str(value) for name, value in json.loads(file.pages.first.description).items()}

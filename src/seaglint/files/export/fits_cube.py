@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
 
-from seaglint.base.errors import BackendError
+from seaglint.base.optional import optional
 from seaglint.files.export.export_format import ExportFormat
 from seaglint.version import __version__
 
@@ -43,10 +43,7 @@ class Fits(ExportFormat):
         BackendError
             Astropy is not installed.
         """
-        try:
-            import astropy.io.fits  # noqa: F401
-        except ImportError as error:
-            raise BackendError("FITS needs astropy, which is not installed; pip install 'seaglint[fits]'") from error
+        optional("astropy.io.fits", "FITS")
 
     @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:

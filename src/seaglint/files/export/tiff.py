@@ -34,13 +34,24 @@ class Tiff(ExportFormat):
     aliases: ClassVar[tuple[str, ...]] = (".tiff",)
 
     @classmethod
+    def require(cls) -> None:
+        """Refuse before the work where TIFF cannot be written.
+
+        Raises
+        ------
+        BackendError
+            tifffile is not installed.
+        """
+        optional("tifffile", "TIFF")
+
+    @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
         """Write a page for each frame."""
         _write(path, stack, numbers, frames)
 
 
 def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
+    tifffile = optional("tifffile", "TIFF")
 
     count, rows, columns = stack.shape
     text = json.dumps({**stack.metadata(), **numbers.attributes}, allow_nan=False)

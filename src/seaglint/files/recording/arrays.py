@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
+from seaglint.base.optional import optional
 from seaglint.base.schema import default_image
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.recording.stored import full_scale, grey
@@ -175,10 +176,8 @@ def _unpacked(array: Any) -> Any:
 
 def open_fits(path: Path, how: ArrayReading) -> Recording:
     """Open the first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
-    try:
-        from astropy.io import fits
-    except ImportError as error:
-        raise BackendError(f"{path}: FITS needs astropy, which is not installed; pip install 'seaglint[fits]'") from error
+    fits = optional("astropy.io.fits", f"{path}: FITS")
+
     try:
         file = fits.open(path, memmap=True, do_not_scale_image_data=True)  # scaled memory maps are refused
         images = {(hdu.name or str(i)): hdu for i, hdu in enumerate(file) if hdu.is_image and hdu.header.get("NAXIS", 0) >= 2}

@@ -50,7 +50,7 @@ class _File:
         """Return frames as stored, shape (stop - start, rows, columns[, channels])."""
         if self.path.suffix.lower() == ".png":
             return _decode_png(self.path)[np.newaxis]
-        tifffile = optional("tifffile", f"{self.path}: TIFF", "recordings")
+        tifffile = optional("tifffile", f"{self.path}: TIFF")
 
         try:
             # ImageJ's large stacks are one page that a header calls many: mapped, and unmapped when the block is copied.
@@ -175,7 +175,7 @@ def _decode_png(path: Path) -> NDArray[Any]:
 
 def _decode_deep_png(path: Path) -> NDArray[Any]:
     """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
-    png = optional("png", f"{path}: colour of 16 bits", "recordings")
+    png = optional("png", f"{path}: colour of 16 bits")
     with path.open("rb") as file:
         columns, rows, lines, facts = png.Reader(file=file).read()
         stored = np.array([np.asarray(line, np.uint16) for line in lines])
@@ -183,7 +183,7 @@ def _decode_deep_png(path: Path) -> NDArray[Any]:
 
 
 def _look_tiff(path: Path) -> _File:
-    tifffile = optional("tifffile", f"{path}: TIFF", "recordings")
+    tifffile = optional("tifffile", f"{path}: TIFF")
 
     try:
         with tifffile.TiffFile(path) as file:

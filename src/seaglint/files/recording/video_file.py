@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
-from seaglint.base.errors import BackendError, DataError
+from seaglint.base.errors import DataError
+from seaglint.base.optional import optional
 from seaglint.files.recording.stored import grey
 
 ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
@@ -19,10 +20,8 @@ LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")
 
 def open_video(path: Path, channel: str | None) -> Recording:
     """Open the first video stream as grey frames; luma where colours are stored as luma and chroma."""
-    try:
-        import av
-    except ImportError as error:
-        raise BackendError(f"{path}: video needs PyAV, which is not installed; pip install 'seaglint[video]'") from error
+    av = optional("av", f"{path}: video")
+
     try:
         with av.open(str(path)) as container:
             stream = container.streams.video[0]

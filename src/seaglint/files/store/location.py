@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from seaglint.base.errors import BackendError, DataError, SeaglintError, StorageError
 from seaglint.base.free_form import Attributes
+from seaglint.base.optional import missing
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import ELSEWHERE, refuse_inputs, require_folder
 from seaglint.files.store.claim import Claim, exclusive, shared
@@ -271,8 +272,10 @@ def place_of(output: str | Path) -> Place:
     try:
         fsspec.get_filesystem_class(protocol)
     except ImportError as error:
-        remedy = "pip install 'seaglint[cloud]'" if protocol in ("s3", "s3a") else f"install the package that fsspec names: {error}"
-        raise BackendError(f"{text}: {protocol}:// needs a package that is not installed; {remedy}") from error
+        what = f"{text}: {protocol}://"
+        if protocol in ("s3", "s3a"):
+            raise missing(what, "s3fs") from error
+        raise BackendError(f"{what} needs a package that is not installed; install the package that fsspec names: {error}") from error
     except ValueError as error:
         raise DataError(
             f"{text}: {protocol}:// is no kind of place that is known; give a folder, or a URL like s3://bucket/run.zarr"

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from seaglint.base.errors import BackendError
+from seaglint.base.optional import optional
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.tables.table_text import csv_text
 from seaglint.files.text_file import read_text, write_text
@@ -50,20 +50,15 @@ def _both(values: Sequence[Any]) -> bool:
 
 
 def require_parquet() -> Any:
-    """Check that PyArrow is installed.
+    """Return PyArrow with its module ``parquet``.
 
     Raises
     ------
     BackendError
         It is not installed.
     """
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError as error:
-        raise BackendError(
-            "Parquet files need PyArrow, which is not installed; pip install pyarrow, or give a name that ends in .csv"
-        ) from error
+    pyarrow = optional("pyarrow", "Parquet", "or use .csv")
+    optional("pyarrow.parquet", "Parquet", "or use .csv")
     return pyarrow
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import BackendError, DataError, SeaglintError
+from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.optional import optional
 from seaglint.files.netcdf import drop_quietly
 from seaglint.files.waves.bands import Bands
 
@@ -48,11 +49,7 @@ def reader(name: str) -> Callable[..., Any]:
     BackendError
         If wavespectra is not installed.
     """
-    try:
-        import wavespectra
-    except ImportError as error:
-        raise BackendError("measured spectra are read by wavespectra, which is not installed; pip install 'seaglint[waves]'") from error
-    function: Callable[..., Any] = getattr(wavespectra, name)
+    function: Callable[..., Any] = getattr(optional("wavespectra", "reading of measured spectra"), name)
     return function
 
 

@@ -1,4 +1,4 @@
-"""Reader of ERA5 single levels: NetCDF before and after the new layout of September 2024, and GRIB by cfgrib (extra ``grib``).
+"""Reader of ERA5 single levels: NetCDF before and after the new layout of September 2024, and GRIB by cfgrib.
 
 Before: dimension ``time``, packed shorts with scale and offset, and a dimension ``expver`` where final (1) and preliminary (5) months meet,
 each empty where the other has values. After: dimension ``valid_time``, floats, ``expver`` and ``number`` beside it. Latitudes descend,
@@ -20,7 +20,8 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import BackendError, DataError, SeaglintError
+from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.optional import missing
 from seaglint.files.netcdf import drop_quietly
 from seaglint.files.weather.columns_read import WeatherSource
 from seaglint.files.weather.times import order_of
@@ -121,9 +122,7 @@ def _opened(path: Path) -> Any:
         try:
             import cfgrib
         except (ImportError, RuntimeError):  # cfgrib raises the latter where the library ecCodes is not found
-            raise BackendError(
-                f"{path}: is GRIB, which is read by cfgrib, and that is not installed; pip install 'seaglint[grib]', or download NetCDF"
-            ) from None
+            raise missing(f"{path}: GRIB", "cfgrib", "or download NetCDF") from None
 
         def opened() -> Any:
             # Fields of different steps and grids are separate datasets to cfgrib.

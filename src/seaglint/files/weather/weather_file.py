@@ -1,4 +1,4 @@
-"""Weather tables in the format of seaglint: CSV, or Parquet with the extra ``weather``."""
+"""Weather tables in the format of seaglint: CSV, or Parquet where PyArrow is installed."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint.base.errors import BackendError, DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.tables.rows import require_parquet
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.weather.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
 
@@ -52,7 +53,7 @@ def read_weather(path: str | Path) -> WeatherFile:
     DataError
         A file that cannot be read, lacks a column, or holds a value outside its range; with row and line.
     BackendError
-        A Parquet file without the extra ``weather``.
+        A Parquet file, and PyArrow is not installed.
     """
     path = shipped(str(path)) if str(path) in SHIPPED and not Path(path).exists() else Path(path)
     return _read_parquet(path) if path.suffix.lower() == ".parquet" else _read_csv(path)
@@ -119,9 +120,9 @@ def _remarks(header: Sequence[str], table: WeatherTable) -> tuple[str, ...]:
 
 
 def _read_parquet(path: Path) -> WeatherFile:
-    pyarrow, parquet = _arrow()
+    pyarrow = require_parquet()
     try:
-        parquet_table = parquet.read_table(path)
+        parquet_table = pyarrow.parquet.read_table(path)
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a weather table") from None
     except (pyarrow.ArrowException, OSError) as error:
@@ -142,15 +143,6 @@ def _numbers(column: Any) -> Any:
     return column.cast("float64").combine_chunks().to_numpy(zero_copy_only=False)
 
 
-def _arrow() -> tuple[Any, Any]:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise BackendError("Parquet needs pyarrow, which is not installed; pip install 'seaglint[weather]', or use .csv") from None
-    return pyarrow, pyarrow.parquet
-
-
 def check_output(output: str | Path, *, overwrite: bool = False, inputs: Sequence[str | Path] = ()) -> Path:
     """Return the path of a table to write, checked before the work.
 
@@ -159,13 +151,13 @@ def check_output(output: str | Path, *, overwrite: bool = False, inputs: Sequenc
     DataError
         Another ending than .csv or .parquet, a file that is there, or one of the inputs.
     BackendError
-        Parquet without the extra ``weather``.
+        Parquet, and PyArrow is not installed.
     """
     output = Path(output)
     if output.suffix.lower() not in SUFFIXES:
         raise DataError(f"{output}: a weather table is a CSV or Parquet file; give a name that ends in .csv or .parquet")
     if output.suffix.lower() == ".parquet":
-        _arrow()
+        require_parquet()
     return refuse_existing(output, overwrite=overwrite, inputs=inputs)
 
 
@@ -181,12 +173,12 @@ def write_weather(table: WeatherTable, output: str | Path, *, notes: Sequence[st
     """
     output = check_output(output, overwrite=overwrite)
     if output.suffix.lower() == ".parquet":
-        pyarrow, parquet = _arrow()
+        pyarrow = require_parquet()
         arrays = {name: pyarrow.array(values, mask=np.isnan(values)) for name, values in table.columns.items()}
         arrays |= {name: pyarrow.array(values.tolist()) for name, values in table.texts.items()}
         made = pyarrow.table(arrays).replace_schema_metadata({_NOTES: "\n".join(notes).encode()})
         with moved_when_whole(output) as partial:
-            parquet.write_table(made, partial)
+            pyarrow.parquet.write_table(made, partial)
         return output
     cells = [["" if np.isnan(v) else f"{v:.9g}" for v in values.tolist()] for values in table.columns.values()]
     cells += [[_quoted(v) for v in values.tolist()] for values in table.texts.values()]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from seaglint.base.free_form import TomlTables
+from seaglint.base.optional import remedy
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ PRESETS: Final[dict[str, Preset]] = {
         (
             "Directional spectrum of NDBC station 41010 (Canaveral East) of 8 June 2020: NOAA, public domain. The five files beside this",
             "one hold three hours; put a buoy's own in their place (ndbc.noaa.gov, realtime2: .data_spec, .swdir, .swdir2, .swr1, .swr2)",
-            "and set the time to an hour that they hold. Reading them needs the extra: pip install 'seaglint[waves]'.",
+            f"and set the time to an hour that they hold. Reading them needs wavespectra: {remedy('wavespectra')}.",
         ),
         {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec", "time": "2020-06-08T03:50:00Z"}}},
         tuple(f"41010.{ending}" for ending in ("data_spec", "swdir", "swdir2", "swr1", "swr2")),
