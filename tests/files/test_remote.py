@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import json
+import sys
 import uuid
 
 import fsspec
@@ -95,6 +96,19 @@ def test_urls_of_files_are_folders_and_unknown_ones_are_refused(tmp_path, monkey
     monkeypatch.setattr(fsspec, "get_filesystem_class", lambda name: (_ for _ in ()).throw(ImportError("Install s3fs to access S3")))
     with pytest.raises(BackendError, match=r"s3:// needs s3fs.*pip install 's3fs>=2024\.9'"):
         place_of("s3://bucket/run.zarr")
+
+
+@pytest.mark.parametrize(
+    ("url", "match"),
+    [
+        ("s3://bucket/run.zarr", r"s3:// needs s3fs.*pip install 's3fs>=2024\.9'"),
+        ("gs://bucket/run.zarr", "gs:// needs fsspec, which is not installed; pip install fsspec"),
+    ],
+)
+def test_without_fsspec_the_message_names_what_is_missing(url, match, monkeypatch):
+    monkeypatch.setitem(sys.modules, "fsspec", None)
+    with pytest.raises(BackendError, match=match):
+        place_of(url)
 
 
 @pytest.mark.validation

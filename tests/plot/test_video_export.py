@@ -141,7 +141,7 @@ def test_nothing_is_written_into_the_run(run):
         export_run(run, Path(run.encoding["source"]) / "x.npy")
 
 
-def test_videos_without_pyav_name_the_extra(run, tmp_path, monkeypatch):
+def test_videos_without_pyav_name_it(run, tmp_path, monkeypatch):
     monkeypatch.setattr(video, "video_available", lambda: False)
     with pytest.raises(BackendError, match=r"pip install 'av>=14'"):
         export_run(run, tmp_path / "x.gif")

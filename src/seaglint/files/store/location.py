@@ -264,17 +264,19 @@ def place_of(output: str | Path) -> Place:
     text = str(output)
     if isinstance(output, Path) or "://" not in text:
         return Local(Path(output))
-    import fsspec
-
     protocol = text.split("://", 1)[0]
     if protocol in ("file", "local"):
         return Local(Path(text.split("://", 1)[1]))
     try:
+        import fsspec
+
         fsspec.get_filesystem_class(protocol)
     except ImportError as error:
         what = f"{text}: {protocol}://"
         if protocol in ("s3", "s3a"):
             raise missing(what, "s3fs") from error
+        if error.name == "fsspec":
+            raise BackendError(f"{what} needs fsspec, which is not installed; pip install fsspec") from error
         raise BackendError(f"{what} needs a package that is not installed; install the package that fsspec names: {error}") from error
     except ValueError as error:
         raise DataError(
