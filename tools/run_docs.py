@@ -6,7 +6,9 @@
 A page runs in an empty folder of its own. A comment in the line before a block says more of it: ``<!-- file: NAME -->`` writes the block
 into a file of that name, ``<!-- not run: REASON -->`` leaves it out. Blocks of ``python`` share their names; in blocks of ``console``
 lines that begin with ``$`` are commands and the others what they print; in blocks of ``sh`` all lines are commands. Numbers that are
-printed may differ by 2 per cent from those shown, a line ``...`` stands for any lines.
+printed may differ by 2 per cent from those shown, a line ``...`` stands for any lines. A command in a block of ``sh`` must
+succeed. Lines ``source ...`` and ``./run ...`` are left out: the environment exists, and continuous integration runs these. A viewer
+is stopped where it prints its address.
 """
 
 from __future__ import annotations
@@ -14,6 +16,8 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -27,6 +31,8 @@ BLOCK = re.compile(
 )
 NUMBER = re.compile(r"(?<![A-Za-z_\d.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\dA-Za-z_])")
 CLOSE = 0.02
+LEFT_OUT = ("source ", "./run ")
+VIEWER = "seaglint view"
 
 
 class PageError(Exception):
@@ -76,21 +82,45 @@ def commands(block: Block) -> Iterator[tuple[str, list[str]]]:
         yield command, shown
 
 
-def printed(command: str, folder: Path) -> list[str]:
-    """Lines that a command prints; ``seaglint``, ``python`` and ``dask`` are those beside the interpreter that runs this."""
+def environment() -> dict[str, str]:
+    """Variables for commands: ``seaglint``, ``python`` and ``dask`` are those beside the interpreter that runs this."""
     where = os.pathsep.join(filter(None, [str(ROOT / "src"), os.environ.get("PYTHONPATH", "")]))
     tools = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
-    run = subprocess.run(
-        ["bash", "-c", command],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": where, "PATH": tools, "COLUMNS": "140"},
-        stdin=subprocess.DEVNULL,
-    )
-    if run.returncode not in (0, 2):
+    return {**os.environ, "PYTHONPATH": where, "PATH": tools, "COLUMNS": "140"}
+
+
+def printed(command: str, folder: Path, allowed: tuple[int, ...] = (0, 2)) -> list[str]:
+    """Lines that a command prints, which may end with one of the allowed statuses."""
+    run = subprocess.run(["bash", "-c", command], cwd=folder, capture_output=True, text=True, env=environment(), stdin=subprocess.DEVNULL)
+    if run.returncode not in allowed:
         raise PageError(f"'{command}' ended with {run.returncode}: {run.stderr[-2000:]}")
     return [line.rstrip() for line in (run.stdout + run.stderr).splitlines()]
+
+
+def viewed(command: str, folder: Path) -> list[str]:
+    """Lines that a viewer prints, which Ctrl-C stops after its address."""
+    viewer = subprocess.Popen(
+        shlex.split(command, comments=True),
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        stdin=subprocess.DEVNULL,
+        text=True,
+        env=environment(),
+    )
+    assert viewer.stdout is not None
+    lines = [""]
+    while "http://" not in lines[-1] and (line := viewer.stdout.readline()):
+        lines.append(line.rstrip())
+    if "http://" not in lines[-1]:
+        raise PageError("\n".join([f"'{command}' ended with {viewer.wait()} before it printed an address:", *lines]))
+    viewer.send_signal(signal.SIGINT)
+    try:
+        rest, _ = viewer.communicate(timeout=60)
+    except subprocess.TimeoutExpired:
+        viewer.kill()
+        raise PageError(f"'{command}' goes on after Ctrl-C") from None
+    return [*lines[1:], *rest.splitlines()]
 
 
 def alike(shown: str, found: str) -> bool:
@@ -110,8 +140,10 @@ def matches(shown: list[str], found: list[str]) -> bool:
     return bool(found) and alike(shown[0], found[0]) and matches(shown[1:], found[1:])
 
 
-def run(text: str, folder: Path, *, write: bool = False) -> str:
-    """Run a page in a folder; the page with what was printed, if wanted, else as it was.
+def run(text: str, folder: Path, *, write: bool = False, said: dict[str, list[str]] | None = None) -> str:
+    """Run a page in a folder; return the page, with what commands print where ``write`` is true.
+
+    Lines that commands print go into ``said``, under their commands without comments.
 
     Raises
     ------
@@ -129,16 +161,28 @@ def run(text: str, folder: Path, *, write: bool = False) -> str:
         elif block.kind == "python":
             exec(compile(body, f"block of {block.body[:40]!r}", "exec"), names)
         elif block.kind in ("console", "sh"):
-            lines = []
-            for command, shown in commands(block):
-                found = printed(command, folder)
-                if block.kind == "console" and not write and not matches(shown, found):
-                    raise PageError("\n".join([f"'{command}' prints", *found, "and the page shows", *shown]))
-                lines += [f"$ {command}", *(shown if "..." in (line.strip() for line in shown) else found)]
+            lines = _run_commands(block, folder, {} if said is None else said, compare=not write)
             body = "\n".join(lines) + "\n" if write and block.kind == "console" else body
         pieces += [text[end : block.span[0]], body]
         end = block.span[1]
     return "".join([*pieces, text[end:]])
+
+
+def _run_commands(block: Block, folder: Path, said: dict[str, list[str]], *, compare: bool) -> list[str]:
+    """Run the commands of a block; return its lines with what they print."""
+    lines: list[str] = []
+    for command, shown in commands(block):
+        if command.startswith(LEFT_OUT):
+            lines += [f"$ {command}", *shown]
+            continue
+        # a command that the page shows without an error must not end with one
+        allowed = (0, 2) if block.kind == "console" else (0,)
+        found = viewed(command, folder) if command.startswith(VIEWER) else printed(command, folder, allowed)
+        said[command.split(" #")[0].strip()] = found
+        if compare and block.kind == "console" and not matches(shown, found):
+            raise PageError("\n".join([f"'{command}' prints", *found, "and the page shows", *shown]))
+        lines += [f"$ {command}", *(shown if "..." in (line.strip() for line in shown) else found)]
+    return lines
 
 
 def main() -> None:
