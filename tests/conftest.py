@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import hypothesis
 import matplotlib as mpl
+import part_limit
+import part_order
 import pytest
 
 from data_folders import FOLDERS, name_folders
 
+BEGAN = time.time()
 mpl.use("Agg")
 name_folders()
 
@@ -20,27 +24,16 @@ hypothesis.settings.register_profile("explore", deadline=None, max_examples=1000
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "seaglint"))
 
 
-LONG_FIRST = (
-    "test_examples.py",
-    "test_documentation.py",
-    "test_resolved_mean.py",
-    "test_shards.py",
-    "test_scattered_images.py",
-    "test_averaging_down.py",
-    "test_false_alarms.py",
-    "test_performance.py",
-    "test_autobinomial_fit.py",
-    "test_table1.py",
-)
-"""Files with long tests: what two workers share out last must be short."""
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options of a part of the suite."""
+    part_limit.add_options(parser)
+    part_order.add_options(parser)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put files of long tests first, each in one piece, where tests are shared out over workers."""
-    if not os.environ.get("PYTEST_XDIST_WORKER"):
-        return
-    rank = {name: number for number, name in enumerate(LONG_FIRST)}
-    items.sort(key=lambda item: rank.get(item.path.name, len(rank)))
+def pytest_configure(config: pytest.Config) -> None:
+    """Limit the time of a part, note its verdicts, choose and order its tests."""
+    part_limit.configure(config, BEGAN)
+    part_order.configure(config)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

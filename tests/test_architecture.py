@@ -19,6 +19,7 @@ import pytest
 import seaglint
 from census import census, options_below, repeated_classes, repeated_stems, riddles, trees
 from seaglint.base.kernel_cache import ROOMS, sources_digest
+from touched_rooms import modules_imported
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "seaglint"
@@ -94,19 +95,6 @@ def test_module_examples_are_true(name: str) -> None:
     assert failures == 0
 
 
-def modules_imported(path: Path, known: set[str]) -> set[str]:
-    """Modules of the package that a file imports anywhere, also inside functions and for types alone."""
-    found = set()
-    for node in ast.walk(tree_of(path)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path.name}: relative imports are not followed; write the module's whole name"
-            # What is imported from a package may be one of its modules.
-            found |= {name if (name := f"{node.module}.{alias.name}") in known else str(node.module) for alias in node.names}
-    return found & known
-
-
 def circles(imports: dict[str, set[str]]) -> list[set[str]]:
     """Groups of modules each of which imports all others of its group, by way of others where need be."""
     reached: dict[str, set[str]] = {}
@@ -126,7 +114,7 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
     known = {"seaglint", *MODULES}
     files = {path: path.relative_to(SOURCE).with_suffix("").parts for path in SOURCE.rglob("*.py")}
     names = {path: ".".join(("seaglint", *parts)).removesuffix(".__init__") for path, parts in files.items()}
-    imports = {name: modules_imported(path, known) - {name} for path, name in names.items()}
+    imports = {name: modules_imported(tree_of(path), known, path.name) - {name} for path, name in names.items()}
     assert imports["seaglint.cli.render"] >= {
         "seaglint.cli.terminal.messages",
         "seaglint.studies.sequence.render_sequence",
