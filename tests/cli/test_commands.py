@@ -175,11 +175,13 @@ def test_a_full_disk_is_code_3(seaglint, pipeline, scenario, tmp_path, monkeypat
 @pytest.mark.skipif(sys.platform == "win32", reason="file size limits are POSIX")
 def test_a_real_refusal_to_write_is_code_3(scenario, tmp_path):
     # A file size limit makes the kernel itself refuse: the same path through Zarr as a full disk.
+    # Python would keep half of what it compiles meanwhile, and fail at its next start.
     limit = (
-        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (2500, 2500)); "
+        "import resource, signal, sys; sys.dont_write_bytecode = True; "
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (2500, 2500)); "
     )
     code = limit + (
-        "import sys; sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake; "
+        "sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake; "
         "module = types.ModuleType('seaglint.studies.sequence.render_sequence'); module.render = fake.fake_render; "
         "sys.modules[module.__name__] = module; fake.main()"
     )

@@ -401,6 +401,7 @@ from seaglint.base.errors import StorageError
 from seaglint.files.export.stack import select
 from seaglint.files.export.stack_writing import write_stack
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+sys.dont_write_bytecode = True  # Python would keep half of what it compiles, and fail at its next start
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 noise = np.random.default_rng(1).random((40, 64, 64), np.float32)
 for ending in ("h5", "tif", "fits", "npy"):

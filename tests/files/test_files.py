@@ -75,6 +75,7 @@ import numpy as np, xarray as xr
 from seaglint.base.errors import StorageError
 from seaglint.files.netcdf import write_netcdf
 noise = np.random.default_rng(1).random((300, 300))
+sys.dont_write_bytecode = True  # Python would keep half of what it compiles, and fail at its next start
 resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
 try:
     write_netcdf(xr.Dataset({"radiance": (("y", "x"), noise)}), sys.argv[1], overwrite=True)
