@@ -553,11 +553,12 @@ def test_what_is_cut_off_runs_first_next_time(clone: Clone, monkeypatch: pytest.
     over = "\n@pytest.fixture\ndef over(limit): limit.ends = time.time() + 0.2\n"
     clone.write("tests/sea/test_waves.py", HURRY + marks + over + slow.format("over", 60))
     clone.commit()
-    status, printed = chosen(clone, capfd, "--most-seconds", "1000")
+    status, printed = chosen(clone, capfd, "--most-seconds", "1000", f"--judged={clone.root / 'judged'}")
     assert status == 1, printed
     names = [f"tests/sea/test_waves.py::test_long[{n}]" for n in range(3)]
     assert Memory.read() == Memory(names[:1], names[1:])
     assert "changed rooms, by 1 files that differ: sea" in printed
+    assert f"begun\t{names[0]}\n" in (clone.root / "judged").read_text()
     assert "ran (changed): 1: sea 1" in printed
     assert f"first next time: {names[0]}" in printed
     assert "left out, the time of 1000 s was over (changed): 3: sea 3" in printed
@@ -626,7 +627,9 @@ def test_the_page_shows_the_last_whole_run() -> None:
     assert validations.with_block(page, validations.sentence(record)) == page
 
 
-@pytest.mark.parametrize("arguments", [["--list"], ["--chosen", "--most-seconds", "0"], ["--chosen", "--most-seconds", "soon"]])
+@pytest.mark.parametrize(
+    "arguments", [["--list"], ["--judged", "x"], ["--chosen", "--most-seconds", "0"], ["--chosen", "--most-seconds", "soon"]]
+)
 def test_options_that_make_no_sense_are_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as refused:
         validations.main(arguments)

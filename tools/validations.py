@@ -217,7 +217,7 @@ def pytest_of(arguments: list[str], judged: Path | None = None) -> int:
     return subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode
 
 
-def run_chosen(most_seconds: float, list_only: bool, arguments: list[str]) -> int:
+def run_chosen(most_seconds: float, list_only: bool, judged: Path | None, arguments: list[str]) -> int:
     """Run, or list, what the change needs; the exit status of pytest."""
     began = time.monotonic()
     what = touched(ROOT)
@@ -227,7 +227,7 @@ def run_chosen(most_seconds: float, list_only: bool, arguments: list[str]) -> in
     lines = [*described(what), f"of the rest: fifth {plan.fifth + 1} of {PARTS}, by {count} commits"]
     print(*(f"validations: {line}" for line in lines), sep="\n", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        path, judged = Path(folder) / "plan.json", Path(folder) / "judged"
+        path, judged = Path(folder) / "plan.json", judged or Path(folder) / "judged"
         plan.write(path)
         options = ["--collect-only", "-q"] if list_only else [f"--most-seconds={max(1.0, most_seconds - (time.monotonic() - began)):.0f}"]
         status = pytest_of([f"--chosen={path}", *options, *arguments], judged)
@@ -236,7 +236,7 @@ def run_chosen(most_seconds: float, list_only: bool, arguments: list[str]) -> in
             print(*(f"validations: {line}" for line in listed(reasons)), sep="\n")
             return status
         run = Verdicts.read(judged)
-    print("", *(f"validations: {line}" for line in summary(run, reasons, most_seconds, plan)), sep="\n")
+    print("", *(f"validations: {line}" for line in summary(run, reasons, most_seconds)), sep="\n")
     if reasons and not arguments and (refused := memory.after(run, reasons).write()):
         print(f"validations: {refused}")
     return 0 if status == NOTHING_COLLECTED and reasons else status
@@ -255,7 +255,7 @@ def listed(reasons: dict[str, str]) -> list[str]:
     return [*by_reason("to run", [test for test in reasons if reasons[test]], reasons), *left_by_choice(reasons)]
 
 
-def summary(run: Verdicts, reasons: dict[str, str], most_seconds: float, plan: Plan) -> list[str]:
+def summary(run: Verdicts, reasons: dict[str, str], most_seconds: float) -> list[str]:
     """Return lines on what has run and why, and on what was left out, by time and by choice."""
     late = [*run.cut, *run.waiting]
     return [
@@ -369,17 +369,23 @@ def seconds_of(text: str) -> float:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run; the exit status of pytest."""
-    parser = argparse.ArgumentParser(prog="./run validate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        prog="./run validate", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
+    )
     parser.add_argument("--chosen", action="store_true", help="run what the change needs")
     parser.add_argument("--list", action="store_true", help="with --chosen: run nothing, list the choice")
-    parser.add_argument(
-        "--most-seconds", type=seconds_of, metavar="N", help=f"with --chosen: the limit [s]; {MOST_SECONDS:.0f} where not given"
-    )
+    parser.add_argument("--most-seconds", type=seconds_of, metavar="N", help=f"limit [s]; with --chosen {MOST_SECONDS:.0f} where not given")
+    parser.add_argument("--judged", type=Path, metavar="FILE", help="with --chosen: write into FILE what is begun and judged, at once")
     options, others = parser.parse_known_args(arguments)
     if options.list and not options.chosen:
         parser.error("--list goes with --chosen")
     if options.chosen:
-        return run_chosen(options.most_seconds or MOST_SECONDS, options.list, others)
+        try:
+            return run_chosen(options.most_seconds or MOST_SECONDS, options.list, options.judged, others)
+        except NotGitError as error:
+            parser.error(f"git: {error}")
+    if options.judged:
+        parser.error("--judged goes with --chosen")
     if others or options.most_seconds:
         limit = [f"--most-seconds={options.most_seconds:.0f}"] if options.most_seconds else []
         return pytest_of(["--dist", "worksteal", *limit, *others])
