@@ -248,6 +248,7 @@ class Project:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
+            start_new_session=True,
         )
 
     def run(self, **settings: object) -> tuple[int, str]:
@@ -369,10 +370,12 @@ Serve = Callable[..., Server]
 def serve() -> Iterator[Serve]:
     running = []
 
-    def start(folder: Path, password: str = "", context: ssl.SSLContext | None = None, **attributes: object) -> Server:
+    def start(
+        folder: Path, password: str = "", context: ssl.SSLContext | None = None, kind: type = Handler, **attributes: object
+    ) -> Server:
         wanted = "Basic " + base64.b64encode(f"me:{password}".encode()).decode() if password else ""
         requests: list[str] = []
-        handler = type("OwnHandler", (Handler,), {"wanted": wanted, "requests": requests, **attributes})
+        handler = type("OwnHandler", (kind,), {"wanted": wanted, "requests": requests, **attributes})
         server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(handler, directory=str(folder)))
         if context is not None:
             server.socket = context.wrap_socket(server.socket, server_side=True)
@@ -640,6 +643,30 @@ def test_the_second_waits_with_a_line_and_not_for_one_that_died(project: Project
     assert "sample 2.0\n" in output
     with (project.folder / ".run.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # released
+
+
+@needs_uv
+def test_an_installation_that_was_cut_off_is_made_anew(project: Project, tmp_path: Path, serve: Serve) -> None:
+    reached, go_on = threading.Event(), threading.Event()
+
+    class Slow(Handler):
+        def do_GET(self) -> None:
+            reached.set()
+            go_on.wait(60)
+            super().do_GET()
+
+    links = wheels(tmp_path / "wheels", "2.0")
+    project.installs("2.0", PIP_NO_INDEX=1, PIP_FIND_LINKS=links)
+    pyproject = project.folder / "pyproject.toml"
+    pyproject.write_text(pyproject.read_text() + "# changed\n")
+    (project.folder / ".venv" / "half").touch()
+    process = project.start(PIP_INDEX_URL=f"http://localhost:{serve(tmp_path, kind=Slow).port}")
+    assert reached.wait(60)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    go_on.set()
+    project.installs("2.0", PIP_NO_INDEX=1, PIP_FIND_LINKS=links)
+    assert not (project.folder / ".venv" / "half").exists()
 
 
 def in_small_disk(project: Project, folder: Path, size: str, command: str, **settings: object) -> tuple[int, str]:
