@@ -394,7 +394,10 @@ def test_wheels_in_folders_and_no_index(project: Project, tmp_path: Path) -> Non
     # Every sign that a shell or uv's list of places could take for its own.
     odd = wheels(tmp_path / "a,b'\"$(touch${IFS}evaluated);%20", "2.0")
     project.installs(
-        "2.0", PIP_NO_INDEX=1, PIP_FIND_LINKS=f"{wheels(tmp_path / 'old', '1.0')}\n{odd}", PIP_INDEX_URL="http://127.0.0.1:9/simple"
+        "2.0",
+        PIP_NO_INDEX=1,
+        PIP_FIND_LINKS=f"{wheels(tmp_path / 'old', '1.0')}\n{odd}",
+        PIP_INDEX_URL=simple_index(tmp_path / "index", "9.0").as_uri(),
     )
     assert not list(project.folder.glob("evaluated"))
 
