@@ -203,6 +203,13 @@ def test_files_that_come_go_and_move_touch_their_rooms(clone: Clone) -> None:
     assert result.changed == {"air": "src/seaglint/air/haze.py", "sea": "src/seaglint/sea/ripples.py"}
 
 
+def test_files_of_tests_are_above_what_they_import(clone: Clone) -> None:
+    clone.change("tests/helpers/scenes.py", "from marcher", "from seaglint.imaging import camera\nfrom marcher")
+    base = clone.commit()
+    clone.change("src/seaglint/base/units.py", "1.0", "1.1")
+    assert touched(clone.root, Base(base, "test")).above["tests/air/test_sky.py"] == 4  # scenes, camera, waves, units
+
+
 def test_the_house_is_read_as_it_stands() -> None:
     """Rooms that everybody knows, and ways between them."""
     house = House(ROOT)
@@ -212,6 +219,7 @@ def test_the_house_is_read_as_it_stands() -> None:
     assert steps["sea"] == 0
     assert 0 < steps["imaging"] <= steps["cli"]
     assert "optics" not in steps
+    assert house.test_files_above({"seaglint.sea.slopes.cox_munk"})["tests/radiance/test_mean.py"] == 1
     assert "tests/imaging/test_ray_marcher.py" in house.users("tools/ray_marcher.py")
 
 

@@ -6,8 +6,8 @@ A change is what differs between a base commit and the working tree. The base is
 base with main; else, on main itself, the commit of the last whole run of the validations; else none: then everything counts as changed.
 
 Comments, docstrings and the order of statements change nothing. A folder of ``src/seaglint`` is a room; its tests belong to it. A room is
-above another where one of its modules imports, by way of others where need be, a module that changed. Tests outside of the rooms' folders
-run pages and programs that may use anything: they are above every room.
+above another where one of its modules imports, by way of others where need be, a module that changed; so is a file of tests. Tests outside
+of the rooms' folders run pages and programs that may use anything: they are above every room.
 """
 
 from __future__ import annotations
@@ -186,13 +186,16 @@ def all_statements(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 def modules_imported(tree: ast.Module, known: set[str], name: str = "") -> set[str]:
-    """Return the known modules that a file imports anywhere, also inside functions and for types alone."""
+    """Return the known modules that a file imports anywhere, also inside functions and for types alone.
+
+    A file of the package bears its name here: in it, relative imports are refused. In tests they lead to no module of the package.
+    """
     result = set()
     for node in all_statements(tree):
         if isinstance(node, ast.Import):
             result |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{name}: relative imports are not followed; write the module's whole name"
+            assert not (name and node.level), f"{name}: relative imports are not followed; write the module's whole name"
             # What is imported from a package may be one of its modules.
             result |= {whole if (whole := f"{node.module}.{alias.name}") in known else str(node.module) for alias in node.names}
     return result & known
@@ -246,21 +249,40 @@ class House:
             names += [PurePosixPath(file).stem for file in found & others]
         return {file for file in result & set(self.tests) if PurePosixPath(file).name.startswith("test_")}
 
+    @cached_property
+    def tests_import(self) -> dict[str, set[str]]:
+        """Modules of the package, helpers and tools that each file of tests, helper and tool imports."""
+        helpers = [*(self.root / "tests" / "helpers").glob("*.py"), *(self.root / "tools").glob("*.py")]
+        known = {*self.modules, *(path.stem for path in helpers)}
+        files = {**{path.stem: path for path in helpers}, **{file: self.root / file for file in self.tests}}
+        return {name: modules_imported(ast.parse(path.read_text(encoding="utf-8")), known) for name, path in files.items()}
+
+    def test_files_above(self, changed: Iterable[str]) -> dict[str, int]:
+        """Number of imports between each file of tests and the nearest of some modules, where there is a way."""
+        reached = steps_from(changed, self.imports | self.tests_import)
+        return {file: reached[file] for file in self.tests if file in reached and PurePosixPath(file).name.startswith("test_")}
+
     def steps(self, changed: Iterable[str]) -> dict[str, int]:
         """Number of imports between each room and the nearest of some modules, where there is a way."""
-        reached = dict.fromkeys(changed, 0)
-        waiting = list(reached)
-        while waiting:
-            nearer = waiting.pop(0)
-            for name in sorted(name for name, used in self.imports.items() if nearer in used and name not in reached):
-                reached[name] = reached[nearer] + 1
-                waiting.append(name)
+        reached = steps_from(changed, self.imports)
         result: dict[str, int] = {}
         for name, number in reached.items():
             if file := self.modules.get(name):
                 room = room_of_source(file)
                 result[room] = min(number, result.get(room, number))
-        return result
+        return {room: number for room, number in result.items() if room in self.rooms}
+
+
+def steps_from(changed: Iterable[str], imports: Mapping[str, set[str]]) -> dict[str, int]:
+    """Return all that import some modules, by way of others where need be, with the number of imports between."""
+    reached = dict.fromkeys(changed, 0)
+    waiting = list(reached)
+    while waiting:
+        nearer = waiting.pop(0)
+        for name in sorted(name for name, used in imports.items() if nearer in used and name not in reached):
+            reached[name] = reached[nearer] + 1
+            waiting.append(name)
+    return reached
 
 
 def room_of_source(file: str) -> str:
@@ -315,14 +337,13 @@ def touched(root: Path = ROOT, base: Base | None = None) -> Touched:
         for name in judged_by(file, house):
             rooms.setdefault(name, file)
         modules |= modules_of(file, house)
-    above = {room: steps for room, steps in house.steps(modules).items() if room not in rooms}
+    above = {}
     if modules:
+        above = house.steps(modules)
         farthest = 1 + max(above.values(), default=0)
-        outside = {
-            file for file in house.tests if PurePosixPath(file).name.startswith("test_") and file == room_of_tests(file, house.rooms)
-        }
-        above |= dict.fromkeys(sorted(outside - set(rooms)), farthest)
-    return Touched(base, "", len(files), rooms, above)
+        named = (file for file in house.tests if PurePosixPath(file).name.startswith("test_"))
+        above |= {file: farthest for file in named if file == room_of_tests(file, house.rooms)} | house.test_files_above(modules)
+    return Touched(base, "", len(files), rooms, {name: steps for name, steps in above.items() if name not in rooms})
 
 
 def hangs_everything_on(root: Path, base: str, file: str) -> bool:
@@ -361,11 +382,12 @@ def described(what: Touched) -> list[str]:
     lines = [f"base commit: {what.base}"]
     if what.everything:
         return [*lines, f"changed rooms: all, {what.everything}"]
-    by_steps = sorted(what.above.items(), key=lambda pair: (pair[1], pair[0]))
+    rooms = sorted((steps, room) for room, steps in what.above.items() if "/" not in room)
+    outside = ["files of tests"] if len(rooms) < len(what.above) else []
     return [
         *lines,
         f"changed rooms, by {what.differ} files that differ: " + (", ".join(sorted(what.changed)) or "none"),
-        "rooms above them, nearest first: " + (", ".join(room for room, _ in by_steps) or "none"),
+        "rooms above them, nearest first: " + (", ".join([room for _, room in rooms] + outside) or "none"),
     ]
 
 

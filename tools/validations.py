@@ -94,8 +94,8 @@ class Plan:
             return Place((1, not waited, room), "all rooms" if self.everything else "changed")
         if waited:
             return Place((2, 0, ""), LEFT)
-        if room in self.above:
-            return Place((3, self.above[room], room), "above")
+        if steps := [self.above[name] for name in (file, room) if name in self.above]:
+            return Place((3, min(steps), room), "above")
         if part_of(test) == self.fifth:
             return Place((4, 0, ""), "fifth")
         return None
