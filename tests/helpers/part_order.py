@@ -12,6 +12,8 @@ from validations import Plan
 LONG_FIRST = (
     "test_examples.py",
     "test_documentation.py",
+    "test_architecture.py",
+    "test_validations.py",
     "test_resolved_mean.py",
     "test_shards.py",
     "test_scattered_images.py",
