@@ -65,7 +65,7 @@ def test_settings_count_as_for_pip(lines: list[str], expected: dict[str, str]) -
 
 
 def test_without_pip_its_variables_count() -> None:
-    environment = {"PIP_INDEX_URL": "https://a/simple", "PIP_FIND_LINKS": "/a\n/b", "PIP_CERT": "", "HOME": "/home/x"}
+    environment = {"PIP_INDEX_URL": "https://a/simple", "PIP_FIND_LINKS": "/a\n/b", "PIP_CERT": "", "HOME": "/x"}
     assert listed_settings(environment_lines(environment)) == {"index-url": "https://a/simple", "find-links": "/a\n/b"}
 
 
@@ -535,7 +535,7 @@ def test_an_index_that_asks_for_a_password(project: Project, tmp_path: Path, ser
     status, output = project.run(PIP_INDEX_URL=f"http://me:not{SECRET}@localhost:{server.port}")
     assert status == 2
     last = output.splitlines()[-1]
-    assert f"the index localhost:{server.port} asks for a user and password; write them into pip's setting index-url" in last
+    assert f"the index localhost:{server.port} asks for a user and password; write them into its address in pip's settings" in last
     assert "the same command goes on from here" in last
     assert f"not{SECRET}" not in output + project.log()
     output = project.installs("2.0", PIP_INDEX_URL=f"http://me:{SECRET}@localhost:{server.port}", PIP_EXTRA_INDEX_URL="file:///nowhere")
@@ -598,8 +598,8 @@ def test_settings_that_nobody_can_use_end_in_one_line(project: Project, settings
         (f"(http://{SECRET}@host/simple, x)", "(http://****@host/simple, x)"),
         (f"https://me:{SECRET}@{SECRET}/x@host", "https://****@host"),
         (f"proxy 'me:{SECRET}@host:3128'", "proxy '****@host:3128'"),
-        ("file:///home/me@work/wheels", "file:///home/me@work/wheels"),
-        ("seaglint @ file:///home/x", "seaglint @ file:///home/x"),
+        ("file:///places/me@work/wheels", "file:///places/me@work/wheels"),
+        ("seaglint @ file:///places/x", "seaglint @ file:///places/x"),
     ],
     ids=["user", "token", "slash", "proxy", "file", "requirement"],
 )
