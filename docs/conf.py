@@ -20,25 +20,27 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "sphinx.ext.mathjax",
-    "sphinx.ext.viewcode",
-    "numpydoc",
+    "numpydoc_once",
     "sphinx_design",
     "gallery",
     "generated_tables",
+    "reference",
+    "sidebar",
 ]
-templates_path = ["_templates"]
 exclude_patterns = ["_build"]
 
 html_theme = "furo"
 html_title = f"seaglint {release}"
+html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["phone.css"]
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3
 
-autosummary_generate = True
+autosummary_generate = False  # reference.py writes the pages
 autodoc_typehints = "none"  # numpydoc's Parameters sections name types, units and shapes
+autodoc_use_type_comments = False  # parses every function anew; there are none
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
