@@ -47,7 +47,15 @@ def section(path: Path) -> list[str]:
 
 def summary(title: str, names: list[str], *options: str) -> list[str]:
     """Return a titled table of modules with the first sentence of each."""
-    lines = [f".. rubric:: {title}", "", ".. autosummary::", *(f"   {option}" for option in options), "", *(f"   {name}" for name in names), ""]
+    lines = [
+        f".. rubric:: {title}",
+        "",
+        ".. autosummary::",
+        *(f"   {option}" for option in options),
+        "",
+        *(f"   {name}" for name in names),
+        "",
+    ]
     return lines if names else []
 
 
