@@ -139,8 +139,9 @@ def compile_ahead(work: str) -> int:
     if number < FEWEST_MISSING:
         return 0
     count = min(helpers_here(), MOST_HELPERS, number - 1)
+    processes = "one process" if count == 0 else f"{count + 1} processes"
     logging.getLogger("seaglint").info(
-        "compiling %d kernels, once on this machine for this version: about a minute, in %d process%s", number, count + 1, "es"[: 2 * count]
+        "compiling %d kernels in %s: about a minute, once for this version on this machine", number, processes
     )
     code = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r}); from seaglint.base.kernel_plan import help_with; help_with({work!r})"
     for _ in range(count):
