@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import importlib
 import shutil
+from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from sphinx.application import Sphinx
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 DOCS = Path(__file__).resolve().parents[1]
 SOURCE = DOCS.parent / "src" / "seaglint"
@@ -47,16 +50,10 @@ def section(path: Path) -> list[str]:
 
 def summary(title: str, names: list[str], *options: str) -> list[str]:
     """Return a titled table of modules with the first sentence of each."""
-    lines = [
-        f".. rubric:: {title}",
-        "",
-        ".. autosummary::",
-        *(f"   {option}" for option in options),
-        "",
-        *(f"   {name}" for name in names),
-        "",
-    ]
-    return lines if names else []
+    if not names:
+        return []
+    indented = [f"   {line}" for line in (*options, "", *names)]
+    return [f".. rubric:: {title}", "", ".. autosummary::", *(line.rstrip() for line in indented), ""]
 
 
 def headed(title: str, line: str) -> list[str]:
@@ -75,34 +72,49 @@ def page(name: str, files: list[Path], below: list[str]) -> str:
     return "\n".join(lines)
 
 
+def page_texts(pages: dict[str, list[Path]]) -> dict[str, str]:
+    """Return the text of each page."""
+    return {name: page(name, files, [other for other in pages if other.rpartition(".")[0] == name]) for name, files in pages.items()}
+
+
+def import_modules(pages: dict[str, list[Path]]) -> None:
+    """Import each module once, before readers fork from this process."""
+    for path in (path for files in pages.values() for path in files):
+        with suppress(Exception):  # autodoc names every module that cannot be imported
+            importlib.import_module(module_name(path))
+
+
 def write_pages(app: Sphinx) -> None:
-    """Write the pages; each module is imported here once, before readers fork from this process."""
+    """Write the pages that changed and remove the pages of folders that are gone."""
     pages = reference_pages()
+    import_modules(pages)
     GENERATED.mkdir(exist_ok=True)
     for old in GENERATED.iterdir():
         if old.stem not in pages:
             old.unlink()
-    for name, files in pages.items():
-        for path in files:
-            importlib.import_module(module_name(path))
-        below = [other for other in pages if other.rpartition(".")[0] == name]
-        text, target = page(name, files, below), GENERATED / f"{name}.rst"
+    for name, text in page_texts(pages).items():
+        target = GENERATED / f"{name}.rst"
         if not target.exists() or target.read_text(encoding="utf-8") != text:
             target.write_text(text, encoding="utf-8")
 
 
-def copy_sources(app: Sphinx, exception: Exception | None) -> None:
-    """Copy the sources into the built site."""
-    if exception is not None or app.builder.format != "html":
-        return
+def copy_texts(site: Path) -> None:
+    """Copy the sources into the built site and remove those of an earlier build."""
+    shutil.rmtree(site / TEXTS, ignore_errors=True)
     for path in (path for files in reference_pages().values() for path in files):
-        target = Path(app.outdir) / text_path(path)
+        target = site / text_path(path)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, target)
+
+
+def finish(app: Sphinx, exception: Exception | None) -> None:
+    """Copy the sources after a build of HTML."""
+    if exception is None and app.builder.format == "html":
+        copy_texts(Path(app.outdir))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect before pages are looked for."""
     app.connect("builder-inited", write_pages)
-    app.connect("build-finished", copy_sources)
+    app.connect("build-finished", finish)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
