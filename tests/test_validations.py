@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 import tomllib
+import types
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -494,8 +495,10 @@ def test_a_process_that_hears_no_signal_is_ended(run_part) -> None:
 def test_a_process_that_hangs_has_failed() -> None:
     verdicts = part_limit.Verdicts(None, None)
     verdicts.begun["a::b"] = time.time() - part_limit.LONGEST
-    Path(verdicts.stacks.name).write_text("Timeout!\n")
-    report = pytest.TestReport("a::b", ("a", 1, "b"), {}, "failed", "crashed", "call")
+    node = types.SimpleNamespace(gateway=types.SimpleNamespace(id="gw0"), workerinput={})
+    verdicts.pytest_configure_node(node)
+    Path(node.workerinput["part_stacks"]).write_text("Timeout!\n")
+    report = pytest.TestReport("a::b", ("a", 1, "b"), {}, "failed", "crashed", "call", node=node)
     verdicts.pytest_handlecrashitem("a::b", report)
     assert report.failed
     assert "taken to hang" in str(report.longrepr)

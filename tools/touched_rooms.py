@@ -5,7 +5,7 @@
 A change is what differs between a base commit and the working tree. The base is the commit that ``SEAGLINT_BASE`` names; else the merge
 base with main; else, on main itself, the commit of the last whole run of the validations; else none: then everything counts as changed.
 
-Comments, docstrings and the order of statements change nothing. A folder of ``src/seaglint`` is a room; its tests belong to it. A room is
+Comments, docstrings and layout change nothing. A folder of ``src/seaglint`` is a room; its tests belong to it. A room is
 above another where one of its modules imports, by way of others where need be, a module that changed; so is a file of tests. Tests outside
 of the rooms' folders run pages and programs that may use anything: they are above every room.
 """
@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
-from tables import statements
+from seaglint.base.syntax import syntax_text
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "src/seaglint"
@@ -145,22 +145,13 @@ def content(root: Path, base: str, name: str) -> tuple[str | None, str | None]:
 
 
 def same_statements(before: str | None, now: str | None) -> bool:
-    """Whether two texts of a Python file differ in comments, docstrings and the order of statements at most."""
+    """Whether two texts of a Python file differ in comments, docstrings and layout at most."""
     if before is None or now is None:
         return False
     try:
-        return meaning(before) == meaning(now)
+        return syntax_text(ast.parse(before)) == syntax_text(ast.parse(now))
     except SyntaxError:
         return False
-
-
-def meaning(source: str) -> tuple[list[str], list[str]]:
-    """Return the statements and the imports of a module, each sorted.
-
-    Another import can change what a name stands for.
-    """
-    imports = [ast.unparse(node) for node in all_statements(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom)]
-    return sorted(statements(source)), sorted(imports)
 
 
 def same_settings(before: str | None, now: str | None) -> bool:

@@ -324,7 +324,7 @@ def test_file_names_bear_no_lines(package: Path) -> None:
 def test_damaged_digests_are_made_anew(package: Path) -> None:
     digest = "from seaglint.base.kernel_cache import sources_digest; print(sources_digest())"
     first = answer(package, digest)
-    (kept,) = (package.parent / "user" / "kernels").glob("syntax-digests.json")
+    (kept,) = (package.parent / "user" / "kernels").glob("syntax-digests-*.json")
     for text in ("{", "[]", ""):
         kept.write_text(text)
         assert answer(package, digest) == first
@@ -346,3 +346,16 @@ def test_a_kernel_called_with_several_numbers_is_compiled_once(package: Path) ->
     (package / "outer.py").write_text(code)
     assert answer(package, "from seaglint.outer import outer; print(outer(3.0))") == "10.0"
     assert len([name for name in compiled(package.parent) if "inner.inner.body" in name]) == 1
+
+
+def test_a_folder_that_cannot_be_written_is_read(package: Path) -> None:
+    """The superuser may write everywhere, so the program is refused instead."""
+    assert answer(package) == "7.0 7.0"
+    before = compiled(package.parent)
+    refused = (
+        "import tempfile\ndef refuse(*_, **__): raise PermissionError\n"
+        "tempfile.TemporaryFile = refuse; import numba.core.caching as caching\n"
+        "caching.IndexDataCacheFile.save = lambda *_: print('written')\n"
+    )
+    assert answer(package, refused + RUN) == "7.0 7.0"
+    assert compiled(package.parent) == before

@@ -89,18 +89,18 @@ def python(code: str, cache: Path, **more: str) -> str:
 
 
 def test_one_processor_has_no_helpers(tmp_path: Path) -> None:
-    code = "from seaglint.base.kernel_plan import *; print(helpers_here(), compile_ahead('render'), len(missing('render')) > 10)"
+    code = "from seaglint.base.kernel_plan import *; print(helpers_here(), compile_ahead('render'), len(not_compiled('render')) > 10)"
     assert python(code, tmp_path, NUMBA_NUM_THREADS="1") == "0 0 True"
 
 
 def test_plain_python_compiles_nothing(tmp_path: Path) -> None:
-    code = "from seaglint.base.kernel_plan import *; print(compile_ahead('render'), missing('render'))"
+    code = "from seaglint.base.kernel_plan import *; print(compile_ahead('render'), not_compiled('render'))"
     assert python(code, tmp_path, NUMBA_DISABLE_JIT="1") == "0 []"
 
 
 def test_no_folder_that_can_be_written_means_no_helpers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel_plan, "kernel_folder", lambda requested: None)
-    assert kernel_plan.missing("render") == []
+    assert kernel_plan.not_compiled("render") == []
     assert kernel_plan.compile_ahead.__wrapped__("render") == 0
 
 

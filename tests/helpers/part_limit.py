@@ -169,7 +169,7 @@ class Verdicts:
         self.begun: dict[str, float] = {}
         self.outcomes: dict[str, str] = {}
         self.collected = False
-        self.stacks = tempfile.NamedTemporaryFile("r", prefix="stacks", encoding="utf-8", errors="replace")  # noqa: SIM115
+        self.stacks: dict[str, IO[str]] = {}
         self.ended = ""
 
     def write(self, what: str, tests: Iterable[str]) -> None:
@@ -180,7 +180,9 @@ class Verdicts:
     @pytest.hookimpl(optionalhook=True)
     def pytest_configure_node(self, node: Any) -> None:
         """Give a worker the time of the end, and where it leaves the stacks of its threads."""
-        node.workerinput |= {"part_ends": self.ends, "part_stacks": self.stacks.name}
+        stacks = tempfile.NamedTemporaryFile("r", prefix="stacks", encoding="utf-8", errors="replace")  # noqa: SIM115
+        self.stacks[node.gateway.id] = stacks
+        node.workerinput |= {"part_ends": self.ends, "part_stacks": stacks.name}
 
     @pytest.hookimpl(optionalhook=True)
     def pytest_xdist_node_collection_finished(self, ids: list[str]) -> None:
@@ -218,7 +220,7 @@ class Verdicts:
     @pytest.hookimpl(optionalhook=True)
     def pytest_handlecrashitem(self, crashitem: str, report: pytest.TestReport) -> None:
         """Tell the test of a process that was ended for its time from one that crashed, and from one that hangs."""
-        stacks = self.stacks.read()  # what has come since the last crash
+        stacks = self.stacks[report.node.gateway.id].read()  # of this worker, which a new one follows
         self.ended += stacks
         if not stacks:
             return

@@ -48,7 +48,7 @@ def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     azimuth, step = 0.8, 0.25 * tile.spacing
     sun = sunlight(np.radians(sun_zenith_deg), azimuth, True)
     view = (np.sin(0.3), np.cos(0.3))
-    line, sunward = course(sea, 0, *view), course(sea, 0, np.sin(azimuth), np.cos(azimuth))
+    line, sunward = course(sea, 0, *view, (0.0, 0.0)), course(sea, 0, np.sin(azimuth), np.cos(azimuth), (0.0, 0.0))
     march = (step, float(np.hypot(lattices[0][..., 1], lattices[0][..., 2]).max()))
     found, expected = [], []
     for r in np.linspace(5.0, 400.0, 150):

@@ -19,6 +19,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+from seaglint.base.syntax import __file__ as _syntax_file
 from seaglint.base.syntax import syntax_digest
 from seaglint.base.user_cache import cache_folder
 
@@ -74,8 +75,8 @@ def sources_digest(package: Path = PACKAGE) -> str:
     return digest.hexdigest()
 
 
-DIGESTS: Final = "syntax-digests.json"
-"""File of the digests of what sources do, by digests of their bytes: parsing all sources takes a second or two."""
+DIGESTS: Final = f"syntax-digests-{hashlib.blake2b(Path(_syntax_file).read_bytes(), digest_size=4).hexdigest()}.json"
+"""File of the digests of what sources do, by digests of their bytes, named by what makes them: parsing takes a second or two."""
 
 
 def _known_digests() -> dict[str, str]:
@@ -120,6 +121,8 @@ def kernel_folder(requested: str = "") -> Path | None:
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)  # in use from now on
         except OSError:
+            if any(folder.glob("*.nbi")):  # read-only: of an image or a shared disk; what is not in it is compiled by each process
+                return folder
             continue
         if new:
             remove_old(folder)

@@ -10,6 +10,7 @@ the list is compiled when it is called. ``python tools/compile_times.py --plan``
 from __future__ import annotations
 
 import ast
+import atexit
 import importlib
 import logging
 import os
@@ -22,6 +23,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import llvmlite.binding as llvm
 import numba
 
 from seaglint.base.kernel_bodies import file_stem
@@ -116,16 +118,27 @@ def read_plan(work: str, path: Path = PLAN) -> list[PlannedKernel]:
     return [kernel for kernel in planned if work in kernel.work]
 
 
-def missing(work: str) -> list[PlannedKernel]:
+def not_compiled(work: str) -> list[PlannedKernel]:
     """Return the functions of a kind of work that nobody has compiled on this machine from these sources."""
     folder = _folder()
-    return [] if folder is None else [kernel for kernel in read_plan(work) if not (folder / f"{kernel.stem}.nbi").exists()]
+    return [] if folder is None else [kernel for kernel in read_plan(work) if not _is_compiled(folder, kernel)]
+
+
+def _is_compiled(folder: Path, kernel: PlannedKernel) -> bool:
+    """Return whether this version of Numba has compiled a function for this type of processor."""
+    try:
+        index = (folder / f"{kernel.stem}.nbi").read_bytes()
+    except OSError:
+        return False
+    return numba.__version__.encode() in index and str(_settings.CPU_NAME or llvm.get_host_cpu_name()).encode() in index
 
 
 def helpers_here() -> int:
     """Return how many processes may compile beside this one [1]: one for each further thread that Numba may use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(min(usable, int(_settings.NUMBA_NUM_THREADS)) - 1, 0) if can_wait() else 0
+    # The executable of a frozen or embedding program is not Python.
+    python = Path(sys.executable or "none").name.startswith("python") and not getattr(sys, "frozen", False)
+    return max(min(usable, int(_settings.NUMBA_NUM_THREADS)) - 1, 0) if can_wait() and python else 0
 
 
 @cache
@@ -135,21 +148,35 @@ def compile_ahead(work: str) -> int:
     They end by themselves when all is compiled or when this process ends, and nothing depends on them: what they have not compiled is
     compiled when it is called. None are started where all is compiled, where there is one processor, or without a folder to share.
     """
-    number = len(missing(work))
-    if number < FEWEST_MISSING:
+    number, folder = len(not_compiled(work)), _folder()
+    if number < FEWEST_MISSING or folder is None or not os.access(folder, os.W_OK):
         return 0
     count = min(helpers_here(), MOST_HELPERS, number - 1)
     processes = "one process" if count == 0 else f"{count + 1} processes"
     logging.getLogger("seaglint").info(
         "compiling %d kernels in %s: about a minute, once for this version on this machine", number, processes
     )
-    code = f"import sys; sys.path.insert(0, {str(PACKAGE.parent)!r}); from seaglint.base.kernel_plan import help_with; help_with({work!r})"
+    # Without the current folder, whose files could be named as modules of Python are.
+    code = f"import sys; sys.path.append({str(PACKAGE.parent)!r}); from seaglint.base.kernel_plan import help_with; help_with({work!r})"
     for _ in range(count):
         with suppress(OSError):  # no more processes or memory: this one does without
             _helpers.append(
-                subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                subprocess.Popen(
+                    [sys.executable, "-P", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                )
             )
+            threading.Thread(target=_helpers[-1].wait, daemon=True).start()
     return count
+
+
+@atexit.register
+def _end_helpers() -> None:
+    """Close the pipes, which ends the helpers."""
+    for helper in _helpers:
+        with suppress(OSError, subprocess.TimeoutExpired):
+            assert helper.stdin is not None
+            helper.stdin.close()
+            helper.wait(5.0)
 
 
 _helpers: list[subprocess.Popen[bytes]] = []
@@ -160,7 +187,7 @@ _settings: Any = numba.config  # made at run time, where type checkers do not se
 
 def _folder() -> Path | None:
     """Return the folder that processes share; None where each compiles for itself, or nothing is compiled."""
-    return None if _settings.DISABLE_JIT or not sys.executable else kernel_folder(_settings.CACHE_DIR)
+    return None if _settings.DISABLE_JIT else kernel_folder(_settings.CACHE_DIR)
 
 
 def help_with(work: str) -> None:
@@ -183,7 +210,7 @@ def _end_with_parent() -> None:
 def compile_unless_begun(kernel: PlannedKernel) -> None:
     """Compile a function unless another process has compiled it or is at work on it."""
     folder = _folder()
-    if folder is None or (folder / f"{kernel.stem}.nbi").exists():
+    if folder is None or _is_compiled(folder, kernel):
         return
     if try_turn(folder, f"{kernel.stem}.nbi"):
         try:

@@ -27,7 +27,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Begin": {
         "init": CommandEntry("scenario_file.init", "Write a commented scenario file."),
         "schema": CommandEntry("scenario_file.schema", "Print the JSON Schema of scenario files."),
-        "doctor": CommandEntry("facts.doctor", "Check versions, threads, GPU, codecs and tables' checksums."),
+        "doctor": CommandEntry("facts.doctor", "Check the installation, or compile kernels ahead."),
     },
     "Look": {
         "view": CommandEntry("view.view", "Look at sequences, maps and scenarios in a browser."),

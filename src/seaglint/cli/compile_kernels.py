@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ import numba
 from seaglint.base.errors import BackendError, SeaglintError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.kernel_cache import kernel_folder
-from seaglint.base.kernel_plan import missing
+from seaglint.base.kernel_plan import not_compiled
 from seaglint.cli.terminal.messages import log, naming_file
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ _settings: Any = numba.config  # made at run time, where type checkers do not se
 
 @dataclass(frozen=True)
 class Compiled:
-    """What ``seaglint doctor --compile`` did."""
+    """Result of ``seaglint doctor --compile``."""
 
     #: Scenario, or "the default scenario".
     scenario: str
@@ -75,14 +76,19 @@ def compile_kernels(file: Path | None, report: Progress) -> Compiled:
     if _settings.DISABLE_JIT:
         raise BackendError("NUMBA_DISABLE_JIT is set, so that kernels run as plain Python; unset it to compile them")
     folder = kernel_folder(_settings.CACHE_DIR)
-    if folder is None:
+    if folder is None or not os.access(folder, os.W_OK):
         raise BackendError("compiled kernels cannot be kept: no folder can be written; set SEAGLINT_CACHE to one that can")
     scenario = parse_scenario({}) if file is None else load_scenario(file)
-    before, start = len(list(folder.glob("*.nbi"))), time.monotonic()
+    before, start = _forms(folder), time.monotonic()
     with naming_file(file, scenario) if file is not None else _nothing(), _watched(report):
         _run(scenario)
-    number = len(list(folder.glob("*.nbi"))) - before
+    number = len(_forms(folder) - before)
     return Compiled(str(file or "the default scenario"), number, round(time.monotonic() - start, 1), str(folder))
+
+
+def _forms(folder: Path) -> set[str]:
+    """Return the names of files of compiled code: one for each function and kind of arguments."""
+    return {path.name for path in folder.glob("*.nbc")}
 
 
 @contextmanager
@@ -134,4 +140,4 @@ def _watched(report: Progress) -> Iterator[None]:
 
 def _missing() -> int:
     """Return the number of planned functions that have not been compiled."""
-    return len({kernel.function for work in ("mean", "render") for kernel in missing(work)})
+    return len({kernel.function for work in ("mean", "render") for kernel in not_compiled(work)})

@@ -53,7 +53,10 @@ def doctor(
     as_json: AsJson = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
-    """Check versions, threads, GPU, codecs and tables' checksums, or compile kernels before they are needed."""
+    """Check the installation, or compile kernels ahead.
+
+    The check covers versions, threads, GPU, codecs and the checksums of tables.
+    """
     if compile_kernels:
         _compile(scenario, as_json, show)
         return

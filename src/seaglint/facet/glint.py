@@ -230,16 +230,18 @@ def _fill_grid(
     out: FloatArray,
     part: tuple[int, int],
 ) -> None:
-    sines, cosines = np.sin(azimuth), np.cos(azimuth)
+    # One row of azimuths serves all rows, or each row has its own: then those of this part.
+    first, end = part if azimuth.shape[0] > 1 else (0, 1)
+    sines, cosines = np.sin(azimuth[first:end]), np.cos(azimuth[first:end])
     for row in range(part[0], part[1]):
         if not zenith[row] <= 0.5 * math.pi:  # NaN: not of the sea
             continue
         sine, cosine = math.sin(zenith[row]), math.cos(zenith[row])
-        here, of = turn_kernel(turn[row]), int(row) % azimuth.shape[0]
+        here, of = turn_kernel(turn[row]), row - first if azimuth.shape[0] > 1 else 0
         for column in range(azimuth.shape[1]):
             a = area[row, column] if area.size > 0 else -1.0
             view = (sine, cosine, sines[of, column], cosines[of, column])
-            chance, cos_incidence, strength = chance_kernel(view, azimuth[of, column], here, a, sea, disc, legs)
+            chance, cos_incidence, strength = chance_kernel(view, azimuth[first + of, column], here, a, sea, disc, legs)
             # Clenshaw's sum of the series in 2 c - 1
             x, b1, b2 = 2.0 * cos_incidence - 1.0, 0.0, 0.0
             for j in range(terms.shape[1] - 1, 0, -1):
