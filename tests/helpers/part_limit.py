@@ -60,14 +60,14 @@ def configure(config: pytest.Config, began: float) -> None:
     received: dict[str, Any] | None = getattr(config, "workerinput", None)
     limit: float | None = config.option.most_seconds
     # A long comparison may take longer than that; one that hangs is cut off and named, run after run.
-    longest = float("inf") if config.option.chosen else LONGEST
+    endless = bool(config.option.chosen)
     if received is not None:
         if limit:
-            config.pluginmanager.register(TimeLimit(received["part_ends"], received["part_stacks"], longest), "time-limit")
+            config.pluginmanager.register(TimeLimit(received["part_ends"], received["part_stacks"], endless), "time-limit")
         return
     if limit and not has_workers(config):
-        config.pluginmanager.register(TimeLimit(began + limit, os.devnull, longest), "time-limit")
-    config.pluginmanager.register(Verdicts(config.option.judged, began + limit if limit else None, longest), "verdicts")
+        config.pluginmanager.register(TimeLimit(began + limit, os.devnull, endless), "time-limit")
+    config.pluginmanager.register(Verdicts(config.option.judged, began + limit if limit else None, endless), "verdicts")
 
 
 def has_workers(config: pytest.Config) -> bool:
@@ -84,12 +84,12 @@ class TimeLimit:
         Time at which the part ends [s], by ``time.time``: other processes of this machine share it.
     stacks
         File for what a process was at that had to be ended.
-    longest
-        Run time from which a test is taken to hang [s].
+    endless
+        Whether a test of any run time is taken to be at work.
     """
 
-    def __init__(self, ends: float, stacks: str, longest: float = LONGEST) -> None:
-        self.ends, self.longest = ends, longest
+    def __init__(self, ends: float, stacks: str, endless: bool = False) -> None:
+        self.ends, self.endless = ends, endless
         self.began = 0.0
         self.stacks = open(stacks, "a", encoding="utf-8")  # noqa: SIM115
         self.signals = hasattr(signal, "setitimer")
@@ -120,7 +120,7 @@ class TimeLimit:
     @contextmanager
     def interrupted(self) -> Generator[None]:
         """Raise an exception in what runs inside when the time is over, and end the process where that does not help."""
-        until = min(self.ends, self.began + self.longest) - time.time()
+        until = (self.ends if self.endless else min(self.ends, self.began + LONGEST)) - time.time()
         faulthandler.dump_traceback_later(max(until, 0.0) + GRACE, exit=True, file=self.stacks)
         if self.signals:
             before = signal.signal(signal.SIGALRM, self.over)
@@ -140,7 +140,7 @@ class TimeLimit:
 
     def over(self, number: int, frame: FrameType | None) -> None:
         """Raise what the signal stands for."""
-        if time.time() - self.began >= self.longest:
+        if not self.endless and time.time() - self.began >= LONGEST:
             pytest.fail(HANGS, pytrace=True)
         raise CutOffError(LEFT_OUT)
 
@@ -167,8 +167,8 @@ def came_of_the_cut(error: BaseException | None) -> bool:
 class Verdicts:
     """What a part has judged, in the process that prints it."""
 
-    def __init__(self, judged: str | None, ends: float | None, longest: float = LONGEST) -> None:
-        self.longest = longest
+    def __init__(self, judged: str | None, ends: float | None, endless: bool = False) -> None:
+        self.endless = endless
         self.file: IO[str] | None = open(judged, "w", encoding="utf-8", buffering=1) if judged else None  # noqa: SIM115
         self.ends = ends
         self.begun: dict[str, float] = {}
@@ -229,7 +229,7 @@ class Verdicts:
         self.ended += stacks
         if not stacks:
             return
-        if time.time() - self.begun.get(crashitem, 0.0) >= self.longest:
+        if not self.endless and time.time() - self.begun.get(crashitem, 0.0) >= LONGEST:
             report.longrepr = f"{crashitem} {HANGS}"
             return
         report.outcome = "skipped"
