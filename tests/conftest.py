@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import time
 from pathlib import Path
@@ -34,6 +35,12 @@ def pytest_configure(config: pytest.Config) -> None:
     """Limit the time of a part, note its verdicts, choose and order its tests."""
     part_limit.configure(config, BEGAN)
     part_order.configure(config)
+
+
+def pytest_collection_finish() -> None:
+    """Exempt what was imported and collected from the searches for unused circles of objects, each of which would walk all of it."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -91,8 +91,10 @@ def test_the_list_of_commands_imports_no_command() -> None:
 
 @pytest.mark.parametrize("name", MODULES)
 def test_module_examples_are_true(name: str) -> None:
-    failures, _ = doctest.testmod(importlib.import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
-    assert failures == 0
+    module = importlib.import_module(name)
+    # Each search for examples has its own debugger, which reads all loaded files anew: 10 ms.
+    if ">>> " in Path(str(module.__file__)).read_text(encoding="utf-8"):
+        assert doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS).failed == 0
 
 
 def circles(imports: dict[str, set[str]]) -> list[set[str]]:

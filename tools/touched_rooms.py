@@ -35,6 +35,7 @@ ELSEWHERE: dict[str, tuple[str, ...]] = {
     "docs": PAGES,
     "README.md": PAGES,
     "CONTRIBUTING.md": PAGES,
+    "run": ("tests/test_pip_settings.py",),
     "examples": ("tests/cli/test_examples.py", "tests/cli/test_fig12.py", *PAGES),
 }
 """Folders and files outside of the rooms: the files of tests that judge them. Of two that fit, the first counts."""

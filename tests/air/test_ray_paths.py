@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 
 import numpy as np
@@ -48,12 +49,11 @@ AIRS = (
 
 def own_ray(air: LayeredIndex, height: float, elevation: float, arcs: np.ndarray) -> np.ndarray:
     """Heights [m] over arcs [m] by the eikonal equation: the ray turns by the gradient across it, the vertical by the arc."""
-    log_n, radius = np.log(air.refractivity), air.earth_radius
-    edges = air.height
+    log_n, edges, radius = np.log(air.refractivity).tolist(), air.height.tolist(), air.earth_radius
 
     def along(_: float, state: np.ndarray) -> list[float]:
         z, angle = state
-        layer = min(max(int(np.searchsorted(edges, z, side="right")) - 1, 0), edges.size - 2)
+        layer = min(max(bisect.bisect_right(edges, z) - 1, 0), len(edges) - 2)
         fall = (log_n[layer + 1] - log_n[layer]) / (edges[layer + 1] - edges[layer])
         n = math.exp(log_n[layer] + fall * (z - edges[layer]))
         stretch = (radius + z) / radius

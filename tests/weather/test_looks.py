@@ -95,7 +95,7 @@ def errors(rows, found, slopes_of, models=("midlatitude-summer",)):
 
 @pytest.mark.parametrize("kind", ["gaussian", "skewed"])
 def test_looks_equal_the_model(light, sea, kind):
-    rows = drawn(60, 4)
+    rows = drawn(30, 4)
     assert np.quantile(errors(rows, looks(rows, light, sea[kind]), SLOPES[kind]), 0.95) < STATED
 
 
@@ -113,6 +113,7 @@ def test_looks_equal_the_model_in_all_air(sea, kind, heights):
     assert np.median(found) < 0.001
 
 
+@pytest.mark.validation
 def test_the_aerosol_of_every_model_has_its_own_kink(sea):
     models = ("subarctic-winter", "us-standard-1976", "subarctic-summer")  # 12.33 m/s, none, 13.31 m/s
     table = mirrored_light(
