@@ -512,7 +512,6 @@ def test_certificates_of_an_organisation_and_of_a_visitor(
     project.installs("2.0", PIP_INDEX_URL=address, PIP_CERT=certificates.authority, PIP_CLIENT_CERT=certificates.visitor)
 
 
-@pytest.mark.validation
 @needs_uv
 def test_without_the_certificate_a_line_says_what_to_do_and_the_same_command_goes_on(
     project: Project, tmp_path: Path, serve: Serve, certificates: Certificates
@@ -530,7 +529,6 @@ def test_without_the_certificate_a_line_says_what_to_do_and_the_same_command_goe
     assert "making .venv" not in output
 
 
-@pytest.mark.validation
 @needs_uv
 def test_an_index_that_asks_for_a_password(project: Project, tmp_path: Path, serve: Serve) -> None:
     server = serve(simple_index(tmp_path / "index", "2.0"), password=SECRET)
@@ -544,7 +542,6 @@ def test_an_index_that_asks_for_a_password(project: Project, tmp_path: Path, ser
     assert SECRET not in output
 
 
-@pytest.mark.validation
 @needs_uv
 def test_a_refused_extra_index_leaks_nothing(project: Project, tmp_path: Path, serve: Serve) -> None:
     server = serve(simple_index(tmp_path / "index", "2.0"), password=SECRET, refusal=403)
@@ -555,7 +552,6 @@ def test_a_refused_extra_index_leaks_nothing(project: Project, tmp_path: Path, s
     assert f"not{SECRET}" not in output + project.log()
 
 
-@pytest.mark.validation
 @needs_uv
 def test_a_proxy_with_a_password(project: Project, tmp_path: Path, serve: Serve) -> None:
     proxy = serve(simple_index(tmp_path / "index", "2.0"), password=SECRET, header="Proxy-Authorization", refusal=407)
@@ -568,7 +564,6 @@ def test_a_proxy_with_a_password(project: Project, tmp_path: Path, serve: Serve)
     assert "http://packages.invalid/sample/" in proxy.requests
 
 
-@pytest.mark.validation
 @needs_uv
 def test_without_a_network_a_line_says_so_and_the_same_command_goes_on(project: Project, tmp_path: Path) -> None:
     status, output = project.run(PIP_INDEX_URL=f"http://me:{SECRET}@127.0.0.1:9/simple", PIP_RETRIES=0)
@@ -653,7 +648,6 @@ def test_the_second_waits_with_a_line_and_not_for_one_that_died(project: Project
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)  # released
 
 
-@pytest.mark.validation
 @needs_uv
 def test_an_installation_that_was_cut_off_is_made_anew(project: Project, tmp_path: Path, serve: Serve) -> None:
     reached, go_on = threading.Event(), threading.Event()

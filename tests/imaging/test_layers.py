@@ -94,7 +94,6 @@ def test_range_and_coverage_of_a_calm_sea(clear_air):
     assert set(found) == {"radiance", "glint_radiance", "range", "coverage"}
 
 
-@pytest.mark.validation
 def test_range_of_sweep_and_of_walked_rays(clear_air):
     """The same pixels by both ways: the range differs by less than a step of the sweep."""
     waves = elfouhaily(WIND)

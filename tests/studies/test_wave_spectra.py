@@ -45,7 +45,6 @@ def test_wind_seas_join_a_sea_without_waves(kind: str) -> None:
     assert from_deg(seas[1]) == pytest.approx(200.0, abs=0.1)
 
 
-@pytest.mark.validation
 def test_images_of_light_winds_pass_from_one_to_the_next() -> None:
     sensor = {"pixels": [48, 32], "fov_deg": [6, 4], "elevation_deg": -12, "azimuth_deg": 180}
     winds = [0.0, 1e-3, 0.1, 0.3, 0.49, 0.51]

@@ -95,7 +95,7 @@ def errors(rows, found, slopes_of, models=("midlatitude-summer",)):
 
 @pytest.mark.parametrize("kind", ["gaussian", "skewed"])
 def test_looks_equal_the_model(light, sea, kind):
-    rows = drawn(30, 4)
+    rows = drawn(60, 4)
     assert np.quantile(errors(rows, looks(rows, light, sea[kind]), SLOPES[kind]), 0.95) < STATED
 
 
