@@ -335,3 +335,14 @@ def test_command_serves_until_it_is_told_to_end(store, tmp_path):
         running.send_signal(2)
         assert running.wait(600) == 0
     assert list(Path(tmp_path).iterdir()) == []
+
+
+def test_ctrl_c_at_the_moment_of_the_address_ends_the_viewer(store, tmp_path):
+    program = (
+        "import os, signal, sys; from seaglint.viewer.library import Library; from seaglint.viewer.server import serve\n"
+        "serve(Library([sys.argv[1]]), browser=False, announce=lambda where: (print(where), os.kill(os.getpid(), signal.SIGINT)))"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    command = [sys.executable, "-c", program, str(store)]
+    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=600)
+    assert (ended.returncode, ended.stdout[:17], ended.stderr) == (0, "http://127.0.0.1:", "")

@@ -8,6 +8,7 @@ import shutil
 import socket
 import sys
 import tempfile
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -173,13 +174,19 @@ def serve(
             server_header=False,
             lifespan="on",
         )
-        server = uvicorn.Server(config)
         where = address(host, listening.getsockname()[1], token, "" if len(library) or not pages else pages[0].path)
-        announce(where)
-        if browser:
-            _open_browser(where)
+
+        class Server(uvicorn.Server):
+            async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+                # Only here does the server hear Ctrl-C: before, Python may lose it in a callback of an import.
+                await super().startup(sockets=sockets)
+                if self.started:
+                    announce(where)
+                    if browser:
+                        threading.Thread(target=_open_browser, args=(where,), daemon=True).start()  # some browsers return at their end
+
         try:
-            server.run(sockets=[listening])
+            Server(config).run(sockets=[listening])
         except KeyboardInterrupt:
             return  # the ordinary end
 
