@@ -13,29 +13,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
+from seaglint.air.scattering.band_transmittance import DEEPEST
+from seaglint.air.scattering.scattering_laws import bands_of
 from seaglint.base.conventions import FloatArray
 
 CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8, 63, 1, 2)
 """LOWTRAN7's numbers of absorbers linear in the amount: molecules that scatter, N2, water (296 K, colder, by air), HNO3, O3, O2."""
 
-DEEPEST: Final = 700.0
-"""Optical depth beyond which nothing passes."""
-
 
 @dataclass(frozen=True, eq=False)
 class GasBand:
-    """One band of a gas: the column of its amounts, its channels, ``log depth = power log W + log_coefficient`` [(channels,)]."""
+    """One band of a gas: the column of its amounts, its channels, ``depth = coefficient W**power`` [1, (channels,)]."""
 
     column: int
     where: slice
-    power: FloatArray
-    log_coefficient: FloatArray
+    power: float
+    coefficient: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,13 +73,10 @@ class BandLaws:
         column, power = held["band_column"][:, keep], held["band_power"][:, keep]
         log = np.log(10.0) * power * held["band_log10"][:, keep]
         numbers = sorted({int(c) for c in np.unique(column)} - {0})
-        bands = []
-        for gas in range(column.shape[0]):
-            edges = [0, *(np.flatnonzero(np.diff(column[gas])) + 1).tolist(), keep.size]
-            for first, end in pairwise(edges):
-                if column[gas, first] > 0:
-                    where = slice(first, end)
-                    bands.append(GasBand(numbers.index(int(column[gas, first])), where, power[gas, where], log[gas, where]))
+        bands = [
+            GasBand(numbers.index(int(column[gas, first])), slice(first, end), float(power[gas, first]), np.exp(log[gas, first:end]))
+            for gas, first, end in bands_of(column, power)
+        ]
         return cls(wavenumber_cm, held["continuum"][:, keep], tuple(bands), numbers, held["source"][keep])
 
     @cached_property
@@ -93,9 +88,6 @@ class BandLaws:
         """Optical depth [1, (ways, n)] of amounts [(ways, columns)] in the order of :attr:`columns`."""
         depth = amount[:, : len(CONTINUA)] @ self.continuum
         rows = amount[:, len(CONTINUA) :]
-        with np.errstate(divide="ignore"):
-            log_amount = np.log(np.maximum(rows, 0.0))
         for band in self.bands:
-            logs = log_amount[:, band.column, None] * band.power + band.log_coefficient
-            depth[:, band.where] += np.exp(np.minimum(logs, 6.0))
+            depth[:, band.where] += np.maximum(rows[:, band.column, None], 0.0) ** band.power * band.coefficient
         return np.asarray(np.clip(depth, 0.0, DEEPEST))

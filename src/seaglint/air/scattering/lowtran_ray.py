@@ -1,7 +1,4 @@
-"""Kernels of LOWTRAN7's rays and transmittances: refraction through its levels, absorber sums along the ray, band laws.
-
-Optical depth in a channel is ``sum_k c_k W_k`` over continua and aerosols plus ``sum_b (C_b W_b)^a_b`` over absorption bands, whose lines
-saturate: the transmittance of a bent way Sun - point - sensor is that of its whole amount, not a product of two.
+"""Kernels of LOWTRAN7's rays: refraction through its levels, and sums of absorbers along the ray.
 
 References
 ----------
@@ -79,7 +76,7 @@ class Laws(NamedTuple):
     ``density[k, l]``: scaled densities at the levels of four aerosols, molecules, then absorbers; ``humidity`` relative [%] and ``tops``
     the highest levels of the aerosol regions. ``linear[k, i]``: coefficients of the columns whose optical depth is proportional to the
     amount; ``scattering[k, i]`` those of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical depth
-    ``exp(power ln W + log_coefficient)`` in channels first...end, listed one after another. ``grid`` follows from the levels.
+    ``coefficient W**power[s]`` in channels first...end, whose coefficients are listed one after another. ``grid`` follows from the levels.
     """
 
     earth_radius: float
@@ -94,7 +91,7 @@ class Laws(NamedTuple):
     scattering: np.ndarray
     segments: np.ndarray
     power: np.ndarray
-    log_coefficient: np.ndarray
+    coefficient: np.ndarray
     grid: LayerGrid
     finest: float
     """Thickness of the first piece of a line of sight [km]; further ones are as thick as they lie above or below it. 0: whole layers."""
@@ -382,31 +379,6 @@ def trace(laws: Laws, z: float, zenith: float, line: LevelCrossings, work: np.nd
         _copy(amount, line.amount[n])
         start = end
     return n + 1
-
-
-@njit
-def transmittances(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
-    """Transmittance [1, (n,)] of amounts [(columns,)]."""
-    channels = out.size
-    _clear(out)
-    for k in range(laws.linear.shape[0]):
-        w = amount[k]
-        if w > 0.0:
-            for i in range(channels):
-                out[i] += w * laws.linear[k, i]
-    at = 0
-    for s in range(laws.segments.shape[0]):
-        column, first, end = laws.segments[s]
-        w = amount[column]
-        if w > 1e-20:
-            log_w = math.log(w)
-            for i in range(first, end):
-                out[i] += math.exp(min(laws.power[at] * log_w + laws.log_coefficient[at], 6.0))
-                at += 1
-        else:
-            at += end - first
-    for i in range(channels):
-        out[i] = math.exp(-out[i]) if out[i] < 700.0 else 0.0
 
 
 def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray, cold: FloatArray, density: FloatArray) -> LayerGrid:

@@ -23,6 +23,7 @@ from typing import Final
 
 import numpy as np
 
+from seaglint.air.scattering.band_transmittance import optical_depths, passed
 from seaglint.air.scattering.lowtran_ray import (
     AEROSOLS,
     MOLECULES,
@@ -34,7 +35,6 @@ from seaglint.air.scattering.lowtran_ray import (
     layer_of,
     sun_amounts,
     trace,
-    transmittances,
 )
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.jit import njit
@@ -154,15 +154,16 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
         if up > 0.0:
             for k in range(columns):
                 whole[k] += line.amount[j, k]
-            transmittances(laws, whole, seen)
+            optical_depths(laws, whole, seen)
         for i in range(channels):
             depth = 0.0
             for k in range(AEROSOLS):
                 depth += laws.scattering[k, i] * line.amount[j, k]
             haze[here, i] = math.exp(-depth)
             molecules[here, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
-            by_haze[here, i] = up * seen[i] / haze[here, i] if up > 0.0 and haze[here, i] > 0.0 else 0.0
-            by_molecules[here, i] = up * seen[i] / molecules[here, i] if up > 0.0 and molecules[here, i] > 0.0 else 0.0
+            light = up * passed(seen[i]) if up > 0.0 else 0.0
+            by_haze[here, i] = light / haze[here, i] if haze[here, i] > 0.0 else 0.0
+            by_molecules[here, i] = light / molecules[here, i] if molecules[here, i] > 0.0 else 0.0
         _kinds(laws, line.height[j], line.level[j], share[here])
         if j > 0:
             for i in range(channels):
@@ -174,11 +175,10 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
 
 
 @njit
-def _log_mean(a: float, b: float) -> float:
-    """Mean of a quantity that changes exponentially from ``a`` to ``b``; their mean where one is 0."""
+def _log_mean(a: float, b: float, x: float) -> float:
+    """Mean of a quantity that changes exponentially from ``a`` to ``b = a exp(x)``; their mean where one is 0."""
     if a <= 0.0 or b <= 0.0:
         return 0.5 * (a + b)
-    x = math.log(b / a)
     return a * (1.0 + x * (0.5 + x / 6.0)) if abs(x) < 1e-3 else (b - a) / x
 
 
@@ -197,8 +197,8 @@ def line_sums(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out
         for i in range(channels):
             out[c, i] = 0.0
     whole = work[WORK_ROWS - 1]
-    light, share = np.zeros((2, channels)), np.zeros(AEROSOLS)
-    seen = np.zeros(channels)
+    light, depth, share = np.zeros((2, channels)), np.zeros((2, channels)), np.zeros(AEROSOLS)
+    seen, up_before = np.zeros(channels), 0.0
     for j in range(points):
         here, before = j % 2, 1 - j % 2
         up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
@@ -207,14 +207,16 @@ def line_sums(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out
         if up > 0.0:
             for k in range(columns):
                 whole[k] += line.amount[j, k]
-            transmittances(laws, whole, seen)
+            optical_depths(laws, whole, depth[here])
             for i in range(channels):
-                light[here, i] = up * seen[i]
+                light[here, i] = up * passed(depth[here, i])
+        growth = math.log(up / up_before) if up > 0.0 and up_before > 0.0 else 0.0
+        up_before = up
         if j == 0:
             continue
         _humid_shares(laws, 0.5 * (line.height[j - 1] + line.height[j]), share)
         for i in range(channels):
-            seen[i] = _log_mean(light[before, i], light[here, i])
+            seen[i] = _log_mean(light[before, i], light[here, i], depth[before, i] - depth[here, i] + growth)
         for region in range(AEROSOLS):
             w = line.amount[j, region] - line.amount[j - 1, region]
             if w <= 0.0:

@@ -32,11 +32,20 @@ _PER_MOLECULE: Final = 1e-20
 
 
 class Segments(NamedTuple):
-    """Consecutive bands as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
+    """Consecutive bands as :class:`Laws` has them: (column, first, end), their powers, and coefficients of all their channels."""
 
     place: NDArray[np.int64]
     power: FloatArray
-    log_coefficient: FloatArray
+    coefficient: FloatArray
+
+
+def bands_of(column: NDArray[np.int64], power: FloatArray) -> list[tuple[int, int, int]]:
+    """Return the bands of gases as (gas, first channel, end): channels of one column and one power; both [(gases, n)]."""
+    bands = []
+    for gas, (numbers, exponents) in enumerate(zip(column, power, strict=True)):
+        edges = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(exponents) != 0.0)) + 1
+        bands += [(gas, first, end) for first, end in pairwise([0, *edges.tolist(), numbers.size]) if numbers[first] > 0]
+    return bands
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,16 +77,12 @@ class SpectralLaws:
     def segments(self) -> Segments:
         """Bands of all gases, gas by gas."""
         place = {number: i for i, number in enumerate(self.columns)}
-        bands, power, log = [], [], []
-        for column, exponent, coefficient in zip(self.band_column, self.band_power, self.band_log, strict=True):
-            edges = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), column.size]
-            for first, end in pairwise(edges):
-                if column[first] > 0:
-                    bands.append((place[int(column[first])], first, end))
-                    power.append(exponent[first:end])
-                    log.append(coefficient[first:end])
-        empty = [np.zeros(0)]
-        return Segments(np.array(bands, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
+        bands, power, coefficient = [], [], [np.zeros(0)]
+        for gas, first, end in bands_of(self.band_column, self.band_power):
+            bands.append((place[int(self.band_column[gas, first])], first, end))
+            power.append(float(self.band_power[gas, first]))
+            coefficient.append(np.exp(self.band_log[gas, first:end]))
+        return Segments(np.array(bands, dtype=np.int64).reshape(-1, 3), np.array(power, dtype=np.float64), np.concatenate(coefficient))
 
     def cut(self, keep: NDArray[np.intp]) -> SpectralLaws:
         """Return the laws of some channels."""
@@ -188,7 +193,7 @@ class ScatteringAir:
     def cut(self, grid: slice) -> ScatteringAir:
         """Return the same air on some of its channels."""
         keep = np.arange(self.wavenumber_cm.size)[grid]
-        bands = _cut_segments(Segments(self.laws.segments, self.laws.power, self.laws.log_coefficient), keep)
+        bands = _cut_segments(Segments(self.laws.segments, self.laws.power, self.laws.coefficient), keep)
         aerosol = AerosolLaws(
             self._aerosol.extinction[:, keep], self._aerosol.absorption[:, keep], self._aerosol.angle, self._aerosol.log_phase[:, keep]
         )
@@ -197,7 +202,7 @@ class ScatteringAir:
             scattering=np.ascontiguousarray(self.laws.scattering[:, keep]),
             segments=bands[0],
             power=bands[1],
-            log_coefficient=bands[2],
+            coefficient=bands[2],
         )
         return ScatteringAir(self.wavenumber_cm[keep], self.source[keep], laws, aerosol)
 
@@ -248,16 +253,15 @@ class ScatteringAir:
 def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
     """Segments of bands restricted to consecutive channels."""
     first, last = int(keep[0]), int(keep[-1]) + 1
-    cut, power, log, at = [], [], [], 0
-    for column, start, end in bands[0].tolist():
+    cut, power, coefficient, at = [], [], [np.zeros(0)], 0
+    for (column, start, end), exponent in zip(bands.place.tolist(), bands.power.tolist(), strict=True):
         low, high = max(start, first), min(end, last)
         if low < high:
             cut.append((column, low - first, high - first))
-            power.append(bands[1][at + low - start : at + high - start])
-            log.append(bands[2][at + low - start : at + high - start])
+            power.append(exponent)
+            coefficient.append(bands.coefficient[at + low - start : at + high - start])
         at += end - start
-    empty = [np.zeros(0)]
-    return Segments(np.array(cut, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
+    return Segments(np.array(cut, dtype=np.int64).reshape(-1, 3), np.array(power, dtype=np.float64), np.concatenate(coefficient))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:
