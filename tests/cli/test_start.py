@@ -6,6 +6,7 @@ import gc
 import subprocess
 import sys
 import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from xarray.namedarray import pycompat
 from seaglint.base.processor import processor
 from seaglint.cli.terminal.start import OBJECTS, collect_later, only_numpy
 from seaglint.files.netcdf import labelled, write_netcdf
+
+DEMO = Path(__file__).parents[2] / "examples" / "demo.toml"
 
 
 def python(code: str) -> list[str]:
@@ -84,3 +87,14 @@ def test_a_map_has_the_bytes_that_xarray_writes(tmp_path) -> None:
     written = {"radiance": {"zlib": True, "complevel": 3}, "x": {"_FillValue": None}}
     whole = labelled(data).to_netcdf(engine="h5netcdf", encoding=written)
     assert path.read_bytes() == bytes(whole)
+
+
+@pytest.mark.parametrize("command", [["mean", "-o", "never.nc"], ["render", "-o", "never.zarr"]], ids=lambda command: command[0])
+def test_kernels_are_compiled_while_the_other_libraries_are_imported(command: list[str]) -> None:
+    code = (
+        "import sys; import seaglint.base.kernel_plan as plan; from seaglint.cli.app import main\n"
+        "def seen(work):\n"
+        "    print(work, *({'xarray', 'pandas', 'zarr', 'scipy.interpolate', 'matplotlib'} & set(sys.modules))); raise SystemExit(0)\n"
+        f"plan.compile_ahead = seen; sys.argv = ['seaglint', {command[0]!r}, {str(DEMO)!r}, *{command[1:]!r}]; main()"
+    )
+    assert python(code) == [command[0]]

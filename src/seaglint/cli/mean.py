@@ -28,7 +28,6 @@ def mean(
     from seaglint.files.outputs import refuse_existing, require_ending
     from seaglint.scenario.load import load_scenario
 
-    only_numpy()
     show_logs()
     sequence = ", and 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""
     require_ending(output, (".nc", ".nc4"), f"a mean map is a NetCDF file{sequence}")
@@ -37,6 +36,10 @@ def mean(
     refuse_existing(output, overwrite=request.overwrite, inputs=inputs)
     if preview:
         refuse_preview(picture, request.overwrite, inputs)
+    from seaglint.base.kernel_plan import compile_ahead
+
+    compile_ahead("mean")  # before the other imports, which take seconds: the helpers compile meanwhile
+    only_numpy()
     from seaglint.studies.mean.mean_map import mean as mean_map
 
     with naming_file(request.scenario, loaded):

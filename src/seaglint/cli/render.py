@@ -60,9 +60,9 @@ def render(
     from seaglint.files.store.store import check_output
     from seaglint.scenario.load import load_scenario
 
-    only_numpy()
     show_logs(quiet=run.show is ProgressMode.NONE)
     if finish:
+        only_numpy()
         require_one_way(shard=shard, overwrite=request.overwrite)
         if preview:
             _beside(place_given(output or scenario), None)  # before anything is done
@@ -79,6 +79,10 @@ def render(
     store = place_given(output)
     inputs = files_read(file, loaded)
     check_output(store, resume=request.resume, overwrite=request.overwrite, inputs=inputs, share=share)
+    from seaglint.base.kernel_plan import compile_ahead
+
+    compile_ahead("render")  # before the other imports, which take seconds: the helpers compile meanwhile
+    only_numpy()
     pictures = _Pictures(_beside(store, share), inputs, replace=request.overwrite or request.resume) if preview else None
     render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or request.electrons or request.radiance:
