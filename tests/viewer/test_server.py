@@ -337,12 +337,43 @@ def test_command_serves_until_it_is_told_to_end(store, tmp_path):
     assert list(Path(tmp_path).iterdir()) == []
 
 
-def test_ctrl_c_at_the_moment_of_the_address_ends_the_viewer(store, tmp_path):
-    program = (
-        "import os, signal, sys; from seaglint.viewer.library import Library; from seaglint.viewer.server import serve\n"
-        "serve(Library([sys.argv[1]]), browser=False, announce=lambda where: (print(where), os.kill(os.getpid(), signal.SIGINT)))"
-    )
+def serve_apart(store: Path, folder: Path, announce: str, *, browser: str = "None") -> subprocess.CompletedProcess[str]:
+    """Serve in a process of its own, whose Ctrl-C ends no other; what is given is Python."""
+    program = f"""
+import os, signal, sys, threading, httpx
+from seaglint.viewer import server
+from seaglint.viewer.library import Library
+
+answered = threading.Event()
+press_ctrl_c = lambda: os.kill(os.getpid(), signal.SIGINT)
+
+def visit(where):
+    print(httpx.get(where + "api/session", trust_env=False).status_code)
+    answered.set()
+    press_ctrl_c()
+
+server._open_browser = {browser}
+server.serve(Library([sys.argv[1]]), browser=server._open_browser is not None, announce=lambda where: {announce})
+"""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     command = [sys.executable, "-c", program, str(store)]
-    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment, timeout=600)
+    return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, timeout=600, check=False)
+
+
+def test_ctrl_c_at_the_moment_of_the_address_ends_the_viewer(store, tmp_path):
+    ended = serve_apart(store, tmp_path, "(print(where), press_ctrl_c())")
     assert (ended.returncode, ended.stdout[:17], ended.stderr) == (0, "http://127.0.0.1:", "")
+
+
+def test_a_browser_that_stays_open_does_not_keep_the_viewer_from_answering(store, tmp_path):
+    """Some browsers return only when they are closed."""
+    visitor = "threading.Thread(target=visit, args=(where,)).start()"
+    ended = serve_apart(store, tmp_path, visitor, browser="lambda where: (print('opened', flush=True), answered.wait(600))")
+    assert (ended.returncode, sorted(ended.stdout.split()), ended.stderr) == (0, ["200", "opened"], "")
+
+
+def test_an_address_that_cannot_be_printed_ends_the_viewer_with_that_error_alone(store, tmp_path):
+    ended = serve_apart(store, tmp_path, "(_ for _ in ()).throw(BrokenPipeError(32, 'Broken pipe'))")
+    assert ended.returncode == 1
+    assert ended.stderr.splitlines()[-1] == "BrokenPipeError: [Errno 32] Broken pipe"
+    assert ended.stderr.count("Traceback") == 1

@@ -177,18 +177,29 @@ def serve(
         where = address(host, listening.getsockname()[1], token, "" if len(library) or not pages else pages[0].path)
 
         class Server(uvicorn.Server):
+            failure: OSError | None = None
+
             async def startup(self, sockets: list[socket.socket] | None = None) -> None:
                 # Only here does the server hear Ctrl-C: before, Python may lose it in a callback of an import.
                 await super().startup(sockets=sockets)
-                if self.started:
+                if not self.started or self.should_exit:
+                    return
+                try:
                     announce(where)
-                    if browser:
-                        threading.Thread(target=_open_browser, args=(where,), daemon=True).start()  # some browsers return at their end
+                except OSError as error:  # a closed pipe
+                    self.failure, self.should_exit = error, True
+                    return
+                if browser:
+                    # Some browsers return only when they are closed; the server must answer meanwhile.
+                    threading.Thread(target=_open_browser, args=(where,), daemon=True).start()
 
+        server = Server(config)
         try:
-            Server(config).run(sockets=[listening])
+            server.run(sockets=[listening])
         except KeyboardInterrupt:
             return  # the ordinary end
+        if server.failure is not None:
+            raise server.failure
 
 
 def address(host: str, port: int, token: str | None, path: str = "") -> str:
