@@ -18,8 +18,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
-from seaglint.air.scattering.band_transmittance import DEEPEST
-from seaglint.air.scattering.scattering_laws import bands_of
+from seaglint.air.scattering.gas_bands import DEEPEST, gas_bands
 from seaglint.base.conventions import FloatArray
 
 CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8, 63, 1, 2)
@@ -75,7 +74,7 @@ class BandLaws:
         numbers = sorted({int(c) for c in np.unique(column)} - {0})
         bands = [
             GasBand(numbers.index(int(column[gas, first])), slice(first, end), float(power[gas, first]), np.exp(log[gas, first:end]))
-            for gas, first, end in bands_of(column, power)
+            for gas, first, end in gas_bands(column, power)
         ]
         return cls(wavenumber_cm, held["continuum"][:, keep], tuple(bands), numbers, held["source"][keep])
 

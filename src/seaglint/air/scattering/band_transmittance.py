@@ -11,15 +11,12 @@ LOWTRAN7's subroutines DBLTX and TRANS; Kneizys, F. X., et al. (1988), Users Gui
 from __future__ import annotations
 
 import math
-from typing import Final
 
 import numpy as np
 
+from seaglint.air.scattering.gas_bands import DEEPEST
 from seaglint.air.scattering.lowtran_ray import Laws
 from seaglint.base.jit import njit
-
-DEEPEST: Final = 600.0
-"""Optical depth beyond which nothing passes, so that products of what does stay clear of slow denormal numbers."""
 
 
 @njit
@@ -47,5 +44,5 @@ def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
 
 @njit
 def passed(depth: float) -> float:
-    """Transmittance of an optical depth; 0 beyond :data:`DEEPEST`."""
+    """Transmittance of an optical depth; 0 beyond :data:`~seaglint.air.scattering.gas_bands.DEEPEST`."""
     return math.exp(-depth) if depth < DEEPEST else 0.0

@@ -147,21 +147,21 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
     haze, molecules = np.ones((2, channels)), np.ones((2, channels))
     by_haze, by_molecules = np.zeros((2, channels)), np.zeros((2, channels))
     share = np.zeros((2, KINDS))
-    seen, fall = np.zeros(channels), np.zeros(channels)
+    depth, fall = np.zeros(channels), np.zeros(channels)
     for j in range(points):
         here, before = j % 2, 1 - j % 2
         up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         if up > 0.0:
             for k in range(columns):
                 whole[k] += line.amount[j, k]
-            optical_depths(laws, whole, seen)
+            optical_depths(laws, whole, depth)
         for i in range(channels):
-            depth = 0.0
+            scattered = 0.0
             for k in range(AEROSOLS):
-                depth += laws.scattering[k, i] * line.amount[j, k]
-            haze[here, i] = math.exp(-depth)
+                scattered += laws.scattering[k, i] * line.amount[j, k]
+            haze[here, i] = math.exp(-scattered)
             molecules[here, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
-            light = up * passed(seen[i]) if up > 0.0 else 0.0
+            light = up * passed(depth[i]) if up > 0.0 else 0.0
             by_haze[here, i] = light / haze[here, i] if haze[here, i] > 0.0 else 0.0
             by_molecules[here, i] = light / molecules[here, i] if molecules[here, i] > 0.0 else 0.0
         _kinds(laws, line.height[j], line.level[j], share[here])

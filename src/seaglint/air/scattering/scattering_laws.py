@@ -8,12 +8,12 @@ for any profile and haze, :mod:`seaglint.files.lowtran.laws_of_run` of a run of 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.air.scattering.gas_bands import gas_bands
 from seaglint.air.scattering.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, LayerGrid, cold_share, layer_grid
 from seaglint.air.scattering.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
 from seaglint.base.conventions import FloatArray
@@ -37,15 +37,6 @@ class Segments(NamedTuple):
     place: NDArray[np.int64]
     power: FloatArray
     coefficient: FloatArray
-
-
-def bands_of(column: NDArray[np.int64], power: FloatArray) -> list[tuple[int, int, int]]:
-    """Return the bands of gases as (gas, first channel, end): channels of one column and one power; both [(gases, n)]."""
-    bands = []
-    for gas, (numbers, exponents) in enumerate(zip(column, power, strict=True)):
-        edges = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(exponents) != 0.0)) + 1
-        bands += [(gas, first, end) for first, end in pairwise([0, *edges.tolist(), numbers.size]) if numbers[first] > 0]
-    return bands
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,17 +69,11 @@ class SpectralLaws:
         """Bands of all gases, gas by gas."""
         place = {number: i for i, number in enumerate(self.columns)}
         bands, power, coefficient = [], [], [np.zeros(0)]
-        for gas, first, end in bands_of(self.band_column, self.band_power):
+        for gas, first, end in gas_bands(self.band_column, self.band_power):
             bands.append((place[int(self.band_column[gas, first])], first, end))
             power.append(float(self.band_power[gas, first]))
             coefficient.append(np.exp(self.band_log[gas, first:end]))
         return Segments(np.array(bands, dtype=np.int64).reshape(-1, 3), np.array(power, dtype=np.float64), np.concatenate(coefficient))
-
-    def cut(self, keep: NDArray[np.intp]) -> SpectralLaws:
-        """Return the laws of some channels."""
-        return SpectralLaws(
-            self.wavenumber_cm[keep], self.continuum[:, keep], self.band_column[:, keep], self.band_power[:, keep], self.band_log[:, keep]
-        )
 
 
 @dataclass(frozen=True, eq=False)
