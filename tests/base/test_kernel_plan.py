@@ -101,7 +101,7 @@ def test_plain_python_compiles_nothing(tmp_path: Path) -> None:
 def test_no_folder_that_can_be_written_means_no_helpers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel_plan, "kernel_folder", lambda requested: None)
     assert kernel_plan.not_compiled("render") == []
-    assert kernel_plan.compile_ahead.__wrapped__("render") == 0
+    assert kernel_plan.start_helpers.__wrapped__("render") == 0
 
 
 SLOW_HELPER = """

@@ -95,6 +95,7 @@ def pipeline(monkeypatch) -> None:
         module = types.ModuleType(f"seaglint.studies.{room}")
         setattr(module, attribute, function)
         monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setattr("seaglint.base.kernel_plan.start_helpers", lambda work: 0)
 
 
 @pytest.fixture

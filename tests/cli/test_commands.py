@@ -181,7 +181,8 @@ def test_a_real_refusal_to_write_is_code_3(scenario, tmp_path):
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (2500, 2500)); "
     )
     code = limit + (
-        "sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake; "
+        "sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake, seaglint.base.kernel_plan as plan; "
+        "plan.start_helpers = lambda work: 0; "
         "module = types.ModuleType('seaglint.studies.sequence.render_sequence'); module.render = fake.fake_render; "
         "sys.modules[module.__name__] = module; fake.main()"
     )

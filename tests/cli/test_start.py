@@ -95,6 +95,6 @@ def test_kernels_are_compiled_while_the_other_libraries_are_imported(command: li
         "import sys; import seaglint.base.kernel_plan as plan; from seaglint.cli.app import main\n"
         "def seen(work):\n"
         "    print(work, *({'xarray', 'pandas', 'zarr', 'scipy.interpolate', 'matplotlib'} & set(sys.modules))); raise SystemExit(0)\n"
-        f"plan.compile_ahead = seen; sys.argv = ['seaglint', {command[0]!r}, {str(DEMO)!r}, *{command[1:]!r}]; main()"
+        f"plan.start_helpers = seen; sys.argv = ['seaglint', {command[0]!r}, {str(DEMO)!r}, *{command[1:]!r}]; main()"
     )
     assert python(code) == [command[0]]

@@ -1,4 +1,4 @@
-"""Kernels that a kind of work needs, compiled by other processes while the first one prepares its scene.
+"""Kernels that a kind of work needs, compiled by other processes while the first one imports its libraries and prepares its scene.
 
 Numba compiles a function when it is first called. One process does this one after the other, half a minute for a first picture. The file
 ``kernel_plan.txt`` lists which functions are called from Python, in order, with the types of their arguments: helper processes take them
@@ -142,8 +142,8 @@ def helpers_here() -> int:
 
 
 @cache
-def compile_ahead(work: str) -> int:
-    """Start processes that compile what a kind of work will call; return their number.
+def start_helpers(work: str) -> int:
+    """Start processes that compile what a kind of work will call, without a message; return their number.
 
     They end by themselves when all is compiled or when this process ends, and nothing depends on them: what they have not compiled is
     compiled when it is called. None are started where all is compiled, where there is one processor, or without a folder to share.
@@ -152,10 +152,6 @@ def compile_ahead(work: str) -> int:
     if number < FEWEST_MISSING or folder is None or not os.access(folder, os.W_OK):
         return 0
     count = min(helpers_here(), MOST_HELPERS, number - 1)
-    processes = "one process" if count == 0 else f"{count + 1} processes"
-    logging.getLogger("seaglint").info(
-        "compiling %d kernels in %s: about a minute, once for this version on this machine", number, processes
-    )
     # Without the current folder, whose files could be named as modules of Python are.
     code = f"import sys; sys.path.append({str(PACKAGE.parent)!r}); from seaglint.base.kernel_plan import help_with; help_with({work!r})"
     for _ in range(count):
@@ -166,6 +162,19 @@ def compile_ahead(work: str) -> int:
                 )
             )
             threading.Thread(target=_helpers[-1].wait, daemon=True).start()
+    return count
+
+
+@cache
+def compile_ahead(work: str) -> int:
+    """Log that a kind of work compiles what it will call, and :func:`start_helpers` where none were started; return their number."""
+    number, folder = len(not_compiled(work)), _folder()
+    count = start_helpers(work)
+    if number >= FEWEST_MISSING and folder is not None and os.access(folder, os.W_OK):
+        processes = "one process" if count == 0 else f"{count + 1} processes"
+        logging.getLogger("seaglint").info(
+            "compiling %d kernels in %s: about a minute, once for this version on this machine", number, processes
+        )
     return count
 
 

@@ -36,9 +36,9 @@ def mean(
     refuse_existing(output, overwrite=request.overwrite, inputs=inputs)
     if preview:
         refuse_preview(picture, request.overwrite, inputs)
-    from seaglint.base.kernel_plan import compile_ahead
+    from seaglint.base.kernel_plan import start_helpers
 
-    compile_ahead("mean")  # before the other imports, which take seconds: the helpers compile meanwhile
+    start_helpers("mean")  # before the other imports, which take seconds: the helpers compile meanwhile
     only_numpy()
     from seaglint.studies.mean.mean_map import mean as mean_map
 

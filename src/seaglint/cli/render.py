@@ -79,11 +79,12 @@ def render(
     store = place_given(output)
     inputs = files_read(file, loaded)
     check_output(store, resume=request.resume, overwrite=request.overwrite, inputs=inputs, share=share)
-    from seaglint.base.kernel_plan import compile_ahead
+    beside = _beside(store, share) if preview else None
+    from seaglint.base.kernel_plan import start_helpers
 
-    compile_ahead("render")  # before the other imports, which take seconds: the helpers compile meanwhile
+    start_helpers("render")  # before the other imports, which take seconds: the helpers compile meanwhile
     only_numpy()
-    pictures = _Pictures(_beside(store, share), inputs, replace=request.overwrite or request.resume) if preview else None
+    pictures = None if beside is None else _Pictures(beside, inputs, replace=request.overwrite or request.resume)
     render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or request.electrons or request.radiance:
         from seaglint.studies.sequence.sensed import render as render_counts
