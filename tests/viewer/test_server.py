@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import socket
@@ -296,6 +297,7 @@ def test_without_display_the_address_is_told(monkeypatch, capsys):
 def test_memory_is_flat_over_10_000_frames(tmp_path):
     import asyncio
 
+    gc.collect()  # ends what a command in this process may have put off
     stored = np.lib.format.open_memmap(tmp_path / "long.npy", "w+", np.float32, (10_000, 128, 160))  # holes: no disk is filled
     stored[::500] = 1.0
     del stored
@@ -337,10 +339,10 @@ def test_command_serves_until_it_is_told_to_end(store, tmp_path):
     assert list(Path(tmp_path).iterdir()) == []
 
 
-def serve_apart(store: Path, folder: Path, announce: str, *, browser: str = "None") -> subprocess.CompletedProcess[str]:
+def serve_apart(store: Path, folder: Path, announce: str, *, browser: str = "None", first: str = "") -> subprocess.CompletedProcess[str]:
     """Serve in a process of its own, whose Ctrl-C ends no other; what is given is Python."""
     program = f"""
-import os, signal, sys, threading, httpx
+import gc, os, signal, sys, threading, httpx
 from seaglint.viewer import server
 from seaglint.viewer.library import Library
 
@@ -353,6 +355,7 @@ def visit(where):
     press_ctrl_c()
 
 server._open_browser = {browser}
+{first}
 server.serve(Library([sys.argv[1]]), browser=server._open_browser is not None, announce=lambda where: {announce})
 """
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
@@ -363,6 +366,14 @@ server.serve(Library([sys.argv[1]]), browser=server._open_browser is not None, a
 def test_ctrl_c_at_the_moment_of_the_address_ends_the_viewer(store, tmp_path):
     ended = serve_apart(store, tmp_path, "(print(where), press_ctrl_c())")
     assert (ended.returncode, ended.stdout[:17], ended.stderr) == (0, "http://127.0.0.1:", "")
+
+
+def test_a_viewer_searches_for_unused_memory_again(store, tmp_path):
+    later = "__import__('seaglint.cli.terminal.start', fromlist=['start']).collect_later()"
+    ended = serve_apart(
+        store, tmp_path, "(print(gc.get_threshold() == before), press_ctrl_c())", first=f"before = gc.get_threshold(); {later}"
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "True\n", "")
 
 
 def test_a_browser_that_stays_open_does_not_keep_the_viewer_from_answering(store, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import shutil
 import socket
@@ -184,6 +185,8 @@ def serve(
                 await super().startup(sockets=sockets)
                 if not self.started or self.should_exit:
                     return
+                # The program puts off the search for unused circles of objects until many are made; a viewer leaves some with each answer.
+                gc.collect()
                 try:
                     announce(where)
                 except OSError as error:  # a closed pipe
