@@ -124,6 +124,12 @@ def not_compiled(work: str) -> list[PlannedKernel]:
     return [] if folder is None else [kernel for kernel in read_plan(work) if not _is_compiled(folder, kernel)]
 
 
+def _to_compile(work: str) -> int:
+    """Return how many functions of a kind of work are worth other processes; 0 where they are few or no folder takes them."""
+    number, folder = len(not_compiled(work)), _folder()
+    return number if number >= FEWEST_MISSING and folder is not None and os.access(folder, os.W_OK) else 0
+
+
 def _is_compiled(folder: Path, kernel: PlannedKernel) -> bool:
     """Return whether this version of Numba has compiled a function for this type of processor."""
     try:
@@ -148,8 +154,8 @@ def start_helpers(work: str) -> int:
     They end by themselves when all is compiled or when this process ends, and nothing depends on them: what they have not compiled is
     compiled when it is called. None are started where all is compiled, where there is one processor, or without a folder to share.
     """
-    number, folder = len(not_compiled(work)), _folder()
-    if number < FEWEST_MISSING or folder is None or not os.access(folder, os.W_OK):
+    number = _to_compile(work)
+    if number == 0:
         return 0
     count = min(helpers_here(), MOST_HELPERS, number - 1)
     # Without the current folder, whose files could be named as modules of Python are.
@@ -168,9 +174,9 @@ def start_helpers(work: str) -> int:
 @cache
 def compile_ahead(work: str) -> int:
     """Log that a kind of work compiles what it will call, and :func:`start_helpers` where none were started; return their number."""
-    number, folder = len(not_compiled(work)), _folder()
+    number = _to_compile(work)
     count = start_helpers(work)
-    if number >= FEWEST_MISSING and folder is not None and os.access(folder, os.W_OK):
+    if number > 0:
         processes = "one process" if count == 0 else f"{count + 1} processes"
         logging.getLogger("seaglint").info(
             "compiling %d kernels in %s: about a minute, once for this version on this machine", number, processes
