@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
@@ -22,8 +22,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+NETCDF3: Final = (b"CDF\x01", b"CDF\x02")
+"""First bytes of NetCDF 3, of 32-bit and of 64-bit offsets."""
+
+NETCDF_MAGIC: Final = (b"\x89HDF", *NETCDF3, b"CDF\x05")
+"""First bytes of NetCDF files of any version."""
+
+
 def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
-    """Open a NetCDF 4 file; keywords go to :func:`xarray.open_dataset`.
+    """Open a NetCDF 4 or 3 file; keywords go to :func:`xarray.open_dataset`.
 
     Raises
     ------
@@ -32,14 +39,22 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     """
     import xarray as xr
 
+    magic = b""
     try:
-        return xr.open_dataset(path, engine="h5netcdf", **how)
+        with open(path, "rb") as file:
+            magic = file.read(4)
+        if magic == b"CDF\x05":
+            raise DataError(f"{path}: is NetCDF 3 with 64-bit data (CDF-5), which is not read; convert it: nccopy -k nc4 IN.nc OUT.nc")
+        return xr.open_dataset(path, engine="scipy" if magic in NETCDF3 else "h5netcdf", **how)
+    except DataError:
+        raise
     except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
+        raise DataError(f"{path}: no such file; give a NetCDF file") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         drop_quietly(error)
-        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({reason}); give a whole NetCDF 4 file") from None
+        version = 3 if magic in NETCDF3 else 4
+        raise DataError(f"{path}: cannot be read as NetCDF {version}, or is cut ({reason}); give a whole NetCDF file") from None
 
 
 def drop_quietly(error: BaseException | None) -> None:
