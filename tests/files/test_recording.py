@@ -338,7 +338,7 @@ def complex_numbers(folder: Path) -> Path:
 
 
 def five_dimensions(folder: Path) -> Path:
-    np.save(folder / "c.npy", FLOATS[None, None])
+    np.save(folder / "c.npy", np.broadcast_to(FLOATS, (2, 2, *FLOATS.shape)))
     return folder / "c.npy"
 
 

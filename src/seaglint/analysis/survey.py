@@ -148,7 +148,8 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     saturated = np.zeros(shape, np.int64)
     flat_rows, flat_columns = np.ones(recording.rows, dtype=np.bool_), np.ones(recording.columns, dtype=np.bool_)
     top = _Top(*shape)
-    repeats, done = 0, 0
+    repeated: list[bool] = []
+    done = 0
     last: FrameArray | None = None
     for block in ahead(recording, lambda block: block):
         moments.add(block)
@@ -156,20 +157,16 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
         if recording.saturation is not None:
             saturated += (block >= recording.saturation).sum(axis=0)
         # Once seen to vary, a line needs no further look: the first block settles nearly all.
+        # fmax and fmin pass over missing values, which max and min would make the result.
         with np.errstate(invalid="ignore"):
             if flat_rows.any():
                 lines = block[:, flat_rows]
-                flat_rows[flat_rows] = ~(lines.max(axis=2) > lines.min(axis=2)).any(axis=0)
+                flat_rows[flat_rows] = ~(np.fmax.reduce(lines, axis=2) > np.fmin.reduce(lines, axis=2)).any(axis=0)
             if flat_columns.any():
                 lines = block[:, :, flat_columns]
-                flat_columns[flat_columns] = ~(lines.max(axis=1) > lines.min(axis=1)).any(axis=0)
-        # Repeated frames indicate a wrong frame rate; a few lines of a frame are enough to detect them.
-        lines = block[:, :: max(recording.rows // 8, 1)]
-        before = lines[:1] if last is None else last[np.newaxis]
-        pairs = np.concatenate([before, lines])
-        same = (pairs[1:] == pairs[:-1]).all(axis=(1, 2))
-        repeats += int(same[1 if last is None else 0 :].sum())
-        last = lines[-1].copy()
+                flat_columns[flat_columns] = ~(np.fmax.reduce(lines, axis=1) > np.fmin.reduce(lines, axis=1)).any(axis=0)
+        repeated.extend(_repeated(block, last))
+        last = block[-1].copy()
         done += block.shape[0]
         progress(done)
     missing = recording.frames * recording.rows * recording.columns - int(moments.count.sum())
@@ -190,9 +187,36 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     if spike is not None:
         saturated, ceiling = spike, top.highest
     ceiling = ceiling + recording.offset if ceiling is not None and saturated.any() else None
-    notes = _notes(recording, missing, repeats)
+    notes = _notes(recording, missing, repeated)
     cut = _saturation_note(recording, saturated, ceiling, top if spike is not None else None)
     return Survey(moments, dead, saturated, ceiling, (*dead_notes, *cut, *_resolution_note(recording, moments, dead), *notes))
+
+
+def _repeated(block: FrameArray, last: FrameArray | None) -> list[bool]:
+    """Return for each frame of a block whether it repeats the one before, all of it: a still scene repeats most of itself.
+
+    Bits are compared, as a missing value is unequal to itself. Some lines tell nearly all frames apart.
+    """
+    bits = block.view(np.uint32)
+    before = [None if last is None else last.view(np.uint32), *bits[:-1]]
+    step = max(block.shape[1] // 8, 1)
+    return [
+        old is not None and np.array_equal(new[::step], old[::step]) and np.array_equal(new, old)
+        for new, old in zip(bits, before, strict=True)
+    ]
+
+
+def _repeats_note(repeated: list[bool]) -> str:
+    """Return the note on repeated frames: their number, share and runs."""
+    frames = np.array([False, *repeated, False])
+    edges = np.flatnonzero(frames[1:] != frames[:-1])
+    runs = edges[1::2] - edges[::2]
+    count = int(runs.sum())
+    where = f"in {runs.size} runs of at most {int(runs.max())}" if runs.size > 1 else f"in one run from frame {int(edges[0])} on"
+    return (
+        f"{count} of {len(repeated)} frames ({100 * count / len(repeated):.3g} %) repeat the one before in all pixels, {where}: frames "
+        "were dropped or the frame rate is wrong; times are not to be trusted"
+    )
 
 
 def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling: float | None, spike: _Top | None) -> list[str]:
@@ -239,7 +263,10 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
     if recording.frames >= FEWEST_FOR_DEAD:
         still = ~dead & (moments.minimum == moments.maximum)
         rows = (still | dead).all(axis=1) & still.any(axis=1)
-        if recording.columns > 1 and rows.any() and not (still | dead).all():
+        # A still scene is no sky: where much of the other rows is still too, nothing is left out.
+        rest = ~rows[:, np.newaxis] & ~dead
+        moves = not (still | dead).all() and still[rest].sum() <= MOST_DEAD * rest.sum()
+        if recording.columns > 1 and rows.any() and moves:
             dead[rows], still[rows] = True, False
             where = np.flatnonzero(rows)
             notes.append(
@@ -261,15 +288,15 @@ def _listed(numbers: NDArray[np.int64], most: int = 6) -> str:
     return ", ".join(map(str, numbers[:most])) + (", ..." if numbers.size > most else "")
 
 
-def _notes(recording: Recording, missing: int, repeats: int) -> list[str]:
+def _notes(recording: Recording, missing: int, repeated: list[bool]) -> list[str]:
     notes = []
     total = recording.frames * recording.rows * recording.columns
     if missing:
         notes.append(
             f"{missing} values ({100 * missing / total:.3g} %) are missing (NaN or infinite) and left out, with what filters make of them"
         )
-    if repeats:
-        notes.append(f"{repeats} frames repeat the one before: frames were dropped or the frame rate is wrong; times are not to be trusted")
+    if any(repeated):
+        notes.append(_repeats_note(repeated))
     if recording.frames > 1 and recording.frame_rate is None:
         notes.append("the frame rate is not known: correlation times are null in seconds; give --frame-rate")
     if recording.frames == 1:

@@ -27,7 +27,8 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
 
     from seaglint.analysis import Recording
     from seaglint.files.recording import open_recording
-    from seaglint.files.recording.arrays import ArrayReading, of_array, of_dataset
+    from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, of_array
+    from seaglint.files.recording.labelled import of_dataset
 
     if isinstance(given, str | Path):
         return open_recording(given, frame_rate=frame_rate, units=units, variable=variable)
@@ -39,7 +40,7 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
     elif isinstance(given, Recording):
         recording = given
     else:
-        recording = of_array(np.asarray(given), "array", ArrayReading(), frame_rate=frame_rate, units=units)
+        recording = of_array(np.asarray(given), "array", ArrayReading(), ArrayFacts(frame_rate, units))
     return replace(recording, frame_rate=frame_rate or recording.frame_rate, units=units or recording.units)
 
 

@@ -20,7 +20,7 @@ from seaglint.files.directions import directions
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording import open_recording
-from seaglint.files.recording.arrays import stored_frame_rate
+from seaglint.files.recording.labelled import stored_frame_rate
 from seaglint.files.store.manifest import DONE
 from seaglint.files.store.store import is_sequence
 from seaglint.files.store.stored_truth import GROUP

@@ -15,7 +15,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.schema import default_image
 from seaglint.files.netcdf import labelled
-from seaglint.files.recording.arrays import stored_frame_rate
+from seaglint.files.recording.labelled import stored_frame_rate
 from seaglint.version import __version__
 
 if TYPE_CHECKING:

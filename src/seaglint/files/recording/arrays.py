@@ -1,4 +1,4 @@
-"""Readers of arrays: NumPy, HDF5, FITS, and NetCDF or Zarr of other programs; (rows, columns) or (frames, rows, columns)."""
+"""Arrays as recordings, and the readers of NumPy's files: (rows, columns), (frames, rows, columns), or what their axes are said to be."""
 
 from __future__ import annotations
 
@@ -16,16 +16,12 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
-from seaglint.base.optional import optional
-from seaglint.base.schema import default_image
-from seaglint.files.netcdf import open_netcdf
-from seaglint.files.recording.stored import full_scale, grey
+from seaglint.files.recording.axes import MOST_COLOURS, AxisOrder, Ordered, layout_of
+from seaglint.files.recording.decoding import PLAIN, Decoded, Decoding, in_type
+from seaglint.files.recording.stored import CHANNELS, full_scale, grey
 
 RESOLVED: Final = 1000.0
 """Smallest spread of the values in steps of single precision; below it an offset is subtracted."""
-
-AXES: Final = ("tyx", "yxt")
-"""Orders of a three-dimensional array: frames first (the default) or last."""
 
 
 @dataclass(frozen=True)
@@ -37,63 +33,125 @@ class ArrayReading:
     variable : str or None
         Name of the array in a file that holds several.
     channel : str or None
-        Channel of true colour images.
+        Channel: a colour, or a number from 1.
     axes : str or None
-        Order of the axes, one of :data:`AXES`.
+        Order of the axes, letters of :data:`~seaglint.files.recording.axes.LETTERS`.
+    missing : tuple of float
+        Stored numbers that are missing values, besides those that the file states.
     """
 
     variable: str | None = None
     channel: str | None = None
     axes: str | None = None
+    missing: tuple[float, ...] = ()
+
+    def decoding(self, stated: Decoding, dtype: np.dtype[Any]) -> Decoding:
+        """Return a file's decoding with the user's own missing values."""
+        if not self.missing:
+            return stated
+        return replace(stated, missing=tuple(dict.fromkeys((*stated.missing, *in_type(self.missing, dtype)))))
 
 
-def of_array(
-    array: Any, source: str, how: ArrayReading, *, frame_rate: float | None = None, units: str | None = None, named_axes: bool = False
-) -> Recording:
-    """Return frames of anything with ``shape``, ``dtype`` and slices: numbers (r, c), (f, r, c), or colours (r, c, 3|4), (f, r, c, 3|4)."""
-    shape, dtype = tuple(int(s) for s in array.shape), np.dtype(array.dtype)
-    if dtype.kind not in "uifb":
-        raise DataError(f"{source}: holds {dtype}, not real numbers; give radiances or counts")
-    if how.axes == "yxt":
-        if len(shape) != 3:
-            raise DataError(f"{source}: has shape {shape}; axes='yxt' is for (rows, columns, frames)")
-        array, shape = _TimeLast(array), (shape[2], shape[0], shape[1])
-    coloured = how.axes is None and (
-        (len(shape) == 4 and shape[-1] in (1, 2, 3, 4)) or (len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4)
-    )
-    image = shape[-3:-1] if coloured else shape[-2:]
-    single = len(shape) == (3 if coloured else 2)
-    if len(shape) not in (2, 3, 4) or (len(shape) == 4 and not coloured) or 0 in shape:
-        raise DataError(f"{source}: has shape {shape}; give (rows, columns) or (frames, rows, columns)")
+@dataclass(frozen=True)
+class ArrayFacts:
+    """Facts of a file about an array, beside its numbers.
+
+    Attributes
+    ----------
+    frame_rate : float or None
+        [Hz].
+    units : str or None
+        Units of the values.
+    names : tuple of str
+        Names of the dimensions.
+    decoding : Decoding
+        Relation of stored numbers to values.
+    saturation : float or None
+        Value of full scale; None for that of the number type.
+    order : str
+        Order of three axes where nothing says it.
+    notes : tuple of str
+        Sentences for the user.
+    """
+
+    frame_rate: float | None = None
+    units: str | None = None
+    names: tuple[str, ...] = ()
+    decoding: Decoding = PLAIN
+    saturation: float | None = None
+    order: str = "tyx"
+    notes: tuple[str, ...] = ()
+
+
+def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | None = None) -> Recording:
+    """Return the frames of anything with ``shape``, ``dtype`` and slices.
+
+    Raises
+    ------
+    DataError
+        Numbers that are not real, a shape without an order of its axes, or several channels none of which is chosen.
+    """
+    facts = ArrayFacts() if facts is None else facts
+    shape, stored = tuple(int(s) for s in array.shape), np.dtype(array.dtype)
+    if stored.kind not in "uifb":
+        raise DataError(f"{source}: holds {stored}, not real numbers; give radiances or counts")
+    layout = layout_of(shape, source, how.axes, facts.names, facts.order)
+    decoding = how.decoding(facts.decoding, stored)
+    channels = layout.size(shape, "c")
+    coloured, index = _channel(channels, how.channel, source)
+    frames, rows, columns = (layout.size(shape, letter) for letter in "tyx")
+    ordered = Ordered(array if decoding.plain else Decoded(array, decoding), layout, index)
 
     def read(start: int, stop: int) -> NDArray[Any]:
         try:
-            block = np.asarray(array[...] if single else array[start:stop])
+            block = ordered[start:stop]
         except (OSError, ValueError, RuntimeError) as error:
             raise DataError(f"{source}: frames {start}:{stop} cannot be read ({error}); the file is cut") from error
         block = _released(block)
-        block = block[np.newaxis] if single else block
         return grey(block, source, how.channel) if coloured else block
 
-    saturation = full_scale(dtype) if dtype.kind in "ui" else None
-    frames = 1 if single else shape[0]
-    notes: tuple[str, ...] = ()
-    if not (named_axes or single or coloured or how.axes) and shape[2] < min(shape[0], shape[1]):
-        notes = (
-            f"shape {shape} taken as {frames} frames of {shape[1]} rows, {shape[2]} columns; if time is the last axis, give --axes yxt",
-        )
-    recording = Recording(source, frames, image[0], image[1], read, frame_rate, units, saturation, notes)
+    notes = (*_order_note(shape, layout, facts), *facts.notes, *decoding.notes)
+    if channels > 1 and index is not None:
+        notes = (*notes, f"channel {index + 1} of {channels}")
+    dtype = decoding.dtype(stored)
+    recording = Recording(source, frames, rows, columns, read, facts.frame_rate, facts.units, _saturation(facts, decoding, stored), notes)
     return _resolved(recording) if dtype.itemsize > 2 and dtype != np.float32 else recording
 
 
-class _TimeLast:
-    """Array (rows, columns, frames), sliced along its frames."""
+def _channel(count: int, requested: str | None, source: str) -> tuple[bool, int | None]:
+    """Return whether the channels are colours, to be made one, and the index of the chosen one."""
+    if requested is not None and requested not in CHANNELS:
+        index = int(requested) - 1
+        if not 0 <= index < count:
+            raise DataError(f"{source}: has {count} channel{'s' * (count != 1)}; channel = {requested} is none of them, give 1 to {count}")
+        return False, index if count > 1 else None
+    if count in (3, MOST_COLOURS):
+        return True, None
+    if count > 1:
+        raise DataError(f"{source}: has {count} channels; give channel = 1 to {count}")
+    return False, None
 
-    def __init__(self, array: Any) -> None:
-        self._array, self.dtype = array, array.dtype
 
-    def __getitem__(self, key: slice) -> NDArray[Any]:
-        return np.moveaxis(np.asarray(self._array[:, :, key]), 2, 0)
+def _order_note(shape: tuple[int, ...], layout: AxisOrder, facts: ArrayFacts) -> tuple[str, ...]:
+    """Return a note where the order is a guess that may be wrong, or not the one that rows and columns usually have."""
+    frames, rows, columns = (layout.size(shape, letter) for letter in "tyx")
+    size = f"shape {shape} taken as {frames} frame{'s' * (frames != 1)} of {rows} rows, {columns} columns"
+    if layout.guessed and facts.order != "tyx" and frames > 1:
+        return (f"{size}, the order of MATLAB; if time is the first axis there, give --axes tyx",)
+    if layout.guessed and layout.letters == "tyx" and shape[2] < min(shape[0], shape[1]):
+        return (f"{size}; if time is the last axis, give --axes yxt",)
+    if layout.guessed and len(shape) > 3 and "1" in layout.letters:
+        return (size,)
+    return ()
+
+
+def _saturation(facts: ArrayFacts, decoding: Decoding, stored: np.dtype[Any]) -> float | None:
+    """Return full scale; numbers that a line makes values end at the largest value, which is no saturation."""
+    if facts.saturation is not None:
+        return facts.saturation
+    kind = stored if decoding.unsigned is None else decoding.unsigned
+    full = full_scale(kind) if kind.kind in "ui" and decoding.scale == 1.0 and decoding.offset == 0.0 else None
+    return None if full is None or full in decoding.missing or decoding.high is not None else full
 
 
 def _released(block: NDArray[Any]) -> NDArray[Any]:
@@ -130,169 +188,67 @@ def _resolved(recording: Recording) -> Recording:
 def open_numpy(path: Path, how: ArrayReading) -> Recording:
     """Open ``.npy``, memory-mapped, or one array of an ``.npz``, which is read as a whole."""
     try:
-        loaded = np.load(path, mmap_mode="r" if path.suffix == ".npy" else None, allow_pickle=False)
+        loaded = np.load(path, mmap_mode="r" if path.suffix.lower() == ".npy" else None, allow_pickle=False)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise DataError(f"{path}: cannot be read as NumPy ({error}); save plain numbers with numpy.save") from error
     if isinstance(loaded, np.ndarray):
         return of_array(loaded, str(path), how)
-    name = _choose(dict.fromkeys(loaded.files), how.variable, path)
+    sizes = {name: _npz_shape(path, name) for name in loaded.files}
+    images = {name: shape for name, shape in sizes.items() if shape is None or len(shape) >= 2}
+    name = choose(images, how.variable, path)
     try:
         array = loaded[name]
+        rate = frame_rate_of({key: loaded[key] for key in RATE_NAMES if sizes.get(key) in ((), (1,))})
     except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise DataError(f"{path}: {name} cannot be read ({error}); the file is cut") from error
-    return of_array(array, f"{path}:{name}", how)
+    return of_array(array, f"{path}:{name}", how, ArrayFacts(frame_rate=rate))
 
 
-def open_hdf5(path: Path, how: ArrayReading) -> Recording:
-    """Open a dataset of an HDF5 file (also MATLAB 7.3): its only one of two or three dimensions, or ``variable``."""
-    import h5py
-
+def _npz_shape(path: Path, name: str) -> tuple[int, ...] | None:
+    """Return the shape of a member of an ``.npz`` from its header; None where it cannot be read."""
     try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read as HDF5 ({error})") from error
-    datasets: dict[str, Any] = {}
-
-    def visit(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.ndim in (2, 3, 4) and item.dtype.kind in "uif":
-            datasets[name] = item
-
-    file.visititems(visit)
-    name = _choose(datasets, how.variable, path)
-    array = datasets[name]
-    rate = _rate(dict(array.attrs)) or _rate(dict(file.attrs))
-    return of_array(_unpacked(array), f"{path}:{name}", how, frame_rate=rate, units=_text(array.attrs.get("units")))
-
-
-def _unpacked(array: Any) -> Any:
-    """Return a dataset with its scale and offset by their CF names applied, where it has any."""
-    scale, zero, blank = (
-        None if array.attrs.get(name) is None else np.ravel(array.attrs[name])[0] for name in ("scale_factor", "add_offset", "_FillValue")
-    )
-    if scale is None and zero is None:
-        return array
-    return _Scaled(array, 1.0 if scale is None else float(scale), 0.0 if zero is None else float(zero), blank)
-
-
-def open_fits(path: Path, how: ArrayReading) -> Recording:
-    """Open the first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
-    fits = optional("astropy.io.fits", f"{path}: FITS")
-
-    try:
-        file = fits.open(path, memmap=True, do_not_scale_image_data=True)  # scaled memory maps are refused
-        images = {(hdu.name or str(i)): hdu for i, hdu in enumerate(file) if hdu.is_image and hdu.header.get("NAXIS", 0) >= 2}
-    except Exception as error:
-        raise DataError(f"{path}: cannot be read as FITS ({error})") from error
-    name = _choose(images, how.variable or (next(iter(images)) if images else None), path)
-    hdu = images[name]
-    scaled = hdu.header.get("BSCALE", 1) != 1 or hdu.header.get("BZERO", 0) != 0 or "BLANK" in hdu.header
-    try:
-        card = hdu.header.get
-        array = _Scaled(hdu.data, float(card("BSCALE", 1.0)), float(card("BZERO", 0.0)), card("BLANK")) if scaled else hdu.data
-        recording = of_array(array, f"{path}:{name}", how, units=_text(hdu.header.get("BUNIT")))
-    except (TypeError, ValueError, OSError) as error:
-        raise DataError(f"{path}: is cut ({error}); copy it again") from error
-    # FITS has signed integers only: 16 bits of a camera are stored with an offset of half the scale.
-    bits, offset = int(hdu.header["BITPIX"]), float(hdu.header.get("BZERO", 0))
-    full = float(2**bits - 1) if scaled and bits in (8, 16) and offset == 2 ** (bits - 1) else recording.saturation
-    return replace(recording, frame_rate=_rate({"fps": hdu.header.get("FRMRATE", hdu.header.get("FPS"))}), saturation=full)
-
-
-class _Scaled:
-    """Stored numbers whose scale, offset and blank value are applied on reading."""
-
-    def __init__(self, stored: Any, scale: float, zero: float, blank: Any) -> None:
-        self._stored, self.shape, self.dtype = stored, stored.shape, np.dtype(np.float32)
-        self._scale, self._zero, self._blank = scale, zero, blank
-
-    def __getitem__(self, key: Any) -> NDArray[Any]:
-        stored = np.asarray(self._stored[key])
-        values = stored * self._scale + self._zero
-        return values if self._blank is None else np.where(stored == self._blank, np.nan, values)
-
-
-def open_labelled(path: Path, how: ArrayReading) -> Recording:
-    """Open NetCDF or Zarr, of seaglint or with any variable of (time, rows, columns)."""
-    import xarray as xr
-
-    if path.is_dir():
-        try:
-            dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False)
-        except Exception as error:
-            reason = " ".join(str(error).split())[:200] or type(error).__name__
-            raise DataError(f"{path}: cannot be read as Zarr ({reason})") from error
-    else:
-        dataset = open_netcdf(path, chunks=None, decode_times=False)
-    return of_dataset(dataset, str(path), how)
-
-
-def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
-    """Return the image variable of an :class:`xarray.Dataset`: the chosen one, the default (counts before radiance), or the only
-    one; read when needed.
-    """
-    images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
-    name = _choose(images, how.variable or default_image(images), source)
-    chosen = images[name]
-    recording = of_array(
-        _Lazy(chosen),
-        f"{source}:{name}",
-        how,
-        frame_rate=stored_frame_rate(dataset, chosen),
-        units=_text(chosen.attrs.get("units")),
-        named_axes=chosen.dims[0] == "time",
-    )
-    full = chosen.attrs.get("saturation_counts")
-    return recording if full is None else replace(recording, saturation=float(full))
-
-
-class _Lazy:
-    """Labelled variable that is read by slices."""
-
-    def __init__(self, variable: Any) -> None:
-        self._variable, self.shape, self.dtype = variable.variable, variable.shape, variable.dtype
-
-    def __getitem__(self, key: Any) -> NDArray[Any]:
-        return np.asarray(self._variable[key].to_numpy())
-
-
-def stored_frame_rate(dataset: Any, images: Any) -> float | None:
-    """Return the frames per second [Hz] of images in a dataset.
-
-    That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
-    attributes.
-    """
-    rate, even = _rate(dataset.attrs) or _rate(dict(images.attrs)), _spacing(dataset)
-    return even if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3) else rate
-
-
-def _spacing(dataset: Any) -> float | None:
-    """Return the frame rate of evenly spaced times in seconds."""
-    if "time" not in dataset.variables or dataset["time"].size < 2 or dataset["time"].attrs.get("units") != "s":
+        with zipfile.ZipFile(path) as archive, archive.open(f"{name}.npy") as file:
+            version = np.lib.format.read_magic(file)
+            header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            return tuple(header(file)[0])
+    except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error):
         return None
-    steps = np.diff(dataset["time"].to_numpy())
-    middle = float(np.median(steps))
-    return 1.0 / middle if middle > 0.0 and np.all(np.abs(steps - middle) < 1e-3 * middle) else None
 
 
-def _rate(attributes: Attributes) -> float | None:
-    for name in ("frame_rate", "frame_rate_hz", "fps"):
+RATE_NAMES: Final = ("frame_rate", "frame_rate_hz", "fps")
+"""Names of a frame rate in attributes, and of arrays that hold one number."""
+
+
+def frame_rate_of(attributes: Attributes) -> float | None:
+    """Return the frame rate [Hz] that attributes state."""
+    for name in RATE_NAMES:
         value = attributes.get(name)
         if value is not None:
             try:
                 rate = float(np.ravel(value)[0])
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, IndexError):
                 continue
             if np.isfinite(rate) and rate > 0.0:
                 return rate
     return None
 
 
-def _text(value: Any) -> str | None:
-    text = value.decode() if isinstance(value, bytes) else value
-    return str(text) if text else None
+def text_of(value: Any) -> str | None:
+    """Return the text of an attribute; None for an empty one."""
+    if isinstance(value, np.ndarray):
+        value = value.ravel()[0] if value.size else None
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+    return str(text).strip() or None if text is not None else None
 
 
-def _choose(available: dict[str, Any], requested: str | None, path: str | Path) -> str:
+def choose(available: Attributes, requested: str | None, path: str | Path) -> str:
+    """Return the requested name, or the only one.
+
+    Raises
+    ------
+    DataError
+        A name that is not there, or several and none requested.
+    """
     names = ", ".join(available) or "none"
     if requested is not None:
         if requested not in available:

@@ -1,11 +1,11 @@
-"""Reader of PNG and TIFF: one image, a file of many pages, or a folder of numbered files."""
+"""Pictures as recordings: one file or many in order; TIFF, and what Pillow reads."""
 
 from __future__ import annotations
 
 import re
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
-from seaglint.base.errors import BackendError, DataError
-from seaglint.base.optional import optional
-from seaglint.files.recording.stored import full_scale, grey
-from seaglint.files.recording.tiff_facts import TiffFacts
+from seaglint.base.errors import DataError
+from seaglint.files.recording import pillow_pictures
+from seaglint.files.recording.decoding import in_type
+from seaglint.files.recording.picture_file import PictureFile
+from seaglint.files.recording.pillow_pictures import open_picture
+from seaglint.files.recording.stored import grey
+from seaglint.files.recording.tiff_pages import open_tiff
 
-ENDINGS = (".png", ".tif", ".tiff")
-
-_SIGNATURE = b"\x89PNG"
-_CHANNELS: dict[int, tuple[int, ...]] = {0: (), 2: (3,), 3: (3,), 4: (2,), 6: (4,)}
-"""Length of the last axis by the colour type of a PNG's header: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha."""
+TIFF_ENDINGS = (".tif", ".tiff", ".btf", ".tf8")
+ENDINGS = (*TIFF_ENDINGS, *pillow_pictures.ENDINGS)
 
 
 def natural(path: Path) -> tuple[Any, ...]:
@@ -35,76 +35,105 @@ def natural(path: Path) -> tuple[Any, ...]:
     return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", path.name))
 
 
-@dataclass(frozen=True)
-class _File:
-    """One file: its number of frames, and their shape and type as stored."""
-
-    path: Path
-    pages: int
-    shape: tuple[int, ...]
-    dtype: np.dtype[Any]
-    one_page: bool = False
-    facts: TiffFacts = field(default_factory=TiffFacts)
-
-    def read(self, start: int, stop: int) -> NDArray[Any]:
-        """Return frames as stored, shape (stop - start, rows, columns[, channels])."""
-        if self.path.suffix.lower() == ".png":
-            return _decode_png(self.path)[np.newaxis]
-        tifffile = optional("tifffile", f"{self.path}: TIFF")
-
-        try:
-            # ImageJ's large stacks are one page that a header calls many: mapped, and unmapped when the block is copied.
-            stored = (
-                tifffile.memmap(self.path, mode="r")[start:stop] if self.one_page else tifffile.imread(self.path, key=range(start, stop))
-            )
-        except Exception as error:
-            remedy = "; the file is cut, or give uncompressed TIFF"
-            raise DataError(f"{self.path}: pages {start}:{stop} cannot be decoded ({_first_line(error)}){remedy}") from error
-        return np.asarray(stored).reshape(stop - start, *self.shape)
-
-
-def open_images(paths: Sequence[Path], channel: str | None) -> Recording:
-    """Open files in the given order; every page is a frame.
+def open_images(paths: Sequence[Path], channel: str | None, missing: tuple[float, ...] = ()) -> Recording:
+    """Open files in the given order, each of one frame or several.
 
     Raises
     ------
     DataError
-        A file that cannot be decoded, or files of different sizes or number types.
+        A file that cannot be decoded, or files of different sizes, number types or units.
     """
-    files = [_look(path) for path in paths]
+    files = [_look(path, channel) for path in paths]
+    if missing:
+        files = [
+            replace(f, decoding=replace(f.decoding, missing=tuple(dict.fromkeys((*f.decoding.missing, *in_type(missing, f.dtype))))))
+            for f in files
+        ]
     first = files[0]
     for other in files[1:]:
-        if other.dtype != first.dtype:
-            raise DataError(
-                f"{other.path}: holds {other.dtype}, {first.path.name} {first.dtype}; counts of different types have no common scale: "
-                "write them in one, or give a pattern for one kind"
-            )
-        if other.shape[:2] != first.shape[:2]:
-            sizes = " x ".join(map(str, other.shape[:2])), " x ".join(map(str, first.shape[:2]))
-            raise DataError(f"{other.path}: is {sizes[0]}, {first.path.name} is {sizes[1]}; give one size")
-    ends = list(accumulate(file.pages for file in files))
-    facts = first.facts if len(files) == 1 else TiffFacts()  # files of one sequence may differ in their lines, which have no common scale
+        _require_alike(first, other)
+    ends = list(accumulate(file.frames for file in files))
 
     def read(start: int, stop: int) -> NDArray[Any]:
-        block = np.empty((stop - start, *first.shape[:2]), dtype=np.float32)
+        block = np.empty((stop - start, first.rows, first.columns), dtype=np.float32)
         at = start
         while at < stop:
             i = bisect_right(ends, at)
-            before = ends[i] - files[i].pages
+            before = ends[i] - files[i].frames
             last = min(stop, ends[i])
-            block[at - start : last - start] = facts.values(_grey(files[i].read(at - before, last - before), files[i].path, channel))
+            block[at - start : last - start] = _values(files[i], at - before, last - before, channel)
             at = last
         return block
 
     pages = "" if ends[-1] == len(paths) else f", {ends[-1]} pages"
     several = f"{first.path.parent} ({len(paths)} images {first.path.name} ... {paths[-1].name}{pages})"
-    notes = (*_channel_note(first, channel), *_missing_numbers(paths))
     source = str(first.path) if len(paths) == 1 else several
-    full = full_scale(first.dtype) if facts.plain else None  # counts of an export end at the largest value, which is no saturation
-    return Recording(source, ends[-1], first.shape[0], first.shape[1], read, facts.frame_rate, facts.units, full, notes)
+    rates = {file.frame_rate for file in files}
+    own = [*first.notes, *first.decoding.notes]
+    if any(file.decoding != first.decoding for file in files):
+        own = [*first.notes, "the files state different scales or missing values, and each is read by its own"]
+    notes = (*_channel_note(first, channel), *own, *missing_numbers(paths))
+    limits = {file.saturation for file in files}
+    return Recording(
+        source,
+        ends[-1],
+        first.rows,
+        first.columns,
+        read,
+        rates.pop() if len(rates) == 1 else None,
+        first.units,
+        limits.pop() if len(limits) == 1 else None,
+        notes,
+    )
 
 
-def _missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
+def _look(path: Path, channel: str | None) -> PictureFile:
+    return open_tiff(path, channel) if path.suffix.lower() in TIFF_ENDINGS else open_picture(path)
+
+
+def _require_alike(first: PictureFile, other: PictureFile) -> None:
+    """Refuse files that are no frames of one sequence."""
+    if other.dtype != first.dtype:
+        raise DataError(
+            f"{other.path}: holds {other.dtype}, {first.path.name} {first.dtype}; counts of different types have no common scale: "
+            "write them in one, or give a pattern for one kind"
+        )
+    if (other.rows, other.columns) != (first.rows, first.columns):
+        raise DataError(
+            f"{other.path}: is {other.rows} x {other.columns}, {first.path.name} is {first.rows} x {first.columns}; give one size"
+        )
+    if other.units != first.units:
+        units, others = first.units or "unknown units", other.units or "unknown units"
+        raise DataError(f"{other.path}: is in {others}, {first.path.name} in {units}; give images of one unit")
+    if (other.decoding.white is None) != (first.decoding.white is None):
+        raise DataError(f"{other.path}: white is zero in one of it and {first.path.name} alone; write them alike")
+
+
+def _values(file: PictureFile, start: int, stop: int, channel: str | None) -> NDArray[Any]:
+    stored = file.read(start, stop)
+    if stored.ndim == 3:
+        return file.decoding.values(stored)
+    return file.decoding.values(grey(stored, str(file.path), channel))
+
+
+def _channel_note(file: PictureFile, channel: str | None) -> tuple[str, ...]:
+    """Return a note on the channel; true colour is refused when a file is opened, not in the middle of an analysis."""
+    if not file.colours:
+        if channel is not None and channel.isdecimal() and channel != "1" and not any(n.startswith("channel ") for n in file.notes):
+            raise DataError(f"{file.path}: has 1 channel; channel = {channel} is none of them, leave it out")
+        return ()
+    stored = file.read(0, 1)
+    grey(stored, str(file.path), channel)
+    opaque = np.iinfo(stored.dtype).max if stored.dtype.kind in "iu" else 1
+    unseen = stored.shape[-1] in (2, 4) and bool(np.any(stored[..., -1] != opaque))
+    alpha = ("alpha, which is not full everywhere, is ignored: values are the stored numbers",) if unseen else ()
+    if channel is not None:
+        return (f"colour image, channel {channel}", *alpha)
+    averaged = stored.shape[-1] > 2 and np.ptp(stored[..., :3], axis=-1).any()
+    return (*(("nearly equal colour channels, averaged",) if averaged else ()), *alpha)
+
+
+def missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
     """Return a note where the number that counts the files has gaps."""
     keys = [natural(path) for path in paths]
     if len(keys) < 3 or len({len(key) for key in keys}) > 1:
@@ -121,83 +150,3 @@ def _missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
     absent = int((steps[jumps] // step - 1).sum())
     where = ", ".join(f"{paths[i].name} to {paths[i + 1].name}" for i in jumps[:3]) + (", ..." if jumps.size > 3 else "")
     return (f"the files' numbers jump ({where}): some {absent} frames are missing, times across the gaps are not to be trusted",)
-
-
-def _channel_note(file: _File, channel: str | None) -> tuple[str, ...]:
-    if len(file.shape) == 2:
-        return ()
-    stored = file.read(0, 1)
-    _grey(stored, file.path, channel)  # true colour is refused when a file is opened, not in the middle of an analysis
-    if channel is not None:
-        return (f"colour image, channel {channel}",)
-    return ("nearly equal colour channels, averaged",) if stored.shape[-1] > 2 and np.ptp(stored[..., :3], axis=-1).any() else ()
-
-
-def _grey(stored: NDArray[Any], path: Path, channel: str | None) -> NDArray[Any]:
-    return grey(stored, str(path), channel) if stored.ndim == 4 else stored
-
-
-def _look(path: Path) -> _File:
-    """Return pages, shape and type of a file, from its headers where possible."""
-    if path.suffix.lower() != ".png":
-        return _look_tiff(path)
-    try:
-        with path.open("rb") as file:
-            header = file.read(26)
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({_first_line(error)})") from error
-    if header[:4] == _SIGNATURE and len(header) == 26 and header[25] in _CHANNELS:
-        columns, rows = int.from_bytes(header[16:20], "big"), int.from_bytes(header[20:24], "big")
-        return _File(path, 1, (rows, columns, *_CHANNELS[header[25]]), np.dtype(np.uint16 if header[24] == 16 else np.uint8))
-    stored = _decode_png(path)
-    return _File(path, 1, stored.shape, stored.dtype)
-
-
-def _decode_png(path: Path) -> NDArray[Any]:
-    """Return pixels as stored: (rows, columns) or (rows, columns, channels)."""
-    try:
-        with path.open("rb") as file:
-            header = file.read(26)
-        if header[:4] == _SIGNATURE and header[24] == 16 and header[25] != 0:
-            return _decode_deep_png(path)
-        from PIL import Image
-
-        with Image.open(path) as image:
-            # A palette is a picture of colours, not numbers; 16-bit grey comes as 32-bit integers from some versions.
-            stored = np.asarray(image.convert("RGB") if image.mode == "P" else image)
-            stored = stored.astype(np.uint16) if image.mode.startswith("I") else stored
-            return stored.astype(np.uint8) if stored.dtype == np.bool_ else stored
-    except BackendError:
-        raise
-    except Exception as error:
-        raise DataError(f"{path}: cannot be decoded ({_first_line(error)}); write it again as plain PNG or uncompressed TIFF") from error
-
-
-def _decode_deep_png(path: Path) -> NDArray[Any]:
-    """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
-    png = optional("png", f"{path}: colour of 16 bits")
-    with path.open("rb") as file:
-        columns, rows, lines, facts = png.Reader(file=file).read()
-        stored = np.array([np.asarray(line, np.uint16) for line in lines])
-    return stored.reshape(rows, columns, facts["planes"])
-
-
-def _look_tiff(path: Path) -> _File:
-    tifffile = optional("tifffile", f"{path}: TIFF")
-
-    try:
-        with tifffile.TiffFile(path) as file:
-            page = file.pages[0]
-            shape, dtype = tuple(int(n) for n in page.shape), np.dtype(page.dtype)
-            pages, stack, facts = len(file.pages), tuple(int(n) for n in file.series[0].shape), TiffFacts.of(file)
-    except Exception as error:
-        raise DataError(f"{path}: cannot be read as TIFF ({_first_line(error)}); write it again") from error
-    one_page = pages == 1 and len(stack) > len(shape)
-    coloured = len(shape) == 3 and shape[-1] <= 4
-    if len(shape) - coloured != 2 or (one_page and len(stack) != len(shape) + 1):
-        raise DataError(f"{path}: holds pages of shape {shape} in a stack of {stack}; give pages of grey or RGB(A) images")
-    return _File(path, stack[0] if one_page else pages, shape, dtype, one_page, facts)
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import glob
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -12,20 +12,40 @@ import numpy as np
 
 from seaglint.analysis.recording import FrameArray, Recording
 from seaglint.base.errors import DataError, SeaglintError
-from seaglint.files.recording import arrays, images
+from seaglint.files.recording import arrays, fits_images, images
 from seaglint.files.recording import video_file as video
+from seaglint.files.recording.arrays import ArrayReading
+from seaglint.files.recording.axes import require_axes
+from seaglint.files.recording.decoding import Decoding
+from seaglint.files.recording.hdf5_arrays import open_hdf5, open_matlab
+from seaglint.files.recording.joined import joined
+from seaglint.files.recording.labelled import is_zarr, open_labelled_netcdf, open_zarr
 from seaglint.files.recording.raw import RawLayout, open_raw
-from seaglint.files.recording.stored import CHANNELS
+from seaglint.files.recording.stored import require_channel
 
 RATE_TOLERANCE = 0.01
 """Relative difference between the file's frame rate and the user's above which a note names both."""
 
-_ARRAY_ENDINGS = (".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts", ".nc", ".nc4", ".zarr")
+_NUMPY, _HDF5, _NETCDF = (".npy", ".npz"), (".h5", ".hdf5", ".he5", ".hdf"), (".nc", ".nc4", ".cdf")
+_ARRAY_ENDINGS = (*_NUMPY, *_HDF5, ".mat", *fits_images.ENDINGS, *_NETCDF, ".zarr")
 
 FORMATS = (
-    "Zarr (*.zarr), NetCDF (*.nc), PNG and TIFF (file, folder or 'pattern*.png'), FITS (*.fits, *.fit), NumPy (*.npy, *.npz), "
-    "HDF5 (*.h5, *.hdf5, *.mat), video (*.mp4, *.avi, *.mkv, *.mov), raw (*.raw, *.bin, *.dat with a layout)"
+    "Zarr (*.zarr), NetCDF (*.nc), PNG, TIFF, GIF, BMP, PGM and JPEG (file, folder or 'pattern*.png'), FITS (*.fits, *.fits.gz, "
+    "*.fits.fz), NumPy (*.npy, *.npz), HDF5 (*.h5, *.hdf5), MATLAB (*.mat), video (*.mp4, *.avi, *.mkv, *.mov), raw (*.raw, *.bin, "
+    "*.dat with a layout)"
 )
+
+_REMEDIES = {
+    **dict.fromkeys((".seq", ".csq", ".fff", ".ptw", ".sfmov", ".ats", ".inc"), "a thermal camera's own format: export it as TIFF or FITS"),
+    **dict.fromkeys((".jp2", ".j2k", ".jxl", ".webp", ".heic", ".avif", ".exr", ".dng"), "convert it to TIFF"),
+    **dict.fromkeys((".zip", ".tar", ".tgz", ".gz", ".7z", ".rar", ".bz2", ".xz"), "unpack it first"),
+    **dict.fromkeys((".grib", ".grb", ".grib2"), "convert it to NetCDF"),
+    **dict.fromkeys((".csv", ".txt", ".xlsx"), "save the images with numpy.save"),
+    **dict.fromkeys(
+        (".webm", ".wmv", ".mpg", ".mpeg", ".m4v", ".ts", ".flv"), "convert it to lossless mkv: ffmpeg -i IN -c:v ffv1 OUT.mkv"
+    ),
+}
+"""What to do with formats that are not read."""
 
 
 def open_recording(
@@ -38,6 +58,7 @@ def open_recording(
     channel: str | None = None,
     axes: str | None = None,
     saturation: float | None = None,
+    missing: Sequence[float] = (),
 ) -> Recording:
     """Open a sequence of images or a single one. Only its size is read, and of numbers wider than 16 bits the first frame.
 
@@ -52,13 +73,18 @@ def open_recording(
     raw : RawLayout, optional
         Layout of a raw file; otherwise read from the file beside it.
     variable : str, optional
-        Name of the array in a file that holds several.
-    channel : {"mean", "red", "green", "blue"}, optional
-        Channel of true colour images, which are refused otherwise.
-    axes : {"tyx", "yxt"}, optional
-        Order of the axes: time first (the default) or last.
+        Name of the array in a file that holds several; of FITS also ``SCI,2``, the number of an extension, or ``SCI,*`` for all images of
+        a name as frames.
+    channel : str, optional
+        Channel of true colour images, ``mean``, ``red``, ``green`` or ``blue``, or the number of one of several channels from 1; such
+        images are refused otherwise.
+    axes : str, optional
+        Order of the axes of an array, of the letters t (frames), y (rows), x (columns) and c (channels): ``tyx`` (the default), ``yxt``,
+        ``txy`` (an array that MATLAB's ``h5write`` wrote), ``tcyx``.
     saturation : float, optional
         Value from which on the sensor is saturated; overrules the format's full scale.
+    missing : sequence of float, optional
+        Stored numbers that are missing values, besides those that the file states.
 
     Returns
     -------
@@ -73,18 +99,18 @@ def open_recording(
     """
     if frame_rate is not None and not (np.isfinite(frame_rate) and frame_rate > 0.0):
         raise DataError(f"frame rate = {frame_rate:g} Hz; give a number above 0")
-    if channel is not None and channel not in CHANNELS:
-        raise DataError(f"channel = {channel!r}; allowed are {', '.join(CHANNELS)}")
-    if axes is not None and axes not in arrays.AXES:
-        raise DataError(f"axes = {axes!r}; allowed are {', '.join(arrays.AXES)}: time first or last")
+    if channel is not None:
+        require_channel(channel)
+    if axes is not None:
+        require_axes(axes)
     if saturation is not None and not np.isfinite(saturation):
         raise DataError(f"saturation = {saturation:g}; give a finite number")
-    how = arrays.ArrayReading(variable, channel, axes)
+    how = ArrayReading(variable, channel, axes, tuple(float(number) for number in missing))
     with _damage(path):
         recording = _open(Path(path), raw, how)
     notes = recording.notes
-    if axes == "yxt" and Path(path).suffix.lower() not in _ARRAY_ENDINGS:
-        raise DataError(f"{path}: axes='yxt' is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
+    if axes is not None and not Path(path).name.lower().endswith(_ARRAY_ENDINGS) and not Path(path).is_dir():
+        raise DataError(f"{path}: axes='{axes}' is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
     if frame_rate is not None and recording.frame_rate is not None and abs(frame_rate / recording.frame_rate - 1.0) > RATE_TOLERANCE:
         notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {recording.frame_rate:g} Hz")
     full = recording.saturation if saturation is None else saturation - recording.offset
@@ -116,51 +142,74 @@ def _damage(path: str | Path) -> Iterator[None]:
         raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
 
 
-def _open(path: Path, raw: RawLayout | None, how: arrays.ArrayReading) -> Recording:
-    if any(sign in path.name for sign in "*?["):
+def _open(path: Path, raw: RawLayout | None, how: ArrayReading) -> Recording:
+    if any(sign in path.name for sign in "*?[") and not path.exists():
         matches = sorted(map(Path, glob.glob(str(path))), key=images.natural)
         if not matches:
             raise DataError(f"{path}: no file has such a name; check the pattern")
-        return images.open_images(_images_only(matches, path), how.channel)
+        return _open_several(matches, path, how)
     if not path.exists():
         raise DataError(f"{path}: no such file or folder; give one of {FORMATS}")
     if path.is_dir():
         return _open_folder(path, how)
     if path.stat().st_size == 0:
         raise DataError(f"{path}: is empty")
-    ending = path.suffix.lower()
+    name, ending = path.name.lower(), path.suffix.lower()
     if raw is not None or ending in (".raw", ".bin", ".dat"):
-        return open_raw(path, raw if raw is not None else RawLayout.beside(path))
+        return _with_missing(open_raw(path, raw if raw is not None else RawLayout.beside(path)), how)
     if ending in images.ENDINGS:
-        return images.open_images([path], how.channel)
+        return images.open_images([path], how.channel, how.missing)
     if ending in video.ENDINGS:
-        return video.open_video(path, how.channel)
-    if ending in (".npy", ".npz"):
+        return _with_missing(video.open_video(path, how.channel), how)
+    if ending in _NUMPY:
         return arrays.open_numpy(path, how)
-    if ending in (".h5", ".hdf5", ".he5", ".mat"):
-        return arrays.open_hdf5(path, how)
-    if ending in (".fits", ".fit", ".fts"):
-        return arrays.open_fits(path, how)
-    if ending in (".nc", ".nc4"):
-        return arrays.open_labelled(path, how)
-    raise DataError(f"{path}: format not known; give one of {FORMATS}")
+    if ending in _HDF5:
+        return open_hdf5(path, how)
+    if ending == ".mat":
+        return open_matlab(path, how)
+    if name.endswith(fits_images.ENDINGS):
+        return fits_images.open_fits(path, how)
+    if ending in _NETCDF:
+        return open_labelled_netcdf(path, how)
+    remedy = _REMEDIES.get(ending)
+    raise DataError(f"{path}: {f'is not read, {remedy}' if remedy else 'format not known'}; give one of {FORMATS}")
 
 
-def _open_folder(path: Path, how: arrays.ArrayReading) -> Recording:
-    if (path / "zarr.json").exists() or (path / ".zgroup").exists():
+def _with_missing(recording: Recording, how: ArrayReading) -> Recording:
+    """Return a recording whose stored numbers that the user calls missing have no value."""
+    if not how.missing:
+        return recording
+    read, decoding = recording.read_block, Decoding(how.missing)
+    return replace(recording, read_block=lambda a, b: decoding.values(np.asarray(read(a, b)))).with_notes(*decoding.notes)
+
+
+def _open_folder(path: Path, how: ArrayReading) -> Recording:
+    if is_zarr(path):
         from seaglint.files.store.store import is_sequence, open_sequence
 
-        if is_sequence(path):
+        ours = is_sequence(path)
+        if ours:
             open_sequence(path).close()  # tells what is unfinished or damaged
-        return arrays.open_labelled(path, how)
-    files = sorted((f for f in path.iterdir() if f.suffix.lower() in images.ENDINGS), key=images.natural)
-    if not files:
-        raise DataError(f"{path}: a folder without PNG or TIFF images; give one of {FORMATS}")
-    return images.open_images(_images_only(files, path), how.channel)
+        return open_zarr(path, how, ours=ours)
+    files = sorted((f for f in path.iterdir() if f.is_file() and not f.name.startswith(".")), key=images.natural)
+    chosen = [f for f in files if f.suffix.lower() in images.ENDINGS] or [f for f in files if f.name.lower().endswith(_SEVERAL)]
+    if not chosen:
+        raise DataError(f"{path}: a folder without pictures (PNG, TIFF, GIF, BMP, PGM, JPEG) or FITS files; give one of {FORMATS}")
+    return _open_several(chosen, path, how)
 
 
-def _images_only(files: list[Path], where: Path) -> list[Path]:
+_SEVERAL = (*fits_images.ENDINGS, ".npy")
+"""Endings of arrays of which a folder may hold a sequence."""
+
+
+def _open_several(files: list[Path], where: Path, how: ArrayReading) -> Recording:
+    """Open the files of a folder or pattern, which are of one kind, in the order of their names."""
     endings = sorted({f.suffix.lower() for f in files})
+    if all(f.name.lower().endswith(_SEVERAL) for f in files) and len(endings) == 1:
+        first, last = files[0], files[-1]
+        opened = [_open(f, None, how) for f in files]
+        source = f"{first.parent} ({len(files)} files {first.name} ... {last.name})"
+        return joined(opened, source).with_notes(*images.missing_numbers(files)) if len(files) > 1 else opened[0]
     if len(endings) > 1 or endings[0] not in images.ENDINGS:
         raise DataError(f"{where}: holds files {', '.join(endings)}; give a pattern for one kind of image, e.g. '*.png'")
-    return files
+    return images.open_images(files, how.channel, how.missing)

@@ -16,6 +16,18 @@ CHANNELS: Final = ("mean", "red", "green", "blue")
 """Names of the ways to make one image of colour channels."""
 
 
+def require_channel(channel: str) -> None:
+    """Refuse a channel that is neither a colour nor a number from 1.
+
+    Raises
+    ------
+    DataError
+        Any other word.
+    """
+    if channel not in CHANNELS and not (channel.isdecimal() and int(channel) >= 1):
+        raise DataError(f"channel = {channel!r}; allowed are {', '.join(CHANNELS)}, or the number of a channel from 1")
+
+
 def full_scale(dtype: np.dtype[Any]) -> float | None:
     """Return the largest value of an integer type; None for floats."""
     return float(np.iinfo(dtype).max) if np.issubdtype(dtype, np.integer) else None
@@ -30,6 +42,10 @@ def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArr
         The channels differ and no ``channel`` was chosen.
     """
     count = images.shape[-1]
+    if channel is not None and channel.isdecimal():
+        if not 1 <= int(channel) <= count:
+            raise DataError(f"{source}: has {count} channels; channel = {channel} is none of them, give 1 to {count}")
+        return np.asarray(images[..., int(channel) - 1])
     if count in (1, 2):
         return images[..., 0]
     colours = images[..., :3]

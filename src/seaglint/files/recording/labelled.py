@@ -1,0 +1,217 @@
+"""Readers of NetCDF and Zarr, of seaglint or of other programs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis.recording import Recording
+from seaglint.base.errors import DataError
+from seaglint.base.schema import default_image
+from seaglint.files.netcdf import drop_quietly, open_netcdf
+from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, choose, frame_rate_of, of_array, text_of
+from seaglint.files.recording.decoding import in_type, of_attributes
+from seaglint.files.recording.hdf5_arrays import open_hdf5, unwritten_note, with_default_fill
+
+_SECONDS: Final = {
+    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
+    **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
+    **dict.fromkeys(("us", "µs", "microsecond", "microseconds"), 1e-6),
+    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
+    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
+    **dict.fromkeys(("h", "hr", "hour", "hours"), 3600.0),
+    **dict.fromkeys(("d", "day", "days"), 86400.0),
+}
+"""Seconds in the units of a time coordinate, with or without "since"."""
+
+_METADATA: Final = ("zarr.json", ".zgroup", ".zarray", ".zmetadata")
+
+
+def is_zarr(path: Path) -> bool:
+    """Return true for the folder of a Zarr store, of a group or of one array."""
+    return path.is_dir() and any((path / name).exists() for name in _METADATA)
+
+
+def open_labelled_netcdf(path: Path, how: ArrayReading) -> Recording:
+    """Open NetCDF: a variable of its root, otherwise one of its groups."""
+    dataset = open_netcdf(path, chunks=None, decode_times=False, mask_and_scale=False)
+    if not _images(dataset) and path.read_bytes()[:4] == b"\x89HDF":
+        dataset.close()
+        return open_hdf5(path, how, netcdf=True)
+    return of_dataset(dataset, str(path), how, netcdf=True)
+
+
+def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording:
+    """Open a Zarr store of version 2 or 3, with or without names of dimensions; of ``ours`` the chunks are known to be whole."""
+    import xarray as xr
+    import zarr
+
+    try:
+        node: Any = zarr.open(str(path), mode="r")
+    except Exception as error:
+        raise _unreadable(path, error) from error
+    if isinstance(node, zarr.Array):
+        return _of_zarr_array(node, str(path), how)
+    try:
+        dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False, mask_and_scale=False)
+        labelled = bool(_images(dataset)) or how.variable in dataset.variables
+    except Exception as error:
+        drop_quietly(error)
+        labelled = False
+    arrays = {str(name): member for name, member in _members(node) if _can_be_images(member)}
+    if labelled:
+        name = _chosen(dataset, how.variable, str(path))
+        if ours or name not in arrays:
+            return of_dataset(dataset, str(path), replace(how, variable=name))
+        if arrays[name].metadata.zarr_format == 2 and "_FillValue" not in arrays[name].attrs:
+            dataset[name].attrs.pop("_FillValue", None)  # xarray's word for the fill value of the store, which is no attribute
+        how = replace(how, variable=name, missing=(*how.missing, *_packed_fill(arrays[name])))
+        return of_dataset(dataset, str(path), how).with_notes(*_fill_notes(arrays[name]))
+    name = choose(arrays, how.variable, path)
+    return _of_zarr_array(arrays[name], f"{path}:{name}", how)
+
+
+def _members(group: Any) -> list[tuple[str, Any]]:
+    import zarr
+
+    return [(name, member) for name, member in group.members(max_depth=None) if isinstance(member, zarr.Array)]
+
+
+def _can_be_images(array: Any) -> bool:
+    return array.ndim >= 2 and array.size > 1 and np.dtype(array.dtype).kind in "uifb" and "flag_meanings" not in array.attrs
+
+
+def _of_zarr_array(array: Any, source: str, how: ArrayReading) -> Recording:
+    attributes = dict(array.attrs)
+    decoding, notes = of_attributes(attributes, np.dtype(array.dtype), source)
+    names = tuple(attributes.get("_ARRAY_DIMENSIONS") or getattr(array.metadata, "dimension_names", None) or ())
+    facts = ArrayFacts(
+        frame_rate_of(attributes),
+        text_of(attributes.get("units")),
+        tuple(map(str, names)) if all(names) else (),
+        decoding,
+        notes=(*notes, *_fill_notes(array)),
+    )
+    return of_array(array, source, replace(how, missing=(*how.missing, *_packed_fill(array))), facts)
+
+
+def _packed_fill(array: Any) -> tuple[float, ...]:
+    """Return the fill value of packed numbers of version 2 that no attribute calls missing: there xarray writes ``_FillValue`` so."""
+    attributes, fill = dict(array.attrs), array.fill_value
+    packed = array.metadata.zarr_format == 2 and ("scale_factor" in attributes or "add_offset" in attributes)
+    stated = "_FillValue" in attributes or "missing_value" in attributes
+    return () if not packed or stated or fill is None or fill == 0 else (fill,)
+
+
+def _fill_notes(array: Any) -> tuple[str, ...]:
+    """Return notes on the fill value: it fills chunks that are not there, and is a number where it stands in one.
+
+    The first, middle and last frames are looked at. Version 3 has no reader that masks its usual fill value, 0.
+    """
+    notes = []
+    attributes = dict(array.attrs)
+    there, whole = int(array.nchunks_initialized), int(array.nchunks)
+    fill = array.fill_value
+    if there < whole:
+        notes.append(unwritten_note(whole - there, whole, fill))
+    dtype = np.dtype(array.dtype)
+    if fill is None or "_FillValue" in attributes or "missing_value" in attributes or not in_type([fill], dtype) or _packed_fill(array):
+        return tuple(notes)
+    if array.metadata.zarr_format == 3 and fill == 0:
+        return tuple(notes)
+    frames = sorted({0, array.shape[0] // 2, array.shape[0] - 1}) if array.ndim > 2 else [slice(None)]
+    if there == whole and any(bool(np.any(np.asarray(array[i]) == fill)) for i in frames):
+        notes.append(
+            f"the store's fill value {float(fill):.9g} also occurs as data and counts as a number, as no attribute calls it missing; "
+            f"--missing {float(fill):.9g} masks it"
+        )
+    return tuple(notes)
+
+
+def _unreadable(path: Path, error: Exception) -> DataError:
+    reason = " ".join(str(error).split())[:200] or type(error).__name__
+    return DataError(f"{path}: cannot be read as Zarr ({reason})")
+
+
+def _images(dataset: Any) -> dict[str, Any]:
+    """Return the variables that can be images: two axes that are longer than one, and no categories."""
+    return {
+        str(name): variable
+        for name, variable in dataset.data_vars.items()
+        if variable.dtype.kind in "uifb" and variable.ndim >= 2 and variable.size > 1 and "flag_meanings" not in variable.attrs
+        and not str(name).endswith(("_bnds", "_bounds"))
+    }  # fmt: skip
+
+
+def _chosen(dataset: Any, requested: str | None, source: str) -> str:
+    images = _images(dataset)
+    if requested is not None and requested in dataset.variables and dataset[requested].ndim >= 2:
+        return requested
+    return choose(images, requested or default_image(images), source)
+
+
+def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = False) -> Recording:
+    """Return the image variable of an :class:`xarray.Dataset`: the chosen one, the default (counts before radiance), or the only
+    one; read when needed.
+    """
+    name = _chosen(dataset, how.variable, source)
+    chosen = dataset[name]
+    attributes = dict(chosen.attrs)
+    # Of a variable that xarray has decoded, the valid range is that of the packed numbers still.
+    if "scale_factor" in chosen.encoding or "add_offset" in chosen.encoding:
+        attributes = {key: value for key, value in attributes.items() if not key.startswith("valid_")}
+    decoding, notes = of_attributes(attributes, chosen.dtype, f"{source}:{name}")
+    if netcdf:
+        decoding = with_default_fill(decoding, attributes, chosen.dtype)
+    full = attributes.get("saturation_counts")
+    facts = ArrayFacts(
+        stored_frame_rate(dataset, chosen),
+        text_of(attributes.get("units")),
+        tuple(map(str, chosen.dims)),
+        decoding,
+        None if full is None else float(full),
+        notes=notes,
+    )
+    return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
+
+
+class _Lazy:
+    """Labelled variable that is read by slices."""
+
+    def __init__(self, variable: Any) -> None:
+        self._variable, self.shape, self.dtype = variable.variable, variable.shape, variable.dtype
+
+    def __getitem__(self, key: Any) -> NDArray[Any]:
+        return np.asarray(self._variable[key].to_numpy())
+
+
+def stored_frame_rate(dataset: Any, images: Any) -> float | None:
+    """Return the frames per second [Hz] of images in a dataset.
+
+    That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
+    attributes.
+    """
+    rate, even = frame_rate_of(dataset.attrs) or frame_rate_of(dict(images.attrs)), _spacing(dataset)
+    return even if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3) else rate
+
+
+def _spacing(dataset: Any) -> float | None:
+    """Return the frame rate of evenly spaced times."""
+    name = next((name for name in ("time", "t") if name in dataset.variables), None)
+    if name is None or dataset[name].ndim != 1 or dataset[name].size < 2:
+        return None
+    values = dataset[name].to_numpy()
+    if values.dtype.kind == "M":
+        values, unit = (values - values[0]) / np.timedelta64(1, "ns"), 1e-9
+    else:
+        words = str(dataset[name].attrs.get("units", "")).split()
+        unit = _SECONDS.get(words[0].lower(), 0.0) if words else 0.0
+    if unit == 0.0 or values.dtype.kind not in "uif":
+        return None
+    steps = unit * np.diff(values.astype(np.float64))
+    middle = float(np.median(steps))
+    return 1.0 / middle if middle > 0.0 and np.all(np.abs(steps - middle) < 1e-3 * middle) else None

@@ -1,0 +1,75 @@
+"""One file of pictures: its frames as stored, and what the file says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.files.recording.decoding import PLAIN, Decoding
+
+
+@dataclass(frozen=True)
+class PictureFile:
+    """Frames of one file.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    frames, rows, columns : int
+        Size.
+    dtype : numpy.dtype
+        Type of the stored numbers.
+    read : callable
+        ``(start, stop) -> stored numbers``, shape (stop - start, rows, columns), with a further axis of channels for colours.
+    colours : int
+        Length of the axis of colours, grey and alpha (2), RGB (3) or RGBA (4); 0 without that axis.
+    frame_rate : float or None
+        [Hz].
+    units : str or None
+        Units of the values.
+    decoding : Decoding
+        Relation of stored numbers to values.
+    saturation : float or None
+        Value of full scale.
+    notes : tuple of str
+        Sentences for the user.
+    """
+
+    path: Path
+    frames: int
+    rows: int
+    columns: int
+    dtype: np.dtype[Any]
+    read: Callable[[int, int], NDArray[Any]]
+    colours: int = 0
+    frame_rate: float | None = None
+    units: str | None = None
+    decoding: Decoding = PLAIN
+    saturation: float | None = None
+    notes: tuple[str, ...] = ()
+
+
+def channel_index(count: int, requested: str | None, source: object) -> int:
+    """Return the index of the requested channel of several.
+
+    Raises
+    ------
+    DataError
+        None requested, or one that is not there.
+    """
+    if requested is None or not requested.isdecimal() or not 1 <= int(requested) <= count:
+        what = "" if requested is None else f"; channel = {requested} is none of them"
+        raise DataError(f"{source}: has {count} channels{what}; give channel = 1 to {count}")
+    return int(requested) - 1
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of an exception's text."""
+    return (str(error).splitlines() or [type(error).__name__])[0]

@@ -1,0 +1,334 @@
+"""Reader of PNG, GIF, BMP, PGM and JPEG by Pillow, animated ones among them.
+
+References
+----------
+PNG specification, third edition: IHDR, PLTE, tRNS, gAMA, pCAL (in the extensions), acTL and fcTL.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import BackendError, DataError
+from seaglint.base.optional import optional
+from seaglint.files.recording.decoding import PLAIN, Decoding
+from seaglint.files.recording.picture_file import PictureFile, first_line
+
+ENDINGS: Final = (".png", ".apng", ".gif", ".bmp", ".pgm", ".pbm", ".ppm", ".pnm", ".pfm", ".jpg", ".jpeg")
+
+_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
+_CHANNELS: Final = {0: 0, 2: 3, 3: 3, 4: 2, 6: 4}
+"""Length of the axis of colours by the colour type of a PNG: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha."""
+
+_BEFORE_PIXELS: Final = 200
+"""Largest number of chunks before the pixels that are looked at."""
+
+_GAMMA_ONE: Final = 100_000
+_ORIENTATION: Final = 0x0112
+_UNEVEN_GIF: Final = 10.0
+"""Largest difference between durations of a GIF's frames that rounding to hundredths of a second explains [ms]."""
+
+
+@dataclass(frozen=True)
+class _PngHeader:
+    """Header of a PNG: size, depth, kind of colours, and chunks that change the meaning of numbers."""
+
+    rows: int
+    columns: int
+    depth: int
+    colour: int
+    animated: bool = False
+    decoding: Decoding = PLAIN
+    units: str | None = None
+    notes: tuple[str, ...] = field(default=())
+
+
+def open_picture(path: Path) -> PictureFile:
+    """Look at a picture or an animation: from its header where possible.
+
+    Raises
+    ------
+    DataError
+        A file that cannot be decoded, or one of several pictures that are read by no one.
+    """
+    header = _png_header(path) if path.suffix.lower() in (".png", ".apng") else None
+    if header is not None and not header.animated and header.colour in _CHANNELS:
+        dtype = np.dtype(np.uint16 if header.depth == 16 else np.uint8)
+        full = float(2 ** (header.depth if header.colour == 0 else max(header.depth, 8)) - 1)
+        return PictureFile(
+            path, 1, header.rows, header.columns, dtype, lambda a, b: _decoded(path)[np.newaxis], _CHANNELS[header.colour],
+            units=header.units, decoding=header.decoding, saturation=full if header.decoding.scale == 1.0 else None, notes=header.notes,
+        )  # fmt: skip
+    return _by_pillow(path, header)
+
+
+def _by_pillow(path: Path, header: _PngHeader | None) -> PictureFile:
+    """Look at a file by decoding its first frame, and at the durations of all of them."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as image:
+            # The picture before an animation that is no part of it (APNG) is the first frame to Pillow.
+            skipped = int(bool(getattr(image, "default_image", False)))
+            count = int(getattr(image, "n_frames", 1)) - skipped
+            form = str(image.format)
+            durations = []
+            for i in range(count if count > 1 else 0):
+                image.seek(i + skipped)
+                durations.append(float(image.info.get("duration", 0.0) or 0.0))
+    except Exception as error:
+        raise DataError(f"{path}: cannot be decoded ({first_line(error)}); write it again as plain PNG or uncompressed TIFF") from error
+    if header is not None and header.animated and header.depth == 16:
+        raise DataError(f"{path}: is an animated PNG of 16 bits, which is not read; write its frames as PNG files, or as TIFF")
+    frames = _Animation(path, skipped)
+    first = frames.read(0, 1)[0]
+    notes = list(header.notes if header is not None else ())
+    decoding, units = (header.decoding, header.units) if header is not None else (PLAIN, None)
+    full: float | None = float(np.iinfo(first.dtype).max) if first.dtype.kind == "u" else None
+    if form == "PPM":
+        own, notes_of = _netpbm(path)
+        full = float(own) if own is not None else full
+        notes += notes_of
+    if form == "JPEG":
+        notes.append("JPEG is lossy: tails and correlations of the noise are changed")
+        notes += _radiometric(path)
+    rate, uneven = _rate(durations, form)
+    colours = 0 if first.ndim == 2 else int(first.shape[-1])
+    return PictureFile(
+        path, count, int(first.shape[0]), int(first.shape[1]), first.dtype, frames.read, colours,
+        frame_rate=rate, units=units, decoding=decoding, saturation=full, notes=(*notes, *uneven),
+    )  # fmt: skip
+
+
+def _rate(durations: list[float], form: str) -> tuple[float | None, tuple[str, ...]]:
+    """Return the frame rate [Hz] of an animation whose frames last as long as each other."""
+    if not durations or min(durations) <= 0.0:
+        return None, ()
+    spread = max(durations) - min(durations)
+    if spread > (_UNEVEN_GIF if form == "GIF" else 1e-3 * max(durations)):
+        return None, (f"frames last {min(durations):g} to {max(durations):g} ms: they have no one frame rate",)
+    return 1000.0 * len(durations) / sum(durations), ()
+
+
+class _Animation:
+    """Decoder of an animation's frames in order; a request for earlier ones starts again."""
+
+    def __init__(self, path: Path, skipped: int) -> None:
+        self._path, self._skipped, self._next = path, skipped, 0
+        self._images: Iterator[NDArray[Any]] = iter(())
+
+    def read(self, start: int, stop: int) -> NDArray[Any]:
+        """Return frames ``start`` to ``stop`` as stored."""
+        if start < self._next or self._next == 0:
+            self._next, self._images = 0, self._decode()
+        block = []
+        try:
+            while self._next < stop:
+                image = next(self._images)
+                if self._next >= start:
+                    block.append(image)
+                self._next += 1
+        except StopIteration:
+            raise DataError(f"{self._path}: ends after frame {self._next}; the file is cut") from None
+        if any(image.shape != block[0].shape for image in block):
+            raise DataError(f"{self._path}: some of its frames are grey and some in colour; write them as grey pictures")
+        return np.stack(block)
+
+    def _decode(self) -> Iterator[NDArray[Any]]:
+        from PIL import Image
+
+        try:
+            with Image.open(self._path) as image:
+                for i in range(self._skipped, int(getattr(image, "n_frames", 1))):
+                    if i:
+                        image.seek(i)
+                    yield _numbers(image, self._path)
+        except DataError:
+            raise
+        except Exception as error:
+            reason = first_line(error)
+            raise DataError(f"{self._path}: cannot be decoded ({reason}); write it again as plain PNG or uncompressed TIFF") from error
+
+
+def _numbers(image: Any, path: Path) -> NDArray[Any]:
+    """Return the numbers of a picture: (rows, columns), or (rows, columns, channels)."""
+    from PIL import ImageOps
+
+    depth = _grey_depth(image)
+    maximum = _netpbm(path)[0] if image.format == "PPM" else None
+    if image.format == "JPEG" and image.mode == "CMYK":
+        raise DataError(f"{path}: holds inks (CMYK), which are no measure of radiance; give the grey original")
+    turned = ImageOps.exif_transpose(image) if image.format == "JPEG" else image
+    # A palette is a picture of colours, not numbers; 16-bit grey comes as 32-bit integers from some versions.
+    stored = np.asarray(turned.convert("RGB") if turned.mode in ("P", "PA") else turned)
+    if image.mode.startswith("I"):
+        stored = stored.astype(np.uint16)
+    if stored.dtype == np.bool_:
+        return stored.astype(np.uint8)
+    if depth < 8:
+        return stored // np.uint8(255 // (2**depth - 1))  # Pillow stretches 2 and 4 bits to 8
+    if maximum is not None and maximum not in (255, 65535):
+        # Pillow stretches to 8 or 16 bits; rounding finds the stored number again.
+        top = 255 if maximum < 256 else 65535
+        return np.rint(stored.astype(np.float64) * maximum / top).astype(np.uint8 if maximum < 256 else np.uint16)
+    return stored
+
+
+def _grey_depth(image: Any) -> int:
+    """Return the bits of a grey PNG, which Pillow does not keep."""
+    if image.format != "PNG" or image.mode != "L":
+        return 8
+    header = _png_header(Path(image.filename))
+    return header.depth if header is not None and header.colour == 0 else 8
+
+
+def _decoded(path: Path) -> NDArray[Any]:
+    """Return the numbers of a still picture."""
+    from PIL import Image
+
+    try:
+        header = _png_header(path)
+        if header is not None and header.depth == 16 and header.colour != 0:
+            return _deep_png(path)
+        with Image.open(path) as image:
+            return _numbers(image, path)
+    except (BackendError, DataError):
+        raise
+    except Exception as error:
+        reason = first_line(error)
+        raise DataError(f"{path}: cannot be decoded ({reason}); write it again as plain PNG or uncompressed TIFF") from error
+
+
+def _deep_png(path: Path) -> NDArray[Any]:
+    """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
+    png = optional("png", f"{path}: colour of 16 bits")
+    with path.open("rb") as file:
+        columns, rows, lines, facts = png.Reader(file=file).read()
+        stored = np.array([np.asarray(line, np.uint16) for line in lines])
+    return np.asarray(stored.reshape(rows, columns, facts["planes"]))
+
+
+def _png_header(path: Path) -> _PngHeader | None:
+    """Return the chunks before the pixels that matter; None for a file that is no PNG."""
+    header: _PngHeader | None = None
+    try:
+        with path.open("rb") as file:
+            if file.read(8) != _SIGNATURE:
+                return None
+            for _ in range(_BEFORE_PIXELS):
+                length, kind = struct.unpack(">I4s", file.read(8))
+                if kind == b"IDAT":
+                    break
+                content = file.read(length) if kind in _LOOKED_AT else b""
+                file.seek(4 if content or not length else length + 4, 1)
+                if kind == b"IHDR":
+                    columns, rows, depth, colour = struct.unpack(">IIBB", content[:10])
+                    header = _PngHeader(rows, columns, depth, colour)
+                elif header is not None and kind in _LOOKED_AT:
+                    header = _LOOKED_AT[kind](header, content, path)
+    except DataError:
+        raise
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({first_line(error)})") from error
+    except (struct.error, ValueError, IndexError):
+        return header
+    return header
+
+
+def _transparent(header: _PngHeader, content: bytes, path: Path) -> _PngHeader:
+    if header.colour != 0 or len(content) < 2:
+        return header
+    missing = float(struct.unpack(">H", content[:2])[0])
+    return replace(header, decoding=replace(header.decoding, missing=(missing,)))
+
+
+def _gamma(header: _PngHeader, content: bytes, path: Path) -> _PngHeader:
+    gamma = struct.unpack(">I", content[:4])[0]
+    if gamma == _GAMMA_ONE:
+        return header
+    note = f"the file states a gamma of {gamma / _GAMMA_ONE:.4g} for display (gAMA), which is not applied: values are the stored numbers"
+    return replace(header, notes=(*header.notes, note))
+
+
+def _calibration(header: _PngHeader, content: bytes, path: Path) -> _PngHeader:
+    """Honour a straight line from numbers to a quantity (pCAL, equation type 0); other equations are refused."""
+    _, _, rest = content.partition(b"\0")
+    first, last, kind, count = struct.unpack(">iiBB", rest[:10])
+    units, *parameters = rest[10:].split(b"\0")
+    if kind != 0 or count < 2 or first == last:
+        raise DataError(
+            f"{path}: its calibration (pCAL, equation {kind}) is no straight line; write the calibrated values as TIFF of floats"
+        )
+    zero, slope = (float(text) for text in parameters[:2])
+    # The numbers of the file span first to last, to which the equation p0 + p1 n / (last - first) is applied.
+    full = 2**header.depth - 1
+    line = replace(header.decoding, scale=slope / full, offset=zero + slope * first / (last - first))
+    return replace(header, decoding=line, units=units.decode("latin-1").strip() or None)
+
+
+_LOOKED_AT: Final[dict[bytes, Callable[[_PngHeader, bytes, Path], _PngHeader]]] = {
+    b"IHDR": lambda header, content, path: header,
+    b"acTL": lambda header, content, path: replace(header, animated=True),
+    b"tRNS": _transparent,
+    b"gAMA": _gamma,
+    b"pCAL": _calibration,
+}
+
+
+def _netpbm(path: Path) -> tuple[int | None, list[str]]:
+    """Return the largest number that a PGM or PPM states, and notes; the header is ASCII with comments.
+
+    Raises
+    ------
+    DataError
+        Further pictures behind the first.
+    """
+    with path.open("rb") as file:
+        head = file.read(4096)
+    words: list[bytes] = []
+    at = 0
+    needed = 3 if head[:2] in (b"P1", b"P4") else 4
+    while len(words) < needed and at < len(head):
+        if head[at : at + 1] == b"#":
+            at = head.find(b"\n", at) + 1 or len(head)
+        elif head[at : at + 1].isspace():
+            at += 1
+        else:
+            end = at
+            while end < len(head) and not head[end : end + 1].isspace():
+                end += 1
+            words.append(head[at:end])
+            at = end
+    if len(words) < needed or not words[1].isdigit() or not words[2].isdigit():
+        return None, []
+    columns, rows = int(words[1]), int(words[2])
+    if words[0] in (b"Pf", b"PF"):
+        scale = abs(float(words[3]))
+        return None, [f"the scale {scale:g} of the file is not applied"] if scale != 1.0 else []
+    if words[0] == b"P4":
+        size = rows * ((columns + 7) // 8)
+        maximum = 1
+    elif words[0] in (b"P5", b"P6") and words[3].isdigit():
+        maximum = int(words[3])
+        size = rows * columns * (2 if maximum > 255 else 1) * (3 if words[0] == b"P6" else 1)
+    else:
+        return (int(words[3]) if needed == 4 and words[3].isdigit() else 1), []
+    behind = path.stat().st_size - (at + 1 + size)
+    if behind >= size:
+        raise DataError(f"{path}: holds {1 + behind // size} pictures in one file, of which one could be read; write a file for each")
+    return maximum, []
+
+
+def _radiometric(path: Path) -> list[str]:
+    """Return a note on the numbers of a thermal camera that some JPEG files carry beside their picture (FLIR)."""
+    with path.open("rb") as file:
+        head = file.read(65536)
+    there = b"\xff\xe1" in head and b"FLIR\x00" in head
+    return ["the camera's thermal numbers beside the picture (FLIR) are not read: export them as TIFF"] if there else []

@@ -1,0 +1,254 @@
+"""Reader of TIFF: which pages are frames, which channel is read, and the numbers of each page.
+
+References
+----------
+TIFF 6.0: NewSubfileType (p. 36), PhotometricInterpretation (p. 37), Orientation (p. 36), ExtraSamples (p. 31); ImageJ and OME write the
+axes of a stack in its description.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.base.optional import optional
+from seaglint.files.recording.axes import AxisOrder, Ordered
+from seaglint.files.recording.picture_file import PictureFile, channel_index, first_line
+from seaglint.files.recording.tiff_facts import TiffFacts
+
+_REDUCED, _MASK = 1, 4
+"""Bits of NewSubfileType: a reduced version of another page, a transparency mask."""
+
+_OLD_REDUCED: Final = 2
+"""SubfileType of a reduced version."""
+
+_MASK_PICTURE, _PALETTE, _RGB, _YCBCR = 4, 3, 2, 6
+_REFUSED: Final = {
+    5: "inks (CMYK)", 8: "CIE L*a*b* colours", 9: "ICC L*a*b* colours", 10: "ITU L*a*b* colours", 32803: "a mosaic of colour filters",
+    32844: "logarithms of luminance (LogL)", 32845: "logarithms of luminance (LogLuv)",
+}  # fmt: skip
+"""Photometric interpretations whose numbers are no measure of radiance."""
+
+_STACKED: Final = ("is_imagej", "is_ome", "is_stk", "is_lsm", "is_micromanager", "is_scanimage", "is_nih", "is_fluoview", "is_mdgel")
+"""Kinds of files whose description says what the pages of a stack are."""
+
+_TIMES: Final = "TIQRHZ"
+"""Axes of a stack that are frames, the likeliest first: time, index, others, depth (ImageJ calls the frames of a stack slices)."""
+
+_TURNS: Final[dict[int, Callable[[NDArray[Any]], NDArray[Any]]]] = {
+    2: lambda a: a[:, :, ::-1],
+    3: lambda a: a[:, ::-1, ::-1],
+    4: lambda a: a[:, ::-1],
+    5: lambda a: a.swapaxes(1, 2),
+    6: lambda a: np.rot90(a, -1, (1, 2)),
+    7: lambda a: a.swapaxes(1, 2)[:, ::-1, ::-1],
+    8: lambda a: np.rot90(a, 1, (1, 2)),
+}
+"""Turns by Orientation that put the first row at the top and the first column at the left."""
+
+
+@dataclass(frozen=True)
+class _StackFrames:
+    """Pages that are frames, or one page that holds a whole stack."""
+
+    keys: tuple[int, ...]
+    stack: AxisOrder | None = None
+    channel: int | None = None
+    notes: tuple[str, ...] = ()
+    count: int = 0
+
+
+def open_tiff(path: Path, channel: str | None) -> PictureFile:
+    """Look at a TIFF: its frames, their size and type, and what it says of them.
+
+    Raises
+    ------
+    DataError
+        Pages that are no images of one size, channels none of which is chosen, or numbers that are no measure of radiance.
+    """
+    tifffile = optional("tifffile", f"{path}: TIFF")
+
+    try:
+        with tifffile.TiffFile(path) as file:
+            whole = next((kind for kind in _STACKED if getattr(file, kind, False)), None) is not None
+            shaped = file.is_shaped and len(file.series) == 1 and len(file.series[0].axes.replace("S", "")) > 3
+            frames = _of_series(file, path, channel) if whole or shaped else _of_pages(file, path)
+            page = file.pages[frames.keys[0]]
+            facts = TiffFacts.of(file, page, str(path))
+            return _picture_file(path, page, frames, facts, channel)
+    except DataError:
+        raise
+    except Exception as error:
+        raise DataError(f"{path}: cannot be read as TIFF ({first_line(error)}); write it again") from error
+
+
+def _of_pages(file: Any, path: Path) -> _StackFrames:
+    """Return the pages that are frames: neither reduced versions of others nor masks, and of one size."""
+    keys: list[int] = []
+    reduced = masks = 0
+    sizes: dict[tuple[int, ...], int] = {}
+    first: Any = None
+    for i, page in enumerate(file.pages):
+        tags = page.tags
+        kind, old = tags.get(254), tags.get(255)
+        kind_bits = 0 if kind is None else int(kind.value)
+        if kind_bits & _MASK or int(page.photometric) == _MASK_PICTURE:
+            masks += 1
+            continue
+        if kind_bits & _REDUCED or (old is not None and int(old.value) == _OLD_REDUCED):
+            reduced += 1
+            continue
+        first = page if first is None else first
+        sizes[tuple(page.shape)] = sizes.get(tuple(page.shape), 0) + 1
+        _require_alike(page, first, i, path)
+        keys.append(i)
+    if not keys:
+        raise DataError(f"{path}: all of its {reduced + masks} pages are masks or reduced versions of others; give the file of the images")
+    if len(sizes) > 1:
+        listed = ", ".join(f"{count} of {' x '.join(map(str, size))}" for size, count in sizes.items())
+        raise DataError(f"{path}: holds pages of several sizes ({listed}), and nothing says which are frames; write frames of one size")
+    notes = []
+    if reduced:
+        notes.append(f"{reduced} page{'s' * (reduced != 1)} with a reduced version of another (NewSubfileType) left out")
+    if masks:
+        notes.append(f"{masks} page{'s' * (masks != 1)} with a mask (NewSubfileType) left out")
+    return _StackFrames(tuple(keys), notes=tuple(notes))
+
+
+def _require_alike(page: Any, first: Any, index: int, path: Path) -> None:
+    """Refuse a page whose numbers mean something else than those of the first."""
+    if page is first or tuple(page.shape) != tuple(first.shape):
+        return
+    if page.dtype != first.dtype or page.photometric != first.photometric or page.bitspersample != first.bitspersample:
+        raise DataError(
+            f"{path}: page {index + 1} holds {page.dtype} ({page.photometric.name.lower()}), the first frame {first.dtype} "
+            f"({first.photometric.name.lower()}), which have no common scale; write all pages alike"
+        )
+    for code, name in ((42112, "GDAL's metadata"), (42113, "GDAL_NODATA"), (274, "Orientation")):
+        ours, theirs = page.tags.get(code), first.tags.get(code)
+        # A tag of the first page alone holds for all: many programs write it once.
+        if ours is not None and (theirs is None or ours.value != theirs.value):
+            raise DataError(f"{path}: page {index + 1} has another {name} than the first frame; write all pages alike")
+
+
+def _of_series(file: Any, path: Path, channel: str | None) -> _StackFrames:
+    """Return the pages of a stack whose axes the file names."""
+    series = file.series[0]
+    page = series.keyframe
+    axes, shape = str(series.axes), tuple(int(n) for n in series.shape)
+    within = len(page.axes)
+    lead, sizes = axes[: len(axes) - within], shape[: len(axes) - within]
+    if axes[len(lead) :] != page.axes:
+        raise DataError(f"{path}: holds a stack of axes {axes} in pages of {page.axes}; write a page for each image")
+    longer = [letter for letter, size in zip(lead, sizes, strict=True) if size > 1]
+    time = next((letter for letter in _TIMES if letter in longer), None)
+    others = [letter for letter in longer if letter != time]
+    if len(others) > 1:
+        listed = ", ".join(f"{shape[axes.index(letter)]} along {letter}" for letter in longer)
+        raise DataError(f"{path}: holds a stack of {listed} ({axes}); write one with frames and channels alone")
+    index = None
+    notes: list[str] = []
+    if others:
+        count = shape[axes.index(others[0])]
+        index = channel_index(count, channel, path)
+        notes.append(f"channel {index + 1} of {count}")
+    if time == "Z":
+        notes.append(f"{shape[axes.index('Z')]} slices of a stack taken as frames")
+    if len(file.series) > 1:
+        notes.append(f"the first of {len(file.series)} series of images is read")
+    count = int(np.prod(sizes)) if sizes else 1
+    if len(series.pages) < count:
+        if len(series.pages) != 1 or series.dataoffset is None:
+            raise DataError(f"{path}: its description names {count} images, {len(series.pages)} are there; the file is cut")
+        letters = "".join("t" if a == time else "c" if a in others else "1" for a in lead)
+        order = AxisOrder(letters + page.axes.lower().replace("s", "c"), guessed=False)
+        return _StackFrames((int(page.index),), order, index, tuple(notes), shape[axes.index(time)] if time else 1)
+    numbers: NDArray[Any] = np.arange(count).reshape(sizes)
+    numbers = numbers[tuple(slice(None) if a == time else index if a in others else 0 for a in lead)]
+    pages = [series.pages[int(i)] for i in np.ravel(numbers)]
+    if any(p is None for p in pages):
+        raise DataError(f"{path}: some images of its description are missing or in other files; give one file that holds all")
+    return _StackFrames(tuple(int(p.index) for p in pages), notes=tuple(notes))
+
+
+def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts, channel: str | None) -> PictureFile:
+    """Return the frames of a file, with one channel or colours."""
+    dtype, kind = np.dtype(page.dtype), int(page.photometric)
+    if kind in _REFUSED:
+        raise DataError(f"{path}: holds {_REFUSED[kind]}, which are no measure of radiance; give the grey original")
+    if dtype.kind not in "uifb":
+        raise DataError(f"{path}: holds {dtype}, not real numbers; give radiances or counts")
+    axes = str(page.axes)
+    if axes not in ("YX", "YXS", "SYX"):
+        raise DataError(f"{path}: holds pages of shape {tuple(page.shape)} and axes {axes}; give pages of grey or RGB(A) images")
+    size = dict(zip(axes, (int(n) for n in page.shape), strict=True))
+    samples = size.get("S", 1)
+    coloured = kind in (_RGB, _YCBCR) and samples in (3, 4)
+    alpha = samples == 2 and int(np.ravel(page.extrasamples)[0] if len(page.extrasamples) else 0) in (1, 2)
+    one = None if coloured or alpha or samples == 1 else channel_index(samples, channel, path)
+    notes = list(frames.notes)
+    if one is not None:
+        notes.append(f"channel {one + 1} of {samples}")
+    palette = _palette(page) if kind == _PALETTE else None
+    orientation = page.tags.get(274)
+    turn = _TURNS.get(1 if orientation is None else int(orientation.value))
+    if turn is not None:
+        notes.append(f"pictures are turned by the file's Orientation {int(orientation.value)}")
+    stored = _reader(path, frames, tuple(int(n) for n in page.shape))
+
+    def read(start: int, stop: int) -> NDArray[Any]:
+        block = stored(start, stop)
+        if axes == "SYX" and frames.stack is None:
+            block = np.moveaxis(block, 1, -1)
+        if one is not None:
+            block = block[..., one]
+        elif alpha:
+            block = block[..., 0]
+        if palette is not None:
+            block = np.moveaxis(palette[:, block], 0, -1)
+        return block if turn is None else turn(block)
+
+    facts = facts.of_channel(one if one is not None else frames.channel)
+    rows, columns = (size["X"], size["Y"]) if turn is not None and int(orientation.value) >= 5 else (size["Y"], size["X"])
+    return PictureFile(
+        path, frames.count or len(frames.keys), rows, columns, dtype if palette is None else palette.dtype, read,
+        colours=3 if palette is not None else samples if coloured else 0,
+        frame_rate=facts.frame_rate, units=facts.units, decoding=facts.decoding,
+        saturation=facts.saturation if palette is None else float(np.iinfo(palette.dtype).max),
+        notes=(*notes, *facts.notes),
+    )  # fmt: skip
+
+
+def _palette(page: Any) -> NDArray[Any] | None:
+    """Return the colours of a palette, shape (3, entries); of 8 bits where they are no finer."""
+    colours = None if page.colormap is None else np.asarray(page.colormap)
+    return (colours // 257).astype(np.uint8) if colours is not None and not np.any(colours % 257) else colours
+
+
+def _reader(path: Path, frames: _StackFrames, shape: tuple[int, ...]) -> Callable[[int, int], NDArray[Any]]:
+    """Return a function that reads frames as stored."""
+    import tifffile
+
+    def read(start: int, stop: int) -> NDArray[Any]:
+        keys = frames.keys[start:stop]
+        try:
+            if frames.stack is not None:
+                # A stack of one page that a header calls many is mapped, and unmapped when the block is copied.
+                return np.asarray(Ordered(tifffile.memmap(path, mode="r"), frames.stack, frames.channel)[start:stop])
+            step = keys[1] - keys[0] if len(keys) > 1 else 1
+            even = keys == tuple(range(keys[0], keys[-1] + 1, max(step, 1)))
+            block = tifffile.imread(path, key=range(keys[0], keys[-1] + 1, step) if even else list(keys))
+        except Exception as error:
+            text = first_line(error)
+            if "imagecodecs" in text:
+                optional("imagecodecs", f"{path}: its compression or packing")
+            raise DataError(f"{path}: frames {start}:{stop} cannot be decoded ({text}); the file is cut") from error
+        return np.asarray(block).reshape(stop - start, *shape)
+
+    return read
