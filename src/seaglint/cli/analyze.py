@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @takes_records(
     order="recording as_json report frame_rate units mask rows filter kernel signature thresholds scope detectors "
-    "variable channel axes saturation border raw seed"
+    "variable channel axes missing saturation border raw seed"
 )
 def analyze(
     recording: Annotated[

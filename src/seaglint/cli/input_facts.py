@@ -174,8 +174,12 @@ def describe_recording(path: Path) -> RecordingFacts:
     import numpy as np
 
     from seaglint.files.recording import open_recording
+    from seaglint.files.recording.stored import SeveralChannelsError
 
-    recording = open_recording(path)
+    try:
+        recording = open_recording(path)
+    except SeveralChannelsError:
+        recording = open_recording(path, channel="1")
     first = recording.read(0, 1)[0].astype(float) + recording.offset
     known = first[np.isfinite(first)]
     return RecordingFacts(

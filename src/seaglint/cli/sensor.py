@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
+from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
 from seaglint.cli.terminal.records import Without, takes_records
 from seaglint.cli.terminal.run_options import RunOptions
@@ -37,7 +37,7 @@ def _list_presets(requested: bool) -> None:
 
 
 @takes_records(
-    order="recording scenario output seed oversampling electrons sensor_preset frame_rate variable "
+    order="recording scenario output seed oversampling electrons sensor_preset frame_rate variable channel axes missing "
     "resume overwrite show workers dask dask_slurm"
 )
 def sense(
@@ -46,7 +46,7 @@ def sense(
     ],
     scenario: ScenarioFile,
     output: StoreOption,
-    request: Annotated[SenseRequest, Without(("units", "channel", "axes", "saturation", "raw", "threads"))],
+    request: Annotated[SenseRequest, Without(("units", "saturation", "raw", "threads"))],
     run: Annotated[RunOptions, Without(("threads",))],
     sensor_preset: SensorPreset = None,
     shard: ShardOption = None,
@@ -69,6 +69,7 @@ def sense(
         store, resume=request.resume, overwrite=request.overwrite, inputs=[*files_read(scenario, loaded), Path(recording)], share=share
     )
     opened = request.opened(recording)
+    log_notes(recording, opened)
     with naming_file(scenario, loaded), run.chosen() as others, patient_progress(run.show, "frames") as report:
         sensed(
             opened,
@@ -83,7 +84,7 @@ def sense(
             progress=report,
             share=share,
             workers=others,
-            reopen=Reopen(Path(recording), request.frame_rate, request.variable),
+            reopen=Reopen(Path(recording), request.frame_rate, request.variable, request.channel, request.axes, request.missing),
         )
     if share is not None:
         tell_share(store, share)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
+from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import Without, takes_records
@@ -16,6 +16,7 @@ from seaglint.studies.reading_requests import ReadingRequest
 from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
 
 if TYPE_CHECKING:
+    from seaglint.analysis.recording import Recording
     from seaglint.base.free_form import JsonObject
     from seaglint.studies.texture.texture_sequences import DataLikelihood, Fitted
     from seaglint.texture.quality import TextureDistances
@@ -30,7 +31,7 @@ Reading = Annotated[ReadingRequest, Without(("saturation",))]
 @texture.command()
 @takes_records(
     order="recording output model tails region any_region detrend product order isotropic levels method keep_histogram report as_json "
-    "frame_rate units variable channel axes raw"
+    "frame_rate units variable channel axes missing raw"
 )
 def fit(
     recording: Input,
@@ -51,7 +52,9 @@ def fit(
         _refuse_report(report, request.overwrite, [recording, output])
     if request.model == "autobinomial" and request.tails != "gaussian":
         raise DataError(f"--tails {request.tails}: an autobinomial texture has the histogram of its picture; leave --tails out")
-    result = fitted(reading.opened(recording), request)
+    opened = reading.opened(recording)
+    log_notes(recording, opened)
+    result = fitted(opened, request)
     write_texture(result.stored, output, overwrite=request.overwrite)
     log(f"{output} written")
     if report is not None:
@@ -118,7 +121,12 @@ def compare(
     if report is not None:
         _refuse_report(report, request.overwrite, [first, second])
 
-    comparison, one, other, likelihood = compare_files(first, second, reading.opened, request)
+    def opened(path: str | Path) -> Recording:
+        recording = reading.opened(path)
+        log_notes(path, recording)
+        return recording
+
+    comparison, one, other, likelihood = compare_files(first, second, opened, request)
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 

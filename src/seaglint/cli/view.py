@@ -22,6 +22,8 @@ def view(
         Path | None, typer.Option("--folder", help="folder from which other files may be chosen; that of what is given")
     ] = None,
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
+    channel: Annotated[str | None, typer.Option("--channel", help="a colour of true colour images, or the number of a channel")] = None,
+    axes: Annotated[str | None, typer.Option("--axes", help="order of an array's axes, e.g. yxt where time is the last")] = None,
 ) -> None:
     """Look at sequences, maps and scenarios in a browser.
 
@@ -47,5 +49,5 @@ def view(
         Draft(scenarios[0])  # what is no scenario file is told here, not in the browser
     # With nothing to look at the workbench begins with a preset.
     pages = [workbench(scenarios[0] if scenarios else None)] if scenarios or (not given and folder is None) else []
-    library = Library(others, folder if folder is not None or others else None, variable)
+    library = Library(others, folder if folder is not None or others else None, variable, channel, axes)
     serve(library, pages, host=host, port=port, browser=browser, announce=lambda where: typer.echo(f"{where}"))

@@ -63,10 +63,16 @@ class ReadingRequest:
     frame_rate: Annotated[float | None, Parameter("frames per second, where the file does not say [Hz]", "Recording")] = None
     units: Annotated[str | None, Parameter("units of the values, where the file does not say", "Recording")] = None
     variable: Annotated[str | None, Parameter("which array of a file that holds several", "Recording")] = None
-    channel: Annotated[str | None, Parameter("mean, red, green or blue of true colour images", "Recording")] = None
-    axes: Annotated[
-        str | None, Parameter("order of an array of three axes: tyx (time first, the default) or yxt (time last)", "Recording")
+    channel: Annotated[
+        str | None, Parameter("mean, red, green or blue of true colour images, or the number of a channel from 1", "Recording")
     ] = None
+    axes: Annotated[
+        str | None,
+        Parameter("order of an array's axes: t time, y rows, x columns, c channels; tyx is the default, yxt has time last", "Recording"),
+    ] = None
+    missing: Annotated[
+        tuple[float, ...], Parameter("stored number that is a missing value, besides those that the file states; repeatable", "Recording")
+    ] = ()
     saturation: Annotated[float | None, Parameter("value from which on the sensor is saturated", "Recording")] = None
     raw: Annotated[
         Any,
@@ -86,6 +92,7 @@ class ReadingRequest:
             channel=self.channel,
             axes=self.axes,
             saturation=self.saturation,
+            missing=self.missing,
         )
 
 

@@ -35,9 +35,9 @@ class ViewerSource:
     there.
     """
 
-    def __init__(self, path: str | Path, variable: str | None = None) -> None:
+    def __init__(self, path: str | Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> None:
         self.path = str(path)
-        self._variable = variable
+        self._variable, self._channel, self._axes = variable, channel, axes
         self._lock = threading.RLock()
         self._cached: OrderedDict[tuple[str, int], Image] = OrderedDict()
         self._bytes = 0
@@ -76,7 +76,7 @@ class ViewerSource:
         raise GoneError(f"{self.path}: is not there any more; put it back, or choose another one")
 
     def _open(self) -> Opened:
-        opened = open_path(self._place, self._variable)
+        opened = open_path(self._place, self._variable, self._channel, self._axes)
         self._cached.clear()
         self._bytes, self._done = 0, opened.done()
         return opened
@@ -206,19 +206,19 @@ class ViewerSource:
         )
 
 
-def open_source(path: str | Path, variable: str | None = None) -> ViewerSource:
+def open_source(path: str | Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> ViewerSource:
     """Open a sequence (finished or being written), a map, or any recording that ``seaglint analyze`` reads.
 
     Parameters
     ----------
     path : path
         File, store, folder of images, or pattern.
-    variable : str, optional
-        Name of the array in a file that holds several.
+    variable, channel, axes : str, optional
+        Name of the array in a file that holds several, channel, and order of axes, as in :func:`seaglint.files.recording.open_recording`.
 
     Raises
     ------
     DataError
         Nothing there, or nothing that can be looked at.
     """
-    return ViewerSource(path, variable)
+    return ViewerSource(path, variable, channel, axes)

@@ -15,7 +15,7 @@ from seaglint.files.recording import video_file as video
 from seaglint.viewer.frame_source import ViewerSource, open_source
 
 ENDINGS: Final = frozenset({
-    ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts",
+    ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts", ".fz",
     *images.ENDINGS, *video.ENDINGS,
 })  # fmt: skip
 """Endings of the files offered in a folder; raw files need a layout and are given by name."""
@@ -36,8 +36,8 @@ class Library:
         Paths that the user named; opened at once, so that errors appear before a browser opens.
     folder : path, optional
         Folder of further files; the folders of the given files by default.
-    variable : str, optional
-        Name of the array in files that hold several.
+    variable, channel, axes : str, optional
+        Name of the array in files that hold several, channel, and order of axes, as in :func:`seaglint.files.recording.open_recording`.
 
     Raises
     ------
@@ -45,7 +45,14 @@ class Library:
         A folder that is none, or something given that cannot be opened.
     """
 
-    def __init__(self, given: Iterable[str | Path] = (), folder: str | Path | None = None, variable: str | None = None) -> None:
+    def __init__(
+        self,
+        given: Iterable[str | Path] = (),
+        folder: str | Path | None = None,
+        variable: str | None = None,
+        channel: str | None = None,
+        axes: str | None = None,
+    ) -> None:
         self._lock = threading.RLock()
         self._paths: list[str] = []
         self._open: dict[int, ViewerSource] = {}
@@ -54,7 +61,7 @@ class Library:
             raise DataError(f"folder = {folder}: is no folder; give one with sequences or recordings")
         self._folders = [Path(folder).resolve()] if folder is not None else sorted({Path(path).resolve().parent for path in named})
         for path in named:
-            self._open[self._number(path)] = open_source(path, variable)
+            self._open[self._number(path)] = open_source(path, variable, channel, axes)
         self.given = len(self._paths)
 
     def __len__(self) -> int:

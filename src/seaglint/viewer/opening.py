@@ -20,7 +20,8 @@ from seaglint.files.directions import directions
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording import open_recording
-from seaglint.files.recording.labelled import stored_frame_rate
+from seaglint.files.recording.decoding import PLAIN
+from seaglint.files.recording.labelled import range_of_decoded, stored_frame_rate
 from seaglint.files.store.manifest import DONE
 from seaglint.files.store.store import is_sequence
 from seaglint.files.store.stored_truth import GROUP
@@ -81,8 +82,8 @@ class Opened:
     notes: tuple[str, ...] = ()
 
 
-def open_path(path: Path, variable: str | None = None) -> Opened:
-    """Open the file or folder at a path.
+def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> Opened:
+    """Open the file or folder at a path; words as in :func:`~seaglint.files.recording.open_recording`.
 
     Raises
     ------
@@ -93,9 +94,9 @@ def open_path(path: Path, variable: str | None = None) -> Opened:
         return _of_sequence(path, variable)
     if path.suffix.lower() in _MAPS:
         dataset = open_netcdf(path, decode_times=False)
-        if _images(dataset):
+        if axes is None and channel is None and _images(dataset):
             return _of_dataset(dataset, path, variable, None)
-    return _of_recording(open_recording(path, variable=variable))
+    return _of_recording(open_recording(path, variable=variable, channel=channel, axes=axes))
 
 
 def _of_sequence(path: Path, variable: str | None) -> Opened:
@@ -179,9 +180,13 @@ def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
     """Return the stored layers and those derived from the main one: radiance from counts, apparent temperature from radiance."""
 
     def stored(name: str) -> Callable[[int], NDArray[np.floating[Any]]]:
+        variable = dataset[name]
+        bounded = any(end in variable.attrs for end in ("valid_min", "valid_max", "valid_range"))
+        valid = range_of_decoded(variable, name) if bounded else PLAIN
+
         def read(index: int) -> NDArray[np.floating[Any]]:
             values = dataset[name]
-            image = np.array(values[index] if "time" in values.dims else values)
+            image = valid.values(np.array(values[index] if "time" in values.dims else values))
             return image if image.dtype.kind == "f" else image.astype(np.float32)
 
         return read

@@ -15,6 +15,7 @@ import typer
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 
 if TYPE_CHECKING:
+    from seaglint.analysis.recording import Recording
     from seaglint.scenario.model import Scenario
 
 
@@ -102,6 +103,12 @@ def printable(text: str) -> str:
 def log(text: str) -> None:
     """Print one line for the user, on stderr."""
     print(printable(text), file=sys.stderr, flush=True)
+
+
+def log_notes(path: object, recording: Recording) -> None:
+    """Print the notes of a recording, a line each: what was masked, scaled, turned or left out when it was opened."""
+    for note in recording.notes:
+        log(f"{path}: {note}")
 
 
 def tell(lines: Iterable[str]) -> None:

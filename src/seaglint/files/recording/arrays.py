@@ -18,7 +18,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
 from seaglint.files.recording.axes import MOST_COLOURS, AxisOrder, Ordered, layout_of
 from seaglint.files.recording.decoding import PLAIN, Decoded, Decoding, in_type
-from seaglint.files.recording.stored import CHANNELS, full_scale, grey
+from seaglint.files.recording.stored import CHANNELS, SeveralChannelsError, full_scale, grey
 
 RESOLVED: Final = 1000.0
 """Smallest spread of the values in steps of single precision; below it an offset is subtracted."""
@@ -128,7 +128,7 @@ def _channel(count: int, requested: str | None, source: str) -> tuple[bool, int 
     if count in (3, MOST_COLOURS):
         return True, None
     if count > 1:
-        raise DataError(f"{source}: has {count} channels; give channel = 1 to {count}")
+        raise SeveralChannelsError(f"{source}: has {count} channels; give channel = 1 to {count}")
     return False, None
 
 

@@ -12,6 +12,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.provenance import stored_band
+from seaglint.files.recording.labelled import is_zarr
 from seaglint.optics.band import Band
 
 if TYPE_CHECKING:
@@ -55,6 +56,18 @@ def _numbers(dataset: xr.Dataset) -> range | None:
     return range(int(numbers[0]), int(numbers[-1]) + 1)
 
 
+def _of_zarr(path: Path) -> Source | None:
+    """Return the attributes of a Zarr store; None for one without names of dimensions, which has none of ours."""
+    import xarray as xr
+
+    try:
+        dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False)
+    except (KeyError, ValueError, FileNotFoundError):
+        return None
+    with dataset:
+        return Source.of(dataset)
+
+
 def source_of(path: Path) -> Source | None:
     """Return the attributes of a Zarr store or NetCDF file; None for other files.
 
@@ -63,12 +76,9 @@ def source_of(path: Path) -> Source | None:
     DataError
         A file that cannot be read.
     """
-    import xarray as xr
-
     try:
-        if path.is_dir() and ((path / "zarr.json").exists() or (path / ".zgroup").exists()):
-            with xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False) as dataset:
-                return Source.of(dataset)
+        if is_zarr(path):
+            return _of_zarr(path)
         if path.suffix.lower() in (".nc", ".nc4"):
             with open_netcdf(path, decode_times=False) as dataset:
                 return Source.of(dataset)

@@ -14,7 +14,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.schema import default_image
 from seaglint.files.netcdf import drop_quietly, open_netcdf
 from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, choose, frame_rate_of, of_array, text_of
-from seaglint.files.recording.decoding import in_type, of_attributes
+from seaglint.files.recording.decoding import Decoding, in_type, of_attributes
 from seaglint.files.recording.hdf5_arrays import open_hdf5, unwritten_note, with_default_fill
 
 _SECONDS: Final = {
@@ -67,10 +67,12 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
         name = _chosen(dataset, how.variable, str(path))
         if ours or name not in arrays:
             return of_dataset(dataset, str(path), replace(how, variable=name))
-        if arrays[name].metadata.zarr_format == 2 and "_FillValue" not in arrays[name].attrs:
-            dataset[name].attrs.pop("_FillValue", None)  # xarray's word for the fill value of the store, which is no attribute
+        if arrays[name].metadata.zarr_format == 2:
+            # xarray puts the fill value of the store, which is no attribute, in the place of the attribute.
+            dataset[name].attrs.pop("_FillValue", None)
+            dataset[name].attrs |= {key: value for key, value in arrays[name].attrs.items() if key == "_FillValue"}
         how = replace(how, variable=name, missing=(*how.missing, *_packed_fill(arrays[name])))
-        return of_dataset(dataset, str(path), how).with_notes(*_fill_notes(arrays[name]))
+        return of_dataset(dataset, str(path), how).with_notes(*_fill_notes(arrays[name], how.missing))
     name = choose(arrays, how.variable, path)
     return _of_zarr_array(arrays[name], f"{path}:{name}", how)
 
@@ -94,7 +96,7 @@ def _of_zarr_array(array: Any, source: str, how: ArrayReading) -> Recording:
         text_of(attributes.get("units")),
         tuple(map(str, names)) if all(names) else (),
         decoding,
-        notes=(*notes, *_fill_notes(array)),
+        notes=(*notes, *_fill_notes(array, how.missing)),
     )
     return of_array(array, source, replace(how, missing=(*how.missing, *_packed_fill(array))), facts)
 
@@ -107,7 +109,7 @@ def _packed_fill(array: Any) -> tuple[float, ...]:
     return () if not packed or stated or fill is None or fill == 0 else (fill,)
 
 
-def _fill_notes(array: Any) -> tuple[str, ...]:
+def _fill_notes(array: Any, masked: tuple[float, ...]) -> tuple[str, ...]:
     """Return notes on the fill value: it fills chunks that are not there, and is a number where it stands in one.
 
     The first, middle and last frames are looked at. Version 3 has no reader that masks its usual fill value, 0.
@@ -119,7 +121,7 @@ def _fill_notes(array: Any) -> tuple[str, ...]:
     if there < whole:
         notes.append(unwritten_note(whole - there, whole, fill))
     dtype = np.dtype(array.dtype)
-    if fill is None or "_FillValue" in attributes or "missing_value" in attributes or not in_type([fill], dtype) or _packed_fill(array):
+    if fill is None or "_FillValue" in attributes or "missing_value" in attributes or not in_type([fill], dtype) or fill in masked:
         return tuple(notes)
     if array.metadata.zarr_format == 3 and fill == 0:
         return tuple(notes)
@@ -161,10 +163,11 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
     name = _chosen(dataset, how.variable, source)
     chosen = dataset[name]
     attributes = dict(chosen.attrs)
-    # Of a variable that xarray has decoded, the valid range is that of the packed numbers still.
-    if "scale_factor" in chosen.encoding or "add_offset" in chosen.encoding:
-        attributes = {key: value for key, value in attributes.items() if not key.startswith("valid_")}
-    decoding, notes = of_attributes(attributes, chosen.dtype, f"{source}:{name}")
+    notes: tuple[str, ...] = ()
+    if is_decoded(chosen):
+        decoding = range_of_decoded(chosen, f"{source}:{name}")
+    else:
+        decoding, notes = of_attributes(attributes, chosen.dtype, f"{source}:{name}")
     if netcdf:
         decoding = with_default_fill(decoding, attributes, chosen.dtype)
     full = attributes.get("saturation_counts")
@@ -177,6 +180,25 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
         notes=notes,
     )
     return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
+
+
+def is_decoded(variable: Any) -> bool:
+    """Return true for a variable to which xarray has applied scale, offset or fill value."""
+    return any(name in variable.encoding for name in ("scale_factor", "add_offset", "_FillValue", "missing_value"))
+
+
+def range_of_decoded(variable: Any, source: str) -> Decoding:
+    """Return the valid range of a variable that xarray has decoded, which does not apply it: its attributes are of the packed numbers."""
+    packing = {name: variable.encoding[name] for name in ("scale_factor", "add_offset") if name in variable.encoding}
+    stored = np.dtype(variable.encoding.get("dtype", variable.dtype))
+    ends = {name: value for name, value in variable.attrs.items() if name in ("valid_min", "valid_max", "valid_range")}
+    packed, _ = of_attributes({**packing, **ends}, stored, source)
+    low, high = (None if end is None else packed.offset + packed.scale * end for end in (packed.low, packed.high))
+    if packed.scale < 0.0:
+        low, high = high, low
+    # A number at the end of the range is rounded when it is unpacked.
+    step = 1e-6 * abs(packed.scale) if packing else 0.0
+    return Decoding(low=None if low is None else low - step, high=None if high is None else high + step)
 
 
 class _Lazy:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.files.recording.decoding import PLAIN, Decoding
+from seaglint.files.recording.stored import SeveralChannelsError
 
 
 @dataclass(frozen=True)
@@ -61,12 +62,15 @@ def channel_index(count: int, requested: str | None, source: object) -> int:
 
     Raises
     ------
+    SeveralChannelsError
+        None requested.
     DataError
-        None requested, or one that is not there.
+        One that is not there.
     """
-    if requested is None or not requested.isdecimal() or not 1 <= int(requested) <= count:
-        what = "" if requested is None else f"; channel = {requested} is none of them"
-        raise DataError(f"{source}: has {count} channels{what}; give channel = 1 to {count}")
+    if requested is None:
+        raise SeveralChannelsError(f"{source}: has {count} channels; give channel = 1 to {count}")
+    if not requested.isdecimal() or not 1 <= int(requested) <= count:
+        raise DataError(f"{source}: has {count} channels, and channel = {requested} is none of them; give channel = 1 to {count}")
     return int(requested) - 1
 
 

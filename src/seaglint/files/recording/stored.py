@@ -16,6 +16,10 @@ CHANNELS: Final = ("mean", "red", "green", "blue")
 """Names of the ways to make one image of colour channels."""
 
 
+class SeveralChannelsError(DataError):
+    """Images have several channels, none of which was chosen."""
+
+
 def require_channel(channel: str) -> None:
     """Refuse a channel that is neither a colour nor a number from 1.
 

@@ -8,7 +8,9 @@ axes of a stack in its description.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -75,17 +77,28 @@ def open_tiff(path: Path, channel: str | None) -> PictureFile:
     tifffile = optional("tifffile", f"{path}: TIFF")
 
     try:
-        with tifffile.TiffFile(path) as file:
+        with _silent(), tifffile.TiffFile(path) as file:
             whole = next((kind for kind in _STACKED if getattr(file, kind, False)), None) is not None
             shaped = file.is_shaped and len(file.series) == 1 and len(file.series[0].axes.replace("S", "")) > 3
             frames = _of_series(file, path, channel) if whole or shaped else _of_pages(file, path)
-            page = file.pages[frames.keys[0]]
+            page = file.pages[frames.keys[0]].keyframe  # further pages of a stack have no tags of their own
             facts = TiffFacts.of(file, page, str(path))
             return _picture_file(path, page, frames, facts, channel)
     except DataError:
         raise
     except Exception as error:
         raise DataError(f"{path}: cannot be read as TIFF ({first_line(error)}); write it again") from error
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Keep tifffile's own messages from the terminal: what matters is an error or a note here."""
+    logger = logging.getLogger("tifffile")
+    before, logger.disabled = logger.disabled, True
+    try:
+        yield
+    finally:
+        logger.disabled = before
 
 
 def _of_pages(file: Any, path: Path) -> _StackFrames:
@@ -238,12 +251,13 @@ def _reader(path: Path, frames: _StackFrames, shape: tuple[int, ...]) -> Callabl
     def read(start: int, stop: int) -> NDArray[Any]:
         keys = frames.keys[start:stop]
         try:
-            if frames.stack is not None:
-                # A stack of one page that a header calls many is mapped, and unmapped when the block is copied.
-                return np.asarray(Ordered(tifffile.memmap(path, mode="r"), frames.stack, frames.channel)[start:stop])
-            step = keys[1] - keys[0] if len(keys) > 1 else 1
-            even = keys == tuple(range(keys[0], keys[-1] + 1, max(step, 1)))
-            block = tifffile.imread(path, key=range(keys[0], keys[-1] + 1, step) if even else list(keys))
+            with _silent():
+                if frames.stack is not None:
+                    # A stack of one page that a header calls many is mapped, and unmapped when the block is copied.
+                    return np.asarray(Ordered(tifffile.memmap(path, mode="r"), frames.stack, frames.channel)[start:stop])
+                step = keys[1] - keys[0] if len(keys) > 1 else 1
+                even = keys == tuple(range(keys[0], keys[-1] + 1, max(step, 1)))
+                block = tifffile.imread(path, key=range(keys[0], keys[-1] + 1, step) if even else list(keys))
         except Exception as error:
             text = first_line(error)
             if "imagecodecs" in text:

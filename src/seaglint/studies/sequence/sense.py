@@ -189,6 +189,9 @@ class Reopen:
     path: Path
     frame_rate: float | None = None
     variable: str | None = None
+    channel: str | None = None
+    axes: str | None = None
+    missing: tuple[float, ...] = ()
 
 
 def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, bool]) -> tuple[Layout, Frame]:
@@ -197,7 +200,14 @@ def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, b
     from seaglint.files.recording.image_attributes import source_of
 
     file, scenario, seed, oversampling, electrons = settings
-    opened = open_recording(str(file.path), frame_rate=file.frame_rate, variable=file.variable)
+    opened = open_recording(
+        str(file.path),
+        frame_rate=file.frame_rate,
+        variable=file.variable,
+        channel=file.channel,
+        axes=file.axes,
+        missing=file.missing,
+    )
     known = source_of(file.path)
     frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
     return layout, partial(frames.images, requested=layout.variables)
