@@ -85,8 +85,8 @@ def _by_pillow(path: Path, header: _PngHeader | None) -> PictureFile:
                 durations.append(float(image.info.get("duration", 0.0) or 0.0))
     except Exception as error:
         raise DataError(f"{path}: cannot be decoded ({first_line(error)}); write it again as plain PNG or uncompressed TIFF") from error
-    if header is not None and header.animated and header.depth == 16:
-        raise DataError(f"{path}: is an animated PNG of 16 bits, which is not read; write its frames as PNG files, or as TIFF")
+    if header is not None and header.animated and header.depth == 16 and header.colour != 0:
+        raise DataError(f"{path}: is an animated PNG of 16 bits in colour, which is not read; write grey frames, or TIFF")
     frames = _Animation(path, skipped)
     first = frames.read(0, 1)[0]
     notes = list(header.notes if header is not None else ())

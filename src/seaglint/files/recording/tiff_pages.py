@@ -37,6 +37,9 @@ _REFUSED: Final = {
 }  # fmt: skip
 """Photometric interpretations whose numbers are no measure of radiance."""
 
+_LOSSY: Final = (6, 7, 33003, 33004, 33005, 33007, 34712, 34887, 34927, 50001, 50002)
+"""Compressions that may round numbers: JPEG in two forms, JPEG 2000, LERC, WebP, JPEG XL."""
+
 _STACKED: Final = ("is_imagej", "is_ome", "is_stk", "is_lsm", "is_micromanager", "is_scanimage", "is_nih", "is_fluoview", "is_mdgel")
 """Kinds of files whose description says what the pages of a stack are."""
 
@@ -162,6 +165,9 @@ def _of_series(file: Any, path: Path, channel: str | None) -> _StackFrames:
     longer = [letter for letter, size in zip(lead, sizes, strict=True) if size > 1]
     time = next((letter for letter in _TIMES if letter in longer), None)
     others = [letter for letter in longer if letter != time]
+    if longer.count(str(time)) > 1:
+        sizes_of = " x ".join(str(n) for n in sizes if n > 1)
+        raise DataError(f"{path}: holds a stack of {sizes_of} images whose axes have no names; name them, e.g. metadata={{'axes': 'TCYX'}}")
     if len(others) > 1:
         listed = ", ".join(f"{shape[axes.index(letter)]} along {letter}" for letter in longer)
         raise DataError(f"{path}: holds a stack of {listed} ({axes}); write one with frames and channels alone")
@@ -208,6 +214,8 @@ def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts,
     notes = list(frames.notes)
     if one is not None:
         notes.append(f"channel {one + 1} of {samples}")
+    if int(page.compression) in _LOSSY:
+        notes.append(f"compression {page.compression.name} may be lossy: tails and correlations of the noise may be changed")
     palette = _palette(page) if kind == _PALETTE else None
     orientation = page.tags.get(274)
     turn = _TURNS.get(1 if orientation is None else int(orientation.value))
