@@ -11,6 +11,7 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
+from seaglint.files.ndbc_dates import headings_of
 from seaglint.files.waves import datawell, octopus, spotter, swan, triaxys, ww3
 from seaglint.files.waves import era5_waves as era5
 from seaglint.files.waves import ndbc_waves as ndbc
@@ -118,7 +119,7 @@ def recognised(path: Path) -> Format:
         A file that is missing or begins as none of them.
     """
     if not path.is_file():
-        if any(path.with_name(path.name + suffix).is_file() for suffix in ndbc.SUFFIXES):
+        if ndbc.is_common_part(path):
             return "ndbc"
         raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
     with path.open("rb") as file:
@@ -153,7 +154,7 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
         except (OSError, EOFError) as error:
             raise DataError(f"{path} cannot be unpacked ({error}); is the file whole?") from error
     text = beginning.decode("utf-8", "replace").lstrip("\ufeff")
-    head, words = text.lstrip(), text.split()
+    head = text.lstrip()
     for start, kind in (("SWAN", "swan"), ("'WAVEWATCH III SPECTRA'", "ww3"), ("TRIAXYS", "triaxys")):
         if head.startswith(start):
             return kind  # type: ignore[return-value]
@@ -161,11 +162,11 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
         return "spotter"
     if any(line.startswith("nfreqs,") for line in text.splitlines()[:4]):
         return "octopus"
-    if words and words[0].lstrip("#") in ("YY", "YYYY"):
+    if headings_of(head.partition("\n")[0]):
         return "ndbc"
     if path.suffix == ".spt":
         return "datawell"
-    return "ndbc" if path.name.endswith(ndbc.SUFFIXES) else None
+    return "ndbc" if path.name.removesuffix(".gz").endswith(ndbc.SUFFIXES) else None
 
 
 def _held(path: Path, kind: Format, choice: WaveChoice) -> Held:
