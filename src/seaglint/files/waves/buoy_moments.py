@@ -43,17 +43,22 @@ def moments_of(
     known &= ~np.all([c == _NINES[0] for c in columns], axis=0)  # one such value may be a direction of 99 deg or a length of 0.99
     scale = _scale([r[known] for r in (r1, r2)], unit, what)
     if scale == 1.0:
-        known &= (r1 != _NINES[0]) & (r2 != _NINES[0])
+        known &= ~(_coded(r1) | _coded(r2))
     first = scale * r1 * np.exp(1j * (np.radians(alpha1) + np.pi))  # from -> to; the second moment does not know the difference
     second = scale * r2 * np.exp(2j * np.radians(alpha2))
     return DirectionalMoments(frequency, energy, *(np.where(known, c, np.nan) for c in (first, second)))
+
+
+def _coded(lengths: FloatArray) -> NDArray[np.bool_]:
+    """Return true for lengths that, unless in hundredths, are missing: 99, and the 9.99 that a division by 100 makes of 999."""
+    return np.asarray((lengths == _NINES[0]) | np.isclose(lengths, 0.01 * _NINES[1]))
 
 
 def _scale(lengths: list[NDArray[np.float64]], unit: LengthUnit, what: str) -> float:
     """Return the factor that makes lengths 0 to 1."""
     if any(np.any(r < 0.0) for r in lengths):
         raise DataError(f"{what}: r1 or r2 is negative, and 0-1 (or hundredths) is allowed; check the file")
-    largest = [float(np.max(r[r != _NINES[0]], initial=0.0)) for r in lengths]
+    largest = [float(np.max(r[~_coded(r)], initial=0.0)) for r in lengths]
     if max(largest) <= 1.0:
         if unit == "hundredths" and max(largest) > 0.0:
             raise DataError(f"{what}: r1 and r2 are at most {max(largest):g}, and the file says hundredths; correct their unit to 1")

@@ -1,4 +1,4 @@
-"""Reader of NDBC spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF.
+"""Reader of NDBC spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF, also MHKiT's.
 
 Mean and principal directions alpha1 and alpha2 are where waves come FROM, r1 and r2 the lengths of the two moments. Each file is read by
 itself and the moments are taken as they are: a truncated Fourier series of them, as wavespectra builds, has negative energies. Historical
@@ -21,6 +21,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.waves.bands import Bands, Plain
 from seaglint.files.waves.buoy_moments import energy_known, moments_of
+from seaglint.files.waves.buoy_netcdf import degrees_of, energy_of, frequency_of, from_degrees_of, length_unit_of, numbers_of
 from seaglint.files.waves.ndbc_text import SpectralText, read_spectral_text
 from seaglint.files.waves.netcdf_waves import held_by
 from seaglint.files.waves.record_choice import WaveChoice
@@ -31,7 +32,10 @@ SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
 
 _LETTERS: Final = "wdijk"  # the same five of a year or month, after the five letters of the station: 41010w2019.txt
 _HISTORICAL: Final = re.compile(r"^(.{5})([wdijk])(.*\.txt(?:\.gz)?)$")
-_DIRECTIONAL: Final = ("mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
+_NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
+
+MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
+"""Variables of MHKiT's files: energy, mean and principal direction, and the lengths of the two moments."""
 
 
 def read_text(path: Path, choice: WaveChoice) -> Held:
@@ -57,20 +61,30 @@ def read_text(path: Path, choice: WaveChoice) -> Held:
 
 
 def read_netcdf(path: Path) -> Held:
-    """Read the records of a buoy's NetCDF file, also as CDIP names them (whose directions are not read)."""
-    from seaglint.files.waves.netcdf_waves import open_dataset
+    """Read the records of a buoy's NetCDF file."""
+    return _read_netcdf(path, _NDBC)
 
-    with open_dataset(path) as data:
-        density = "spectral_wave_density" if "spectral_wave_density" in data.data_vars else "waveEnergyDensity"
-    frequency_name = "frequency" if density == "spectral_wave_density" else "waveFrequency"
+
+def read_mhkit(path: Path) -> Held:
+    """Read the records of NetCDF with the names of MHKiT's ``wave.io.ndbc.request_directional_data``.
+
+    MHKiT divides r1 and r2 by 100 and keeps NDBC's nines, so that a missing one is 9.99.
+    """
+    return _read_netcdf(path, MHKIT)
+
+
+def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> Held:
+    """Read NetCDF whose five variables have the names of energy, alpha1, alpha2, r1 and r2."""
+    density, alpha1, alpha2, r1, r2 = names
 
     def convert(data: Any) -> Bands:
-        frequency = np.asarray(data[frequency_name].values, dtype=np.float64)
-        energy = np.asarray(data[density].values, dtype=np.float64)
-        if any(name not in data for name in _DIRECTIONAL):
+        frequency, energy = frequency_of(data, "frequency", path), energy_known(energy_of(data, density, path).ravel())
+        if any(name not in data.variables for name in names[1:]):
             return Plain(frequency, energy)
-        alpha1, alpha2, r1, r2 = (np.asarray(data[n].values, dtype=np.float64) for n in _DIRECTIONAL)
-        return moments_of(frequency, energy, (alpha1, alpha2, r1, r2), "ones", str(path))
+        unit = length_unit_of(data, (r1, r2), path)
+        lengths = numbers_of(data, r1).ravel(), numbers_of(data, r2).ravel()
+        directions = from_degrees_of(data, alpha1, path).ravel(), degrees_of(data, alpha2, path).ravel()
+        return moments_of(frequency, energy, (*directions, *lengths), unit, str(path))
 
     return held_by(path, density, convert)
 

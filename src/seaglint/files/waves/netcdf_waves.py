@@ -9,21 +9,21 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.netcdf import open_netcdf
 from seaglint.files.waves.bands import Bands
 from seaglint.files.waves.wave_file import Held, parsed
 
-_TIMES: Final = ("valid_time", "time", "waveTime")
+_TIMES: Final = ("valid_time", "time", "date")
 _SITES: Final = ("station", "site", "points")
-_LATITUDES: Final = ("latitude", "lat", "gpsLatitude")
-_LONGITUDES: Final = ("longitude", "lon", "gpsLongitude")
+_LATITUDES: Final = ("latitude", "lat")
+_LONGITUDES: Final = ("longitude", "lon")
 
 
 def open_dataset(path: Path) -> Any:
     """Open the file as an xarray dataset without reading values."""
-    import xarray as xr
-
-    # Groups, calendars or packing that xarray cannot read are told as any parser's error.
-    return parsed(path, "NetCDF", lambda: xr.open_dataset(path))
+    # Groups, calendars or packing that xarray cannot read are reported as any parser's error.
+    return parsed(path, "NetCDF", lambda: open_netcdf(path))
 
 
 def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
@@ -44,6 +44,10 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
         site = next((name for name in _SITES if name in dims), None)
         latitude, longitude = (next((n for n in names if n in data.variables), None) for names in (_LATITUDES, _LONGITUDES))
         times = None if time is None else np.atleast_1d(data[time].values)
+        if times is not None and times.dtype.kind != "M":
+            raise DataError(
+                f"{path}: its times ('{time}') have no units that can be read; allowed: 'seconds since 1970-01-01' and the like"
+            )
         count = 1 if times is None else times.size
         grid = site is None and latitude in dims and longitude in dims
         if grid:
