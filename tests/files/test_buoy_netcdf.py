@@ -123,6 +123,7 @@ def adrift(data: xr.Dataset) -> xr.Dataset:
         (adrift, FROM),
         (only("waveMeanDirection", "waveSpread", "waveHs", "waveBandwidth", "waveFlagPrimary"), FROM),
         (only(*MOMENTS), FROM),
+        (lambda data: some_directions(data), FROM),
         (lambda data: data.transpose(), FROM),
         (lambda data: data.isel(waveFrequency=slice(None, None, -1)), FROM),
         (lambda data: data.isel(waveTime=slice(None, None, -1)), FROM),
@@ -162,6 +163,30 @@ def test_a_flagged_record_gives_way_to_the_nearest_good_one(tmp_path: Path, capl
     assert read_waves(cdip(tmp_path, flagged(1, 2)), THEN).report["note"] == "the record is flagged not_evaluated (waveFlagPrimary)"
 
 
+def unknown_directions(data: xr.Dataset) -> None:
+    for name in (*MOMENTS, "waveMeanDirection", "waveSpread"):
+        data[name][...] = np.nan
+
+
+@pytest.mark.parametrize("change", [unknown_directions, only(*MOMENTS, "waveMeanDirection", "waveSpread")])
+def test_a_record_of_energy_alone_takes_the_directions_stated(change: Change, tmp_path: Path) -> None:
+    path = cdip(tmp_path, change)
+    require_the_sea(read_waves(path, WaveChoice(str(TIMES[1]), from_deg=310.0, spreading_deg=30.0)).spectrum, 310.0)
+    with pytest.raises(DomainError, match="has no directions; give the azimuth the waves come from"):
+        read_waves(path, THEN)
+
+
+def some_directions(data: xr.Dataset) -> xr.Dataset:
+    """Mean directions and spreads alone, and not in the lowest bands."""
+    filled_bands(data)
+    return data.drop_vars([*MOMENTS])
+
+
+def half_the_directions(data: xr.Dataset) -> xr.Dataset:
+    data["waveMeanDirection"][:, :15] = np.nan
+    return data.drop_vars([*MOMENTS])
+
+
 def peak_flagged(data: xr.Dataset) -> None:
     data["waveFrequencyFlagPrimary"][10:14] = 4
 
@@ -193,6 +218,7 @@ def test_a_flagged_band_is_left_out(tmp_path: Path) -> None:
         (scaled(MOMENTS, 100.0), r"moments reach 86\.\d, and 1 is the most; divide them by the energy density"),
         (scaled(("waveEnergyDensity",), 1e4), r"gives a height of 19\d\.\d\d m and waveHs is 2\.00 m"),
         (scaled(("waveBandwidth",), 4.0), r"waveBandwidth gives a height of .* and waveFrequency"),
+        (half_the_directions, r"lacks directions for \d\d % of its energy \(10 % allowed\)"),
         (peak_flagged, r"bands with \d\d % of the energy are flagged"),
     ],
 )

@@ -50,7 +50,7 @@ _AGREE_DEG: Final = 5.0  # directions and spreads of one file, weighted by energ
 _AGREE_ONE: Final = 1.05  # sampling noise of narrow swell exceeds 1 by less
 _AGREE_WHOLE_DEG: Final = 30.0  # one mean direction for all bands, however it is averaged
 _AGREE_HEIGHT: Final = 0.25  # share of the height: another unit of energy is at least a factor of 1.4 in height
-_WIDEST: Final = 80.0  # deg: the limit of the cosine to a power
+_NARROWEST, _WIDEST = 1.0, 80.0  # deg: the limits of the cosine to a power
 
 
 def read(path: Path, choice: WaveChoice) -> Held:
@@ -190,10 +190,25 @@ def _bands(data: Any, path: Path) -> Bands:
             _require_near(np.abs((whole + 180.0) % 360.0 - 180.0), np.ones(1), "moments and waveMeanDirection", path, _AGREE_WHOLE_DEG)
             turned = travels_to(data, "waveMeanDirection")
         return DirectionalMoments(frequency[good], energy[good], (first if turned else -first)[good], second[good])
-    if mean is not None and widths is not None:
-        come_from = mean + 180.0 if turned else mean
-        return Cosine(frequency[good], energy[good], come_from[good], np.minimum(widths, _WIDEST)[good])
+    if mean is not None and widths is not None and np.any(np.isfinite(mean) & np.isfinite(widths)):
+        come_from, widths = _filled(frequency, variance, mean + 180.0 if turned else mean, widths, path)
+        return Cosine(frequency[good], energy[good], come_from[good], widths[good])
     return Plain(frequency[good], energy[good])
+
+
+def _filled(
+    frequency: FloatArray, variance: FloatArray, come_from: FloatArray, widths: FloatArray, path: Path
+) -> tuple[FloatArray, FloatArray]:
+    """Return directions and widths of every band, interpolated where they are missing, the widths within the cosine's limits."""
+    known, order = np.isfinite(come_from) & np.isfinite(widths), np.argsort(frequency)
+    lost = variance[~known].sum() / max(float(variance.sum()), 1e-300)
+    if lost > LOST_SHARE:
+        raise DataError(
+            f"{path}: lacks directions for {100 * lost:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time"
+        )
+    source = order[known[order]]
+    vectors, sizes = (np.interp(frequency, frequency[source], values[source]) for values in (np.exp(1j * np.radians(come_from)), widths))
+    return np.degrees(np.angle(vectors)) % 360.0, np.clip(sizes, _NARROWEST, _WIDEST)
 
 
 def _require_height(data: Any, height: float, path: Path) -> None:
