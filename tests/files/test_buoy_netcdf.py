@@ -31,6 +31,9 @@ def require_the_sea(sea: MeasuredSpectrum, come_from: float = FROM) -> None:
     direction, width = direction_and_width(sea)
     assert direction == pytest.approx(come_from, abs=0.5)
     assert width == pytest.approx(30.0, abs=0.3)
+    to = np.exp(1j * np.radians(come_from + 180.0))
+    assert np.degrees(np.angle(sea.first / to)) == pytest.approx(0.0, abs=0.5)  # in every band
+    assert np.degrees(np.angle(sea.second / to**2)) == pytest.approx(0.0, abs=0.5)
 
 
 def cdip(folder: Path, change: Change = lambda _: None) -> Path:

@@ -101,6 +101,7 @@ def check(layout: Layout, folder: Path) -> None:
     mean = np.average(sea.first, weights=sea.energy * np.gradient(sea.frequency_hz))
     assert np.degrees(np.angle(-mean)) % 360.0 == pytest.approx(FROM, abs=0.5)
     assert np.degrees(np.sqrt(2.0 * (1.0 - abs(mean)))) == pytest.approx(30.0, abs=0.2)
+    assert np.degrees(np.angle(sea.second)) % 360.0 == pytest.approx((2.0 * FROM) % 360.0, abs=0.5)
 
 
 @pytest.mark.parametrize(
@@ -121,7 +122,7 @@ def check(layout: Layout, folder: Path) -> None:
         Layout(order="shuffled", nines=("999.0", "999.00", "MM")),
         Layout(order="doubled"),
         Layout(hundredths=False),
-        Layout(height=11.0),  # a storm: densities above 99 m2/Hz are no missing values
+        Layout(height=14.0),  # a storm: densities above 99 m2/Hz are no missing values
     ],
 )
 def test_every_generation_gives_its_sea(layout: Layout, tmp_path: Path) -> None:

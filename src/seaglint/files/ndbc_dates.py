@@ -27,7 +27,8 @@ def headings_of(line: str) -> list[str]:
     []
     """
     names = line.lstrip().removeprefix("#").split()
-    return ["YY", *names[1:]] if names[:1] and names[0] in YEAR_NAMES and names[1:4] == ["MM", "DD", "hh"] else []
+    dated = bool(names) and names[0] in YEAR_NAMES and names[1:3] == ["MM", "DD"] and names[3:4] in (["hh"], ["HH"])
+    return ["YY", "MM", "DD", "hh", *names[4:]] if dated else []
 
 
 def full_year(year: int) -> int:
