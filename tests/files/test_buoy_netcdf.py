@@ -286,6 +286,23 @@ def test_what_changes_the_meaning_of_mhkit_is_refused_in_one_line(change: Change
     assert "\n" not in str(caught.value)
 
 
+def same_time(data: xr.Dataset) -> xr.Dataset:
+    time = "waveTime" if "waveTime" in data.dims else "date"
+    return data.assign_coords({time: (time, data[time].values[[1, 1]], data[time].attrs)})
+
+
+def twice(data: xr.Dataset) -> xr.Dataset:
+    time = "waveTime" if "waveTime" in data.dims else "date"
+    return data.isel({time: [1, 1]})
+
+
+@pytest.mark.parametrize("write", [wave_files.cdip, wave_files.mhkit])
+def test_two_records_of_one_time(write: Callable[[Path], Path], tmp_path: Path) -> None:
+    require_the_sea(read_waves(opened(write(tmp_path), twice), THEN).spectrum)
+    with pytest.raises(DataError, match=r"2 records of 2024-03-01T03:00:00Z that differ \(numbers 1, 2\); remove all but one"):
+        read_waves(opened(write(tmp_path), same_time), THEN)
+
+
 @pytest.mark.parametrize(
     ("change", "come_from"),
     [

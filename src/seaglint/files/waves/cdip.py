@@ -23,7 +23,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.waves.bands import LOST_SHARE, Bands, Cosine, DirectionalMoments, Plain
 from seaglint.files.waves.buoy_netcdf import degrees_of, energy_of, frequency_of, numbers_of, travels_to
-from seaglint.files.waves.netcdf_waves import open_dataset
+from seaglint.files.waves.netcdf_waves import open_dataset, require_one
 from seaglint.files.waves.record_choice import WaveChoice
 from seaglint.files.waves.wave_file import Held
 
@@ -73,6 +73,9 @@ def read(path: Path, choice: WaveChoice) -> Held:
 
     def bands(_moment: int, _place: int) -> Bands:
         with open_dataset(path) as data:
+            if time is not None and time in data[DENSITY].dims:
+                same = np.flatnonzero((times == times[index]) & np.isin(flags, _USED))
+                require_one(data[DENSITY], time, same, path)
             # A deployment's file also has the displacements, hundreds of megabytes.
             record = data[[name for name in _READ if name in data.variables]]
             record = record.isel({time: index}) if time in data[DENSITY].dims else record

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
@@ -68,9 +69,21 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
         elif site is not None:
             chosen[site] = place
         with open_dataset(path) as data:
+            if times is not None and time in dims:
+                require_one(data[density], str(time), np.flatnonzero(times == times[moment]), path)
             return convert(data.isel(chosen).load())
 
     return Held(bands, None if times is None else times.astype("datetime64[ns]"), names, *places)
+
+
+def require_one(density: Any, time: str, indices: NDArray[np.intp], path: Path) -> None:
+    """Refuse records of one time whose spectra differ."""
+    records = [density.isel({time: int(index)}).values for index in indices] if indices.size > 1 else []
+    if any(not np.array_equal(records[0], record, equal_nan=True) for record in records[1:]):
+        moment = np.datetime_as_string(np.atleast_1d(density[time].values)[indices[0]], unit="s")
+        raise DataError(
+            f"{path} has {indices.size} records of {moment}Z that differ (numbers {', '.join(map(str, indices + 1))}); remove all but one"
+        )
 
 
 def _names(data: Any, site: str | None) -> tuple[str, ...]:
