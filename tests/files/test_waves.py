@@ -44,6 +44,8 @@ FILES = {
     "ndbc": (wave_files.ndbc, "ndbc", ndbc_ascii),
     "ndbc historical": (wave_files.ndbc_historical, "ndbc", None),
     "ndbc netcdf": (wave_files.ndbc_netcdf, "ndbc", lambda p: wavespectra.read_ndbc(str(p))),
+    "cdip": (wave_files.cdip, "cdip", None),
+    "mhkit": (wave_files.mhkit, "mhkit", None),
     "spotter json": (wave_files.spotter_json, "spotter", None),
     "spotter csv": (wave_files.spotter_csv, "spotter", lambda p: wavespectra.read_spotter(str(p))),
     "swan": (wave_files.swan, "swan", lambda p: wavespectra.read_swan(str(p), as_site=True).isel(site=1)),
@@ -104,7 +106,7 @@ def test_other_conventions_of_the_same_format(write, keys, tmp_path: Path) -> No
     assert sea.significant_height() == pytest.approx(2.0, rel=0.01)
 
 
-@pytest.mark.parametrize("name", ["ndbc", "swan", "ww3 netcdf", "era5", "octopus", "spotter json"])
+@pytest.mark.parametrize("name", ["ndbc", "cdip", "swan", "ww3 netcdf", "era5", "octopus", "spotter json"])
 def test_the_nearest_time_and_place_are_told(name: str, tmp_path: Path) -> None:
     path = FILES[name][0](tmp_path)
     choice = WaveChoice("2024-03-01T00:20Z", LATITUDE + 0.1, LONGITUDE)

@@ -223,6 +223,17 @@ def test_ndbc_of_all_generations(
     assert np.isnan(column["cloud_cover"]).all()
 
 
+def test_ndbc_years_of_two_digits_go_on_after_1999(tmp_path: Path) -> None:
+    """The last record is of 24 h, which is midnight of the next day, a month later."""
+    head, row, _ = made.NDBC_1996.splitlines()
+    path = tmp_path / "44011.txt"
+    path.write_text("\n".join([head, *(row.replace("96 12 31 23", date) for date in ("99 12 31 23", "00 01 01 00", "00 01 31 24"))]) + "\n")
+    source = read_source(path, Selection(), WeatherReading())
+    assert not [note for note in source.notes if "sorted" in note]
+    assert source.columns["month"].tolist() == [12, 1, 2]
+    assert source.columns["hour_utc"].tolist() == [23, 0, 0]
+
+
 def test_ndbc_values_are_those_of_pandas(tmp_path: Path) -> None:
     path = tmp_path / "44011h2019.txt"
     path.write_text(made.NDBC_2019)

@@ -79,6 +79,77 @@ def ndbc_netcdf(folder: Path) -> Path:
     return _netcdf(data.assign_coords(coords), folder / "46042w9999.nc")
 
 
+def mhkit(folder: Path, keep: tuple[str, ...] = ("units", "long_name", "description")) -> Path:
+    """What MHKiT-Python's ``request_directional_data`` returns: dimensions date and frequency, r1 and r2 divided by 100."""
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    attributes = {
+        "swden": {"units": "m^2/Hz", "long_name": "omnidirecational spectrum", "standard_name": "S"},
+        "swdir": {"units": "deg", "long_name": "mean wave direction", "standard_name": "α1"},
+        "swdir2": {"units": "deg", "long_name": "principal wave direction", "standard_name": "α2"},
+        "swr1": {"units": "", "long_name": "coordinate r1", "description": "First normalized polar coordinate (nondimensional)."},
+        "swr2": {"units": "", "long_name": "coordinate r2", "description": "Second normalized polar coordinate (nondimensional)."},
+    }
+    shape = (2, FREQUENCY.size)
+    values = (both_times(energy()), *(np.full(shape, value) for value in (FROM, FROM, r1, r2)))
+    data = xr.Dataset(
+        {
+            name: (("date", "frequency"), array, {key: text for key, text in attributes[name].items() if key in keep})
+            for name, array in zip(attributes, values, strict=True)
+        },
+        {"date": TIMES, "frequency": ("frequency", FREQUENCY, {"units": "Hz", "long_name": "frequency"})},
+    )
+    return _netcdf(data, folder / "buoy.nc")
+
+
+def cdip_dataset() -> xr.Dataset:
+    """CDIP's names and attributes: moments about the direction FROM, clockwise from true north; time in seconds; the place as scalars."""
+    from_ = np.radians(FROM)
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    shape = (2, FREQUENCY.size)
+    moments = {"A1": r1 * np.cos(from_), "B1": r1 * np.sin(from_), "A2": r2 * np.cos(2 * from_), "B2": r2 * np.sin(2 * from_)}
+    dims = ("waveTime", "waveFrequency")
+    flag = {"flag_values": np.array([1, 2, 3, 4, 9], "i1"), "flag_meanings": "good not_evaluated questionable bad missing"}
+    density = {"units": "meter^2 second", "standard_name": "sea_surface_wave_variance_spectral_density"}
+    seconds = TIMES.astype("datetime64[s]").astype("i4")
+    gps = ("gpsTime", seconds[:1], {"units": "seconds since 1970-01-01 00:00:00 UTC"})
+    data = xr.Dataset(
+        {
+            "waveEnergyDensity": (dims, both_times(energy()).astype("f4"), density),
+            "waveMeanDirection": (
+                dims,
+                np.full(shape, FROM, "f4"),
+                {"units": "degreeT", "standard_name": "sea_surface_wave_from_direction"},
+            ),
+            "waveSpread": (dims, np.full(shape, np.degrees(np.sqrt(2 * (1 - r1))), "f4"), {"units": "degree"}),
+            **{f"wave{name}Value": (dims, np.full(shape, value, "f4")) for name, value in moments.items()},
+            "waveCheckFactor": (dims, np.ones(shape, "f4")),
+            "waveBandwidth": ("waveFrequency", np.gradient(FREQUENCY).astype("f4"), {"units": "hertz"}),
+            "waveFlagPrimary": ("waveTime", np.array([1, 1], "i1"), flag),
+            "waveFrequencyFlagPrimary": ("waveFrequency", np.ones(FREQUENCY.size, "i1"), flag),
+            "waveHs": ("waveTime", np.array([1.0, 2.0], "f4"), {"units": "meter"}),
+            "metaStationLatitude": ((), LATITUDE, {"units": "degrees_north"}),
+            "metaStationLongitude": ((), LONGITUDE, {"units": "degrees_east"}),
+            "metaStationName": ("metaStationNameLength", np.array(list("POINT SUR, CA - 157p1"), "S1")),
+            "gpsLatitude": ("gpsTime", [LATITUDE + 0.01]),
+            "gpsLongitude": ("gpsTime", [LONGITUDE + 0.01]),
+        },
+        {
+            "waveTime": ("waveTime", seconds, {"units": "seconds since 1970-01-01 00:00:00 UTC", "standard_name": "time"}),
+            "waveFrequency": ("waveFrequency", FREQUENCY.astype("f4"), {"units": "hertz", "standard_name": "wave_frequency"}),
+            "gpsTime": gps,
+        },
+    )
+    for name in data.data_vars:
+        if data[name].dims == dims:
+            data[name].encoding["_FillValue"] = np.float32(-999.99)
+    return data
+
+
+def cdip(folder: Path) -> Path:
+    """A station's file of CDIP."""
+    return _netcdf(cdip_dataset(), folder / "157p1_rt.nc")
+
+
 def spotter_records() -> list[dict]:
     """Spectra: moments about the direction TO, counter-clockwise from east, so that direction = 270 - atan2(b1, a1)."""
     to = np.radians(270.0 - FROM)

@@ -1,10 +1,11 @@
-"""Buoy spectra: read through wavespectra, directions, tail, and the sea made of them."""
+"""Buoy spectra: directions, tail, and the sea made of them."""
 
 import shutil
 import sys
 
 import numpy as np
 import pytest
+import wave_files
 
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.files.waves import WaveChoice, read_waves
@@ -160,10 +161,11 @@ def test_spoiled_files_are_refused_in_one_line(buoy, spoil, time, match):
         read_ndbc(buoy, time)
 
 
-def test_without_wavespectra_the_remedy_is_named(monkeypatch):
+def test_without_wavespectra_the_remedy_is_named(monkeypatch, tmp_path):
+    path = wave_files.swan(tmp_path)
     monkeypatch.setitem(sys.modules, "wavespectra", None)
     with pytest.raises(BackendError, match=r"pip install 'wavespectra>=4\.3'"):
-        read_ndbc(BUOY, "2020-06-08T03:50")
+        read_waves(path, WaveChoice(str(wave_files.TIMES[1]), site="2"))
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
-"""Reader of NDBC spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF.
+"""Reader of NDBC spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF, also MHKiT's.
 
 Mean and principal directions alpha1 and alpha2 are where waves come FROM, r1 and r2 the lengths of the two moments. Each file is read by
 itself and the moments are taken as they are: a truncated Fourier series of them, as wavespectra builds, has negative energies. Historical
-files have r1 and r2 in hundredths.
+text files have r1 and r2 in hundredths, all others in 0-1.
 
 References
 ----------
@@ -19,18 +19,23 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.waves.bands import Bands, DirectionalMoments, Plain
+from seaglint.files.waves.bands import Bands, Plain
+from seaglint.files.waves.buoy_moments import energy_known, moments_of
+from seaglint.files.waves.buoy_netcdf import degrees_of, energy_of, frequency_of, from_degrees_of, length_unit_of, numbers_of
+from seaglint.files.waves.ndbc_text import SpectralText, read_spectral_text
 from seaglint.files.waves.netcdf_waves import held_by
 from seaglint.files.waves.record_choice import WaveChoice
-from seaglint.files.waves.wave_file import Held, parsed, reader
+from seaglint.files.waves.wave_file import Held, parsed
 
 SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
 """Suffixes of the realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments."""
 
 _LETTERS: Final = "wdijk"  # the same five of a year or month, after the five letters of the station: 41010w2019.txt
 _HISTORICAL: Final = re.compile(r"^(.{5})([wdijk])(.*\.txt(?:\.gz)?)$")
-_MISSING: Final = 99.0  # written 999.0 or 999.00, also 99.00; no energy density is as large, and directions go to 360
-_DIRECTIONAL: Final = ("mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
+_NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
+
+MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
+"""Variables of MHKiT's files: energy, mean and principal direction, and the lengths of the two moments."""
 
 
 def read_text(path: Path, choice: WaveChoice) -> Held:
@@ -38,41 +43,55 @@ def read_text(path: Path, choice: WaveChoice) -> Held:
     files = _five(path)
     moment = choice.require_time(str(path))
     table = _read(files[0])
-    times = np.asarray(table["time"].values).astype("datetime64[ns]")
-    index, _ = choice.nearest_time(times, str(files[0]))
-    moment = times[index]
+    index, _ = choice.nearest_time(table.times, str(files[0]))
+    moment = table.times[index]
     companions = [file for file in files[1:] if file.is_file()]
 
     def bands(_moment: int, _place: int) -> Bands:
-        frequency = np.asarray(table["freq"].values, dtype=np.float64)
-        energy = _column(table, moment, frequency, files[0])
-        if np.any(_lacks(energy)):
+        frequency, values = table.record(moment)
+        energy = energy_known(values)
+        if not np.all(np.isfinite(energy)):
             raise DataError(f"{files[0]}: the record of {moment} has missing energy; choose another time")
         if not companions:
             return Plain(frequency, energy)
-        columns = [_column(_read(file), moment, frequency, file) for file in files[1:]]
-        historical = _HISTORICAL.match(files[0].name) is not None
-        return _moments(frequency, energy, columns, historical, f"{path} at {moment}")
+        alpha1, alpha2, r1, r2 = (_column(_read(file), moment, frequency) for file in files[1:])
+        return moments_of(frequency, energy, (alpha1, alpha2, r1, r2), "unknown" if table.historical else "ones", f"{path} at {moment}")
 
-    return Held(bands, times[index : index + 1], (_station(files[0]),))
+    return Held(bands, table.times[index : index + 1], (_station(files[0]),))
 
 
 def read_netcdf(path: Path) -> Held:
-    """Read the records of a buoy's NetCDF file, also as CDIP names them (whose directions are not read)."""
-    from seaglint.files.waves.netcdf_waves import open_dataset
+    """Read the records of a buoy's NetCDF file."""
+    return _read_netcdf(path, _NDBC)
 
-    with open_dataset(path) as data:
-        density = "spectral_wave_density" if "spectral_wave_density" in data.data_vars else "waveEnergyDensity"
-    frequency_name = "frequency" if density == "spectral_wave_density" else "waveFrequency"
+
+def read_mhkit(path: Path) -> Held:
+    """Read the records of NetCDF with the names of MHKiT's ``wave.io.ndbc.request_directional_data``.
+
+    MHKiT divides r1 and r2 by 100 and keeps NDBC's nines, so that a missing one is 9.99.
+    """
+    return _read_netcdf(path, MHKIT)
+
+
+def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> Held:
+    """Read NetCDF whose five variables have the names of energy, alpha1, alpha2, r1 and r2."""
+    density, alpha1, alpha2, r1, r2 = names
 
     def convert(data: Any) -> Bands:
-        frequency = np.asarray(data[frequency_name].values, dtype=np.float64)
-        energy = np.asarray(data[density].values, dtype=np.float64)
-        if any(name not in data for name in _DIRECTIONAL):
+        frequency, energy = frequency_of(data, "frequency", path), energy_known(energy_of(data, density, path).ravel())
+        if any(name not in data.variables for name in names[1:]):
             return Plain(frequency, energy)
-        return _moments(frequency, energy, [np.asarray(data[n].values, dtype=np.float64) for n in _DIRECTIONAL], False, str(path))
+        unit = length_unit_of(data, (r1, r2), path)
+        lengths = numbers_of(data, r1).ravel(), numbers_of(data, r2).ravel()
+        directions = from_degrees_of(data, alpha1, path).ravel(), degrees_of(data, alpha2, path).ravel()
+        return moments_of(frequency, energy, (*directions, *lengths), unit, str(path))
 
     return held_by(path, density, convert)
+
+
+def is_common_part(path: Path) -> bool:
+    """Return true where a name is the beginning of the names of a buoy's realtime files."""
+    return any(_present(path.with_name(path.name + suffix)).is_file() for suffix in SUFFIXES)
 
 
 def _station(path: Path) -> str:
@@ -82,55 +101,39 @@ def _station(path: Path) -> str:
 
 
 def _five(path: Path) -> list[Path]:
-    """Return the names of the five files, from that of any of them or from their common part."""
+    """Return the names of the five files, from that of any of them or from their common part; each may be packed by gzip."""
     historical = _HISTORICAL.match(path.name)
     if historical is not None:
-        return [path.with_name(f"{historical[1]}{letter}{historical[3]}") for letter in _LETTERS]
-    ending = next((suffix for suffix in SUFFIXES if path.name.endswith(suffix)), None)
+        return [_present(path.with_name(f"{historical[1]}{letter}{historical[3]}")) for letter in _LETTERS]
+    name = path.name.removesuffix(".gz")
+    ending = next((suffix for suffix in SUFFIXES if name.endswith(suffix)), None)
     if ending is None and path.is_file():  # energy under a name of the user's own
-        return [path, *(path.with_name(path.name + suffix) for suffix in SUFFIXES[1:])]
-    base = path.name.removesuffix(ending or "")
-    return [path.with_name(base + suffix) for suffix in SUFFIXES]
+        return [path, *(_present(path.with_name(path.name + suffix)) for suffix in SUFFIXES[1:])]
+    base = name.removesuffix(ending or "")
+    return [_present(path.with_name(base + suffix)) for suffix in SUFFIXES]
 
 
-def _read(file: Path) -> Any:
-    """Read one file as an xarray dataset with ``efth(time, freq, dir)``, for any quantity."""
-    read = reader("read_ndbc_ascii")
+def _present(path: Path) -> Path:
+    """Return the file of this name that exists, as text or packed; the name itself where there is none."""
+    plain = path.with_name(path.name.removesuffix(".gz"))
+    packed = plain.with_name(f"{plain.name}.gz")
+    return next((file for file in (path, plain, packed) if file.is_file()), path)
+
+
+def _read(file: Path) -> SpectralText:
+    """Read one of the five files."""
     if not file.is_file():
         raise DataError(
             f"{file} does not exist; a buoy's directional spectrum needs the files {', '.join('NAME' + s for s in SUFFIXES)} beside each "
             "other: bring it, or remove its companions and state from_deg and spreading_deg"
         )
-    return parsed(file, "an NDBC spectral file", lambda: read(str(file)))
+    table: SpectralText = parsed(file, "an NDBC spectral file", lambda: read_spectral_text(file))
+    return table
 
 
-def _column(table: Any, moment: np.datetime64, frequency: FloatArray, file: Path) -> FloatArray:
+def _column(table: SpectralText, moment: np.datetime64, frequency: FloatArray) -> FloatArray:
     """Return a column of one file at one time, on the frequencies of the energy file."""
-    index = np.flatnonzero(np.asarray(table["time"].values) == moment)
-    if index.size == 0:
-        raise DataError(f"{file} has no record of {moment}, which the energy file has; the files do not belong together or one is cut")
-    values = np.asarray(table["efth"].values, dtype=np.float64)[int(index[0])].ravel()
-    if values.size != frequency.size or not np.allclose(table["freq"].values, frequency):
-        raise DataError(f"{file} has other frequencies than the energy file; the files do not belong together or one is cut")
-    return np.asarray(values, dtype=np.float64)
-
-
-def _lacks(values: FloatArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    return np.asarray(~np.isfinite(values) | (values >= _MISSING))
-
-
-def _moments(frequency: FloatArray, energy: FloatArray, columns: list[FloatArray], historical: bool, what: str) -> DirectionalMoments:
-    """Return moments from alpha1, alpha2 [deg, from], r1 and r2 [1; historical files: hundredths]."""
-    alpha1, alpha2, r1, r2 = columns
-    absent = 999.0 if historical else _MISSING
-    known = np.all([np.isfinite(c) for c in columns], axis=0) & (alpha1 <= 360.0) & (alpha2 <= 360.0) & (r1 < absent) & (r2 < absent)
-    scale = 1.0
-    if np.any(r1[known] > 1.0) or np.any(r2[known] > 1.0):
-        if not historical or np.any(r1[known] > 100.0) or np.any(r2[known] > 100.0):
-            raise DataError(
-                f"{what}: r1 or r2 above 1; realtime files have them in 0-1, historical ones (41010w2019.txt) in hundredths: divide by 100"
-            )
-        scale = 0.01
-    first = scale * r1 * np.exp(1j * (np.radians(alpha1) + np.pi))  # from -> to; the second moment does not know the difference
-    second = scale * r2 * np.exp(2j * np.radians(alpha2))
-    return DirectionalMoments(frequency, energy, *(np.where(known, c, np.nan) for c in (first, second)))
+    own, values = table.record(moment)
+    if own.size != frequency.size or not np.allclose(own, frequency):
+        raise DataError(f"{table.path} has other frequencies than the energy file; the files do not belong together or one is cut")
+    return values

@@ -7,23 +7,24 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.netcdf import open_netcdf
 from seaglint.files.waves.bands import Bands
 from seaglint.files.waves.wave_file import Held, parsed
 
-_TIMES: Final = ("valid_time", "time", "waveTime")
+_TIMES: Final = ("valid_time", "time", "date")
 _SITES: Final = ("station", "site", "points")
-_LATITUDES: Final = ("latitude", "lat", "gpsLatitude")
-_LONGITUDES: Final = ("longitude", "lon", "gpsLongitude")
+_LATITUDES: Final = ("latitude", "lat")
+_LONGITUDES: Final = ("longitude", "lon")
 
 
 def open_dataset(path: Path) -> Any:
     """Open the file as an xarray dataset without reading values."""
-    import xarray as xr
-
-    # Groups, calendars or packing that xarray cannot read are told as any parser's error.
-    return parsed(path, "NetCDF", lambda: xr.open_dataset(path))
+    # Groups, calendars or packing that xarray cannot read are reported as any parser's error.
+    return parsed(path, "NetCDF", lambda: open_netcdf(path))
 
 
 def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
@@ -44,6 +45,10 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
         site = next((name for name in _SITES if name in dims), None)
         latitude, longitude = (next((n for n in names if n in data.variables), None) for names in (_LATITUDES, _LONGITUDES))
         times = None if time is None else np.atleast_1d(data[time].values)
+        if times is not None and times.dtype.kind != "M":
+            raise DataError(
+                f"{path}: its times ('{time}') have no units that can be read; allowed: 'seconds since 1970-01-01' and the like"
+            )
         count = 1 if times is None else times.size
         grid = site is None and latitude in dims and longitude in dims
         if grid:
@@ -64,9 +69,21 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
         elif site is not None:
             chosen[site] = place
         with open_dataset(path) as data:
+            if times is not None and time in dims:
+                require_one(data[density], str(time), np.flatnonzero(times == times[moment]), path)
             return convert(data.isel(chosen).load())
 
     return Held(bands, None if times is None else times.astype("datetime64[ns]"), names, *places)
+
+
+def require_one(density: Any, time: str, indices: NDArray[np.intp], path: Path) -> None:
+    """Refuse records of one time whose spectra differ."""
+    records = [density.isel({time: int(index)}).values for index in indices] if indices.size > 1 else []
+    if any(not np.array_equal(records[0], record, equal_nan=True) for record in records[1:]):
+        moment = np.datetime_as_string(np.atleast_1d(density[time].values)[indices[0]], unit="s")
+        raise DataError(
+            f"{path} has {indices.size} records of {moment}Z that differ (numbers {', '.join(map(str, indices + 1))}); remove all but one"
+        )
 
 
 def _names(data: Any, site: str | None) -> tuple[str, ...]:

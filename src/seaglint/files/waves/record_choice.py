@@ -53,17 +53,19 @@ class WaveChoice:
 
     def nearest_time(self, times: NDArray[np.datetime64], what: str) -> tuple[int, float | None]:
         """Return the index of the record nearest in time, and its difference from the requested time [s]."""
-        if times.size == 0:
-            raise DataError(f"{what} holds no record")
-        if self.time is None and times.size == 1:
-            return 0, None
-        requested = self.require_time(f"{what}, which has {times.size} from {_text(times.min())} to {_text(times.max())}")
-        index = int(np.argmin(np.abs(times - requested)))
+        dated = np.flatnonzero(~np.isnat(times))  # what has no time is the nearest to NumPy
+        if dated.size == 0:
+            raise DataError(f"{what} holds no record" + (" with a time" if times.size else ""))
+        if self.time is None and dated.size == 1:
+            return int(dated[0]), None
+        first, last = _text(times[dated].min()), _text(times[dated].max())
+        requested = self.require_time(f"{what}, which has {dated.size} from {first} to {last}")
+        index = int(dated[np.argmin(np.abs(times[dated] - requested))])
         off = float((times[index] - requested) / np.timedelta64(1, "s"))
         if abs(off) > self.time_tolerance:
             raise DataError(
-                f"{what} has no record within {self.time_tolerance:g} s of {_text(requested)}; it covers {_text(times.min())} to "
-                f"{_text(times.max())}, nearest is {_text(times[index])}: give one of its times or a larger time_tolerance_s"
+                f"{what} has no record within {self.time_tolerance:g} s of {_text(requested)}; it covers {first} to "
+                f"{last}, nearest is {_text(times[index])}: give one of its times or a larger time_tolerance_s"
             )
         return index, off
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,8 @@ class Held:
         Names of the sites.
     latitude_deg, longitude_deg : ndarray or None
         Place of every record and site [deg, (times, sites)]; None where the file does not say.
+    note : str or None
+        Sentence on the record that the user should know.
     """
 
     bands: Callable[[int, int], Bands]
@@ -39,6 +41,7 @@ class Held:
     sites: tuple[str, ...] = ("1",)
     latitude_deg: FloatArray | None = None
     longitude_deg: FloatArray | None = None
+    note: str | None = field(default=None, kw_only=True)
 
 
 def reader(name: str) -> Callable[..., Any]:

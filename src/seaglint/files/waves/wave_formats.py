@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
@@ -11,7 +12,8 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
-from seaglint.files.waves import datawell, octopus, spotter, swan, triaxys, ww3
+from seaglint.files.ndbc_dates import headings_of
+from seaglint.files.waves import cdip, datawell, octopus, spotter, swan, triaxys, ww3
 from seaglint.files.waves import era5_waves as era5
 from seaglint.files.waves import ndbc_waves as ndbc
 from seaglint.files.waves import wavespectra_file as own
@@ -21,13 +23,27 @@ from seaglint.files.waves.record_choice import WaveChoice
 from seaglint.files.waves.wave_file import Held, parsed
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
-Format = Literal["ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
+Format = Literal["ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
 
-FORMATS: Final[tuple[Format, ...]] = ("ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra")
+FORMATS: Final[tuple[Format, ...]] = (
+    "ndbc",
+    "cdip",
+    "mhkit",
+    "spotter",
+    "swan",
+    "ww3",
+    "era5",
+    "triaxys",
+    "octopus",
+    "datawell",
+    "wavespectra",
+)
 """Names of the formats that ``sea.spectrum.format`` takes."""
 
 _NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _BEGINNING: Final = 8192
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -106,6 +122,9 @@ def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float
             report[name] = float(values[site])
     if away is not None:
         report["km_from_place_wanted"] = away
+    if held.note is not None:
+        log.warning("%s: %s", what, held.note)
+        report["note"] = held.note
     return WavesFromFile(spectrum, report)
 
 
@@ -118,7 +137,7 @@ def recognised(path: Path) -> Format:
         A file that is missing or begins as none of them.
     """
     if not path.is_file():
-        if any(path.with_name(path.name + suffix).is_file() for suffix in ndbc.SUFFIXES):
+        if ndbc.is_common_part(path):
             return "ndbc"
         raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
     with path.open("rb") as file:
@@ -138,8 +157,9 @@ def _netcdf_format(path: Path) -> Format | None:
         names = {str(name) for name in data.variables}
     if "d2fd" in names:
         return "era5"
-    if names & {"spectral_wave_density", "waveEnergyDensity"}:
-        return "ndbc"
+    for name, kind in (("spectral_wave_density", "ndbc"), (cdip.DENSITY, "cdip"), (ndbc.MHKIT[0], "mhkit")):
+        if name in names:
+            return kind  # type: ignore[return-value]
     if "efth" in names:
         return "wavespectra" if "freq" in names else "ww3"
     return "swan" if {"density", "frequency"} <= names else None
@@ -153,7 +173,7 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
         except (OSError, EOFError) as error:
             raise DataError(f"{path} cannot be unpacked ({error}); is the file whole?") from error
     text = beginning.decode("utf-8", "replace").lstrip("\ufeff")
-    head, words = text.lstrip(), text.split()
+    head = text.lstrip()
     for start, kind in (("SWAN", "swan"), ("'WAVEWATCH III SPECTRA'", "ww3"), ("TRIAXYS", "triaxys")):
         if head.startswith(start):
             return kind  # type: ignore[return-value]
@@ -161,11 +181,11 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
         return "spotter"
     if any(line.startswith("nfreqs,") for line in text.splitlines()[:4]):
         return "octopus"
-    if words and words[0].lstrip("#") in ("YY", "YYYY"):
+    if headings_of(head.partition("\n")[0]):
         return "ndbc"
     if path.suffix == ".spt":
         return "datawell"
-    return "ndbc" if path.name.endswith(ndbc.SUFFIXES) else None
+    return "ndbc" if path.name.removesuffix(".gz").endswith(ndbc.SUFFIXES) else None
 
 
 def _held(path: Path, kind: Format, choice: WaveChoice) -> Held:
@@ -175,8 +195,15 @@ def _held(path: Path, kind: Format, choice: WaveChoice) -> Held:
         with path.open("rb") as file:
             is_netcdf = file.read(8).startswith(_NETCDF)
     match kind:
+        case "ndbc" if is_netcdf:
+            other = _netcdf_format(path)  # NDBC's data come under the names of others as well
+            return _held(path, other, choice) if other in ("cdip", "mhkit") else ndbc.read_netcdf(path)
         case "ndbc":
-            return ndbc.read_netcdf(path) if is_netcdf else ndbc.read_text(path, choice)
+            return ndbc.read_text(path, choice)
+        case "cdip":
+            return cdip.read(path, choice)
+        case "mhkit":
+            return ndbc.read_mhkit(path)
         case "swan":
             return swan.read_netcdf(path) if is_netcdf else swan.read_text(path)
         case "ww3":

@@ -1,8 +1,9 @@
 """Reader of NDBC standard meteorological text files of buoys, historical and realtime, of all generations of headings.
 
 Up to 1998 the year has two digits (``YY MM DD hh``), from 2000 four, minutes come in 2005, and from 2007 headings begin with ``#`` and a
-second line has units. Missing values are filled with nines as wide as the field (99.0, 999, 9999.0) or, in realtime files, ``MM``. The
-files have no place and no cloud cover. Winds are those at the anemometer, 3 to 5 m above most buoys.
+second line has units; dates are those of :mod:`seaglint.files.ndbc_dates`. Missing values are filled with nines as wide as the field (99.0,
+999, 9999.0) or, in realtime files, ``MM``. The files have no place and no cloud cover. Winds are those at the anemometer, 3 to 5 m above
+most buoys.
 
 References
 ----------
@@ -20,6 +21,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.files.ndbc_dates import headings_of, moment_of
 from seaglint.files.tables.table_text import plain_number
 from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.times import order_of
@@ -31,14 +33,13 @@ NAUTICAL_MILE_KM: Final = 1.852
 _MISSING: Final = {"WDIR": 999.0, "WSPD": 99.0, "WVHT": 99.0, "ATMP": 999.0, "WTMP": 999.0, "DEWP": 999.0, "VIS": 99.0}
 """Code of a missing value in each column that is used."""
 
-_ALSO: Final = {"WD": "WDIR", "#YY": "YY", "YYYY": "YY"}
+_ALSO: Final = {"WD": "WDIR"}
 """Earlier spellings of headings."""
 
 
 def looks_like_ndbc(line: str) -> bool:
     """Return true where a line is the headings of an NDBC file."""
-    names = [_ALSO.get(name, name) for name in line.split()]
-    return names[:4] == ["YY", "MM", "DD", "hh"] and "WSPD" in names
+    return "WSPD" in headings_of(line)
 
 
 def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[float, float] | None = None) -> WeatherSource:
@@ -61,15 +62,15 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     lines = [(number, line.split()) for number, line in enumerate(text_of(path).splitlines(), 1) if line.strip()]
     if not lines or not looks_like_ndbc(" ".join(lines[0][1])):
         raise DataError(f"{path}, line 1: is not the headings of an NDBC standard meteorological file (YY MM DD hh ... WSPD ...)")
-    header = [_ALSO.get(name, name) for name in lines[0][1]]
+    header = [_ALSO.get(name, name) for name in headings_of(" ".join(lines[0][1]))]
     rows = [(number, cells) for number, cells in lines[1:] if not cells[0].startswith("#")]
     if not rows:
         raise DataError(f"{path}: holds no records; bring the file again")
     for number, cells in rows:
         if len(cells) != len(header):
             raise DataError(f"{path}, line {number}: {len(cells)} cells under {len(header)} headings; is the file whole?")
-    table = {name: _column(path, rows, at, name) for at, name in enumerate(header) if name in {*_MISSING, "YY", "MM", "DD", "hh", "mm"}}
-    month, hour, time_notes = _times(path, rows, table)
+    table = {name: _column(path, rows, at, name) for at, name in enumerate(header) if name in _MISSING}
+    month, hour, time_notes = _times(path, rows, 5 if header[4] == "mm" else 4)
     get = {name: table.get(name, np.full(len(rows), np.nan)) for name in _MISSING}
     air, dew = get["ATMP"] + ICE_POINT, get["DEWP"] + ICE_POINT
     notes = ["no cloud cover in NDBC files: it is missing throughout; fill it with --fill cloud_cover=0.6, or bring another source"]
@@ -133,14 +134,16 @@ def _column(path: Path, rows: list[tuple[int, list[str]]], at: int, name: str) -
     return out if missing is None else np.where(out == missing, np.nan, out)
 
 
-def _times(path: Path, rows: list[tuple[int, list[str]]], table: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    year, month, day, hour = (table[name] for name in ("YY", "MM", "DD", "hh"))
-    minute = table.get("mm", np.zeros(len(rows)))
-    good = (month >= 1) & (month <= 12) & (day >= 1) & (day <= 31) & (hour >= 0) & (hour <= 23) & (minute >= 0) & (minute <= 59)
-    if not good.all():
-        i = int(np.flatnonzero(~good)[0])
-        raise DataError(
-            f"{path}, row {i + 1} (line {rows[i][0]}): '{' '.join(rows[i][1][:5])}' is no date and hour; correct or remove the record"
-        )
-    stamp = (((np.where(year < 100, 1900 + year, year) * 12 + month) * 31 + day) * 24 + hour) * 60 + minute
-    return month, hour + minute / 60.0, order_of(stamp)
+def _times(path: Path, rows: list[tuple[int, list[str]]], count: int) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Return months, hours of UTC and notes on their order, of dates of ``count`` cells."""
+    moments = []
+    for i, (number, cells) in enumerate(rows):
+        try:
+            moments.append(moment_of(cells[:count]))
+        except ValueError:
+            raise DataError(
+                f"{path}, row {i + 1} (line {number}): '{' '.join(cells[:5])}' is no date and hour; correct or remove the record"
+            ) from None
+    month = np.array([float(moment.month) for moment in moments])
+    hour = np.array([moment.hour + moment.minute / 60.0 for moment in moments])
+    return month, hour, order_of(np.array(moments, dtype="datetime64[m]"))

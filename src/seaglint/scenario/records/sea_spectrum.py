@@ -49,7 +49,7 @@ class SpectrumFile(Record):
     kind: Literal["file"] = "file"
     path: Annotated[InputFile, Field(description="the file; of a buoy's five NDBC files, beside each other, any one, e.g. 41010.data_spec")]
     format: Annotated[
-        Literal["auto", "ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"],
+        Literal["auto", "ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"],
         Field(description="format of the file; auto recognises it"),
     ] = "auto"
     time: Annotated[Utc | None, Field(description="UTC time of the record wanted; default: that of [time]")] = None
