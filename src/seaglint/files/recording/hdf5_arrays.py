@@ -190,6 +190,9 @@ def open_matlab(path: Path, how: ArrayReading) -> Recording:
             for name, (shape, kind) in sizes.items()
             if kind in _MATLAB_NUMBERS and sum(size > 1 for size in shape) >= 2 and min(shape) > 0
         }
+        if not images:
+            held = ", ".join(f"{name} ({kind})" for name, (_, kind) in sizes.items()) or "nothing"
+            raise DataError(f"{path}: holds no array of numbers with rows and columns, but {held}; save the array itself with -v7.3")
         name = choose(images, how.variable, path)
         rates = [key for key in RATE_NAMES if sizes.get(key, ((), ""))[0] == (1, 1)]
         held = loadmat(str(path), variable_names=[name, *rates])

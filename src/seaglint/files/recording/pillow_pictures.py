@@ -208,11 +208,8 @@ def _decoded(path: Path) -> NDArray[Any]:
 
 def _deep_png(path: Path) -> NDArray[Any]:
     """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
-    png = optional("png", f"{path}: colour of 16 bits")
-    with path.open("rb") as file:
-        columns, rows, lines, facts = png.Reader(file=file).read()
-        stored = np.array([np.asarray(line, np.uint16) for line in lines])
-    return np.asarray(stored.reshape(rows, columns, facts["planes"]))
+    imagecodecs = optional("imagecodecs", f"{path}: colour of 16 bits")
+    return np.asarray(imagecodecs.png_decode(path.read_bytes()))
 
 
 def _png_header(path: Path) -> _PngHeader | None:
