@@ -43,7 +43,7 @@ def test_a_layout_on_the_command_line_takes_a_broken_frame_rate(seaglint, raw):
         (("--raw", "rows=24,columns=32,frame_rate=fast"), "frame_rate = 'fast'"),
         (("--raw", "rows=24,columns=32", "--report", "out.txt"), "ends in .html"),
         (("--raw", "rows=24,columns=32", "--border", "left"), "auto, keep, drop"),
-        (("--raw", "rows=24,columns=32", "--axes", "xyt"), "tyx, yxt"),
+        (("--raw", "rows=24,columns=32", "--axes", "xyz"), "yxt (time last)"),
         (("--raw", "rows=24,columns=32", "--axes", "yxt"), "for arrays"),
     ],
 )

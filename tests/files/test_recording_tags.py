@@ -155,9 +155,9 @@ def test_repeated_frames_are_compared_whole(kind: str) -> None:
             frames[i, 5 * (i % 7) + 1, i] += 50.0
     said = notes_of(Recording("memory", *frames.shape, lambda a, b: frames[a:b], frame_rate=25.0, units="K"))
     expected = {
-        "every second": "12 of 24 frames (50 %) repeat the one before in all pixels, in 12 runs of at most 1",
-        "one run": "3 of 24 frames (12.5 %) repeat the one before in all pixels, in one run from frame 6 on",
-        "gaps": "1 of 24 frames (4.17 %) repeat",
+        "every second": "12 frames repeat the one before in all pixels (50 % of 24), in 12 runs of at most 1",
+        "one run": "3 frames repeat the one before in all pixels (12.5 % of 24), in one run from frame 6 on",
+        "gaps": "1 frames repeat the one before in all pixels (4.17 % of 24)",
     }
     assert expected.get(kind, "never change") in said
     assert ("repeat the one before" in said) == (kind != "none")
@@ -287,3 +287,29 @@ def test_rounding_of_compressed_floats_is_noted(tmp_path: Path) -> None:
         recording = open_recording(path)
         assert ("rounded when the file was compressed" in notes_of(recording)) == rounded
         np.testing.assert_allclose(values(recording)[0], floats, atol=10.0 if rounded else 0.0)
+
+
+def test_a_scale_of_the_file_that_differs_from_the_arrays_is_refused(tmp_path: Path) -> None:
+    import h5py
+
+    for number, (theirs, says) in enumerate([(0.5, "two places that contradict"), (0.1, "")]):
+        path = tmp_path / f"{number}.h5"
+        with h5py.File(path, "w") as file:
+            file.create_dataset("a", data=FRAMES.astype(np.int16)).attrs["scale_factor"] = 0.1
+            file.attrs["scale_factor"] = theirs
+        if says:
+            with pytest.raises(DataError, match=says):
+                open_recording(path)
+        else:
+            np.testing.assert_allclose(values(open_recording(path)), 0.1 * FRAMES.astype(np.int16), rtol=1e-6)
+
+
+def test_planes_of_a_true_colour_picture_are_no_frames(tmp_path: Path) -> None:
+    import h5py
+
+    grey = FRAMES[0].astype(np.uint8)
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        dataset = file.create_dataset("a", data=np.stack([grey] * 3))
+        about = {"CLASS": "IMAGE", "IMAGE_SUBCLASS": "IMAGE_TRUECOLOR", "INTERLACE_MODE": "INTERLACE_PLANE"}
+        dataset.attrs.update({name: np.bytes_(value) for name, value in about.items()})
+    np.testing.assert_array_equal(values(open_recording(tmp_path / "a.h5")), grey[None])

@@ -214,8 +214,8 @@ def _repeats_note(repeated: list[bool]) -> str:
     count = int(runs.sum())
     where = f"in {runs.size} runs of at most {int(runs.max())}" if runs.size > 1 else f"in one run from frame {int(edges[0])} on"
     return (
-        f"{count} of {len(repeated)} frames ({100 * count / len(repeated):.3g} %) repeat the one before in all pixels, {where}: frames "
-        "were dropped or the frame rate is wrong; times are not to be trusted"
+        f"{count} frames repeat the one before in all pixels ({100 * count / len(repeated):.3g} % of {len(repeated)}), {where}: "
+        "frames were dropped or the frame rate is wrong; times are not to be trusted"
     )
 
 

@@ -96,10 +96,29 @@ def is_ours(path: Path | str) -> bool:
     if not isinstance(path, Path) or not path.exists():
         return not str(path).endswith(".toml")
     if path.is_dir():
+        from seaglint.files.recording.labelled import is_zarr
         from seaglint.files.store.store import is_sequence
 
-        return is_sequence(path) or path.suffix.lower() == ".zarr"
-    return path.suffix.lower() in (".nc", ".nc4", "")
+        return is_sequence(path) or (path.suffix.lower() == ".zarr" and not (is_zarr(path) and _is_of_others(path)))
+    return path.suffix.lower() == "" or (path.suffix.lower() in (".nc", ".nc4") and not _is_of_others(path))
+
+
+def _is_of_others(path: Path) -> bool:
+    """Return true for images of another program: a file or store that opens and holds none of our pictures."""
+    from seaglint.base.errors import SeaglintError
+    from seaglint.base.schema import IMAGES
+    from seaglint.files.netcdf import open_netcdf
+
+    try:
+        if path.is_dir():
+            import zarr
+
+            node = zarr.open(str(path), mode="r")
+            return isinstance(node, zarr.Array) or not set(IMAGES) & {name for name, _ in node.members()}
+        with open_netcdf(path, decode_times=False) as dataset:
+            return not set(IMAGES) & {str(name) for name in dataset.data_vars}
+    except (SeaglintError, OSError, ValueError, KeyError):
+        return False  # what cannot be opened is reported by the reader of our own files
 
 
 def describe_scenario(path: Path) -> ScenarioFacts:

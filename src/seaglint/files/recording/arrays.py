@@ -238,7 +238,7 @@ def text_of(value: Any) -> str | None:
     if isinstance(value, np.ndarray):
         value = value.ravel()[0] if value.size else None
     text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    return str(text).strip() or None if text is not None else None
+    return str(text).strip(" \0") or None if text is not None else None
 
 
 def choose(available: Attributes, requested: str | None, path: str | Path) -> str:

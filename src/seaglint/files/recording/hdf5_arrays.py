@@ -25,7 +25,7 @@ _MATLAB_NUMBERS: Final = (
 )
 """Classes of MATLAB arrays that are numbers."""
 
-_FLIPS: Final = {"UL": (), "LL": ("y",), "UR": ("x",), "LR": ("y", "x")}
+_FLIPS: Final[dict[str, tuple[str, ...]]] = {"UL": (), "LL": ("y",), "UR": ("x",), "LR": ("y", "x")}
 """Axes that are turned by the corner where a picture begins (HDF5 image specification 1.2, DISPLAY_ORIGIN)."""
 
 
@@ -70,8 +70,9 @@ def open_hdf5(path: Path, how: ArrayReading, *, netcdf: bool = False) -> Recordi
     if netcdf:
         decoding = with_default_fill(decoding, attributes, array.dtype)
     decoding, picture_notes = _picture(attributes, decoding, array.dtype, source)
+    picture_notes = (*picture_notes, *_scale_elsewhere(array, file, attributes, source))
     units = text_of(attributes.get("units", attributes.get("unit")))
-    facts = ArrayFacts(rate, units, _dimension_names(array), decoding, notes=(*notes, *picture_notes, *_unwritten(array)))
+    facts = ArrayFacts(rate, units, _names(array, attributes), decoding, notes=(*notes, *picture_notes, *_unwritten(array)))
     if matlab is not None:
         return of_array(_Reversed(array), source, how, replace(facts, names=(), order="yxt"))
     return _turned(of_array(array, source, how, facts), text_of(attributes.get("DISPLAY_ORIGIN")), source)
@@ -89,8 +90,25 @@ def _is_beside(item: Any, file: Any) -> bool:
     return kind in ("PALETTE", "DIMENSION_SCALE") or "flag_meanings" in item.attrs or "MATLAB_sparse" in parent.attrs
 
 
-def _dimension_names(array: Any) -> tuple[str, ...]:
-    """Return the names of a dataset's dimensions: its labels, or those of its scales."""
+def _scale_elsewhere(array: Any, file: Any, attributes: Attributes, source: str) -> tuple[str, ...]:
+    """Refuse a scale or offset of the file or group that differs from that of the array; note one that stands there alone."""
+    notes = []
+    for holder in dict.fromkeys(("/", array.parent.name)):
+        for name in ("scale_factor", "add_offset"):
+            theirs, ours = file[holder].attrs.get(name), attributes.get(name)
+            if theirs is None:
+                continue
+            if ours is None:
+                notes.append(f"{name} of {holder} is not applied: it is no attribute of the array")
+            elif not np.array_equal(np.ravel(theirs), np.ravel(ours)):
+                raise DataError(f"{source}: {name} stands in two places that contradict each other, the array and {holder}; leave one out")
+    return tuple(notes)
+
+
+def _names(array: Any, attributes: Attributes) -> tuple[str, ...]:
+    """Return the names of a dataset's dimensions: those of a colour picture, its labels, or those of its scales."""
+    if text_of(attributes.get("IMAGE_SUBCLASS")) == "IMAGE_TRUECOLOR" and array.ndim == 3:
+        return ("c", "y", "x") if text_of(attributes.get("INTERLACE_MODE")) == "INTERLACE_PLANE" else ("y", "x", "c")
     names = []
     for dimension in array.dims:
         label = dimension.label
@@ -195,13 +213,13 @@ def open_matlab(path: Path, how: ArrayReading) -> Recording:
             raise DataError(f"{path}: holds no array of numbers with rows and columns, but {held}; save the array itself with -v7.3")
         name = choose(images, how.variable, path)
         rates = [key for key in RATE_NAMES if sizes.get(key, ((), ""))[0] == (1, 1)]
-        held = loadmat(str(path), variable_names=[name, *rates])
-        if name not in held:
+        arrays: Any = loadmat(str(path), variable_names=[name, *rates])
+        if name not in arrays:
             raise DataError(f"{path}: {name} cannot be read; save it with -v7.3")
     except DataError:
         raise
     except Exception as error:
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise DataError(f"{path}: cannot be read as a MATLAB file ({reason}); save it with -v7.3, and the array as numbers") from error
-    rate = frame_rate_of({key: held[key] for key in rates})
-    return of_array(held[name], f"{path}:{name}", how, ArrayFacts(rate, order="yxt"))
+    rate = frame_rate_of({key: arrays[key] for key in rates})
+    return of_array(arrays[name], f"{path}:{name}", how, ArrayFacts(rate, order="yxt"))
