@@ -77,7 +77,8 @@ def test_exposures_of_one_name(data_dir: Path) -> None:
         for name in (f"SCI,{i}", str(i), f"sci,{i}"):
             np.testing.assert_array_equal(values(open_recording(path, variable=name))[0], exposure)
     np.testing.assert_array_equal(values(open_recording(path, variable="SCI,*")), exposures)
-    np.testing.assert_array_equal(values(open_recording(path)), exposures[:1])
+    for name in (None, "SCI"):
+        np.testing.assert_array_equal(values(open_recording(path, variable=name)), exposures[:1])
 
 
 def test_matlab_of_two_versions_is_one_array(data_dir: Path) -> None:
@@ -313,3 +314,18 @@ def test_planes_of_a_true_colour_picture_are_no_frames(tmp_path: Path) -> None:
         about = {"CLASS": "IMAGE", "IMAGE_SUBCLASS": "IMAGE_TRUECOLOR", "INTERLACE_MODE": "INTERLACE_PLANE"}
         dataset.attrs.update({name: np.bytes_(value) for name, value in about.items()})
     np.testing.assert_array_equal(values(open_recording(tmp_path / "a.h5")), grey[None])
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_the_first_pixel_of_a_turned_picture(orientation: int, tmp_path: Path) -> None:
+    """TIFF 6.0, p. 36: where row 0 and column 0 of the stored pixels lie in the picture."""
+    import tifffile
+
+    picture = np.zeros((5, 7), np.uint8)
+    picture[0, 0], picture[0, 1] = 200, 100  # the second pixel of the first stored row
+    tifffile.imwrite(tmp_path / "a.tif", picture, extratags=[(274, 3, 1, orientation, True)], metadata=None)
+    found = values(open_recording(tmp_path / "a.tif"))[0]
+    first = {1: (0, 0), 2: (0, 6), 3: (4, 6), 4: (4, 0), 5: (0, 0), 6: (0, 4), 7: (6, 4), 8: (6, 0)}
+    second = {1: (0, 1), 2: (0, 5), 3: (4, 5), 4: (4, 1), 5: (1, 0), 6: (1, 4), 7: (5, 4), 8: (5, 0)}
+    assert found.shape == ((7, 5) if orientation >= 5 else (5, 7))
+    assert (found[first[orientation]], found[second[orientation]]) == (200.0, 100.0)
