@@ -153,9 +153,9 @@ def summarise_air(source: str, sea_kelvin: float, model: str = "midlatitude-summ
     profile = read.profile(model)
     return AirSummary(
         profile,
-        read.height.size - (1 if read.lowest_given > 0.0 else 0),
+        read.given,
         read.kind,
-        float(read.height[-1]),
+        read.top,
         read.lowest_given,
         _misfit(profile, read.height.size),
         sea_kelvin,

@@ -1,4 +1,4 @@
-"""Reader of ERA5's pressure levels at a place: geopotential, temperature and humidity, as the Climate Data Store writes them."""
+"""Reader of soundings in NetCDF: ERA5's pressure levels at a place, as the Climate Data Store writes them; sondes by their own reader."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from seaglint.base.errors import DataError
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.soundings.raw_sounding import Humidity, RawSounding
+from seaglint.files.soundings.sonde_netcdf import is_sonde, read_sonde
 
 LEVELS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
 TIMES: Final = ("valid_time", "time")
@@ -22,14 +23,17 @@ MOISTURES: Final[dict[str, Humidity]] = {
 }  # fmt: skip
 
 
-def read_era5_levels(path: Path, place: tuple[float, float] | None, time: datetime | None) -> RawSounding:
-    """Read the column of the nearest grid point and hour.
+def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: datetime | None) -> RawSounding:
+    """Read the levels of a sonde, or the column of the nearest grid point and hour.
 
     Raises
     ------
     DataError
         Variables missing, or many places without one that was asked for.
     """
+    with open_netcdf(path, decode_times=False) as plain:
+        if is_sonde(plain):
+            return read_sonde(path, plain)
     with open_netcdf(path, decode_times=True) as data:
         names = {what: _first(data, known) for what, known in (("level", LEVELS), ("height", HEIGHTS), ("temperature", TEMPERATURES))}
         moist = next((name for name in MOISTURES if name in data), None)
