@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
 
@@ -81,7 +81,7 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
             stamps = np.asarray(data[name].values)
             i = 0
             if time is not None and np.issubdtype(stamps.dtype, np.datetime64):
-                i = int(np.argmin(np.abs(stamps - np.datetime64(time.replace(tzinfo=None)))))
+                i = int(np.argmin(np.abs(stamps - np.datetime64(time.astimezone(UTC).replace(tzinfo=None)))))
             if stamps.size > 1:
                 notes.append(f"the hour {str(stamps[i])[:16]} is taken, {stamps.size - 1} others are left")
             data = data.isel({name: i})

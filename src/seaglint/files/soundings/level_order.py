@@ -85,7 +85,8 @@ def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSou
     step_p, step_z = raw.resolution
     risen = np.concatenate([[0.0], raw.pressure[1:] - np.minimum.accumulate(raw.pressure)[:-1]])
     fallen = np.concatenate([[0.0], np.maximum.accumulate(raw.height)[:-1] - raw.height[1:]])
-    falls = (risen > max(1.5 * step_p, NOISE_HPA)) | (fallen > max(1.5 * step_z, NOISE_M)) | ((fallen > 1.5 * step_z) & (risen > step_p))
+    falls = (risen > max(1.5 * step_p, NOISE_HPA)) | (fallen > max(1.5 * step_z, NOISE_M))
+    falls |= (fallen > 1.5 * step_z) & (risen > 1.01 * step_p)  # both agree that the balloon sank
     if falls.any():
         count = int(falls.sum())
         if count > max(3, LOST * falls.size):

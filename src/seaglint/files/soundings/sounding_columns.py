@@ -14,14 +14,12 @@ from seaglint.files.soundings.raw_sounding import Humidity, Quantity, RawSoundin
 
 #: Names of quantities without their unit, the preferred first; a bare name is one that says enough without a unit.
 PRESSURE: Final = ("pressure", "pres", "press", "p", "pc", "pm", "air_pressure", "prs")
-HEIGHT: Final = (
-    *("height", "altitude", "alt", "z", "geometric_height", "heightmsl", "height_msl", "hgt_msl", "altitude_msl", "zmsl"),
-    *("gpsalt", "gps_alt", "gps_altitude", "gpsheightmsl"),
-)
+HEIGHT: Final = ("height", "altitude", "alt", "z", "geometric_height", "height_msl", "altitude_msl", "zmsl")
 GEOPOTENTIAL: Final = (
     *("geopotential_height", "geopotheight", "geopoalt", "geopot", "gph", "hght", "hgt", "geopoten", "geopotential_altitude", "gpm"),
-    "geopot_height",
+    *("geopot_height", "heightmsl", "hgt_msl"),  # Vaisala's heights above the sea follow from its pressures
 )
+SATELLITE: Final = ("gpsalt", "gps_alt", "gps_altitude", "gpsheightmsl")
 TEMPERATURE: Final = ("temperature", "temp", "tmp", "tdry", "air_temperature", "tair", "ta", "t", "dry_bulb_temperature")
 DEW_POINT: Final = (
     *("dewpoint", "dew_point", "dew_point_temperature", "dewpoint_temperature", "td", "dwpt", "dewp", "dewpt", "dewpnt", "dp", "dew"),
@@ -63,7 +61,8 @@ ALLOWED: Final[dict[str, tuple[str, ...]]] = {
 """Units of a quantity."""
 
 QUANTITIES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
-    "pressure": ("pressure", PRESSURE), "height": ("height", (*HEIGHT, *GEOPOTENTIAL)), "temperature": ("temperature", TEMPERATURE),
+    "pressure": ("pressure", PRESSURE), "height": ("height", (*HEIGHT, *GEOPOTENTIAL, *SATELLITE)),
+    "temperature": ("temperature", TEMPERATURE),
     "dewpoint": ("humidity", DEW_POINT), "depression": ("humidity", DEPRESSION), "humidity": ("humidity", HUMIDITY),
     "mixing": ("humidity", MIXING), "specific": ("humidity", SPECIFIC),
 }  # fmt: skip
