@@ -193,7 +193,7 @@ def test_levels_without_pressure_or_temperature_are_left_out_and_counted(tmp_pat
         rows[i] = ",".join(cells)
     found = read_sounding(write(tmp_path, HEAD + "\n".join(rows) + "\n"))
     assert any(note.startswith("2 of 15 levels have missing values") for note in found.reported)
-    assert any(note.startswith("1 levels between others have no humidity") for note in found.reported)
+    assert any(note.startswith("1 of 13 levels lack humidity between others") for note in found.reported)
     np.testing.assert_allclose(found.height[1:], np.delete(Z, [2, 9]))
     assert found.temperature[5] == pytest.approx(T[5])
     assert found.relative_humidity[5] == pytest.approx(np.interp(Z[5], Z[[4, 6]], U[[4, 6]]))

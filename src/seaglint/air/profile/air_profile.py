@@ -107,7 +107,8 @@ class AirProfile:
             z, vapour = np.append(height, z[first:]), np.append(at, vapour[first:])
         a, b = vapour[:-1], vapour[1:]
         both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
-        mean = np.where(both, (a - b) / np.log(np.where(both, a / b, np.e)), 0.5 * (a + b))
+        ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
+        mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
         return float(1e-3 * np.sum(mean * np.diff(z)))
 
 

@@ -83,7 +83,8 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
             if time is not None and np.issubdtype(stamps.dtype, np.datetime64):
                 i = int(np.argmin(np.abs(stamps - np.datetime64(time.astimezone(UTC).replace(tzinfo=None)))))
             if stamps.size > 1:
-                notes.append(f"the hour {str(stamps[i])[:16]} is taken, {stamps.size - 1} others are left")
+                first = ", the first," if time is None else ""
+                notes.append(f"the hour {str(stamps[i])[:16]}{first} is taken, {stamps.size - 1} others are left")
             data = data.isel({name: i})
     latitude = next((name for name in ("latitude", "lat") if name in data.dims), None)
     longitude = next((name for name in ("longitude", "lon") if name in data.dims), None)

@@ -98,17 +98,16 @@ def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSou
     order = np.argsort(raw.height, kind="stable")
     moved = int(np.sum(order != np.arange(order.size)))
     if moved:
-        done.append(
-            f"{moved} levels stand out of order within the rounding and noise of the file and are put in the order of their heights"
-        )
+        done.append(f"{moved} of {order.size} levels stand out of order within rounding and noise; heights decide their order")
         raw, humidity = raw.kept(order), humidity[order]
     raw, humidity, merged = _merged(raw, humidity)
     if merged:
-        done.append(f"{merged} levels repeat a height and are averaged with the level there")
+        done.append(f"{merged} of {order.size} levels repeat a height and are averaged with the level there")
     pressure, repeats = _falling(raw)
     if repeats:
         done.append(
-            f"{repeats} levels repeat a pressure, rounded to {step_p:g} hPa; their pressures are interpolated in height, none is left out"
+            f"{repeats} of {pressure.size} levels repeat a pressure, rounded to {step_p:g} hPa; they are interpolated in height, "
+            "none is left out"
         )
     return replace(raw, pressure=pressure), humidity, done, lost
 

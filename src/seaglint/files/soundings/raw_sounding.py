@@ -14,7 +14,7 @@ from seaglint.base.conventions import FloatArray
 MISSING: Final = (9999.0, 99999.0, -999.0, -999.9, -999.99, -9999.0, -9999.9, -8888.0, -99999.0, 9999.9, -32768.0, 32767.0)
 """Numbers that stand for a missing value of any quantity."""
 
-BELOW_ZERO: Final = (-99.0, -99.9, -99.99, -88.0, -888.0)
+BELOW_ZERO: Final = (-99.0, -99.9, -99.99, -888.0)
 """Further numbers that stand for a missing pressure, temperature or humidity; a height of -99 m may be real."""
 
 BEYOND_AIR: Final = (999.0, 999.9, 999.99)

@@ -204,7 +204,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
         notes.append("heights are geopotential and are made geometric")
     inside = (raw.height >= 0.0) & (raw.height <= TOP_M)
     if not inside.all():
-        report(f"{int((~inside).sum())} levels below the sea or above 100 km are left out")
+        report(f"{int((~inside).sum())} of {inside.size} levels lie below the sea or above 100 km and are left out")
         raw, humidity = raw.kept(inside), humidity[inside]
     if raw.height.size:
         raw, humidity, done, lost = in_order(path, raw, humidity)
@@ -286,7 +286,7 @@ def _without_gaps(path: Path, height: FloatArray, humidity: FloatArray, report: 
         report(f"humidity begins at {height[first]:.0f} m; below it is the relative humidity of that level")
     gaps = int(np.sum(~known[first:last]))
     if gaps:
-        report(f"{gaps} levels between others have no humidity of their own; it is interpolated in height (relative humidity)")
+        report(f"{gaps} of {known.size} levels lack humidity between others; their relative humidity is interpolated in height")
     out = np.interp(height, height[known], humidity[known])
     out[last + 1 :] = np.nan
     return out

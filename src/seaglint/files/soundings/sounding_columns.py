@@ -26,7 +26,7 @@ DEW_POINT: Final = (
     *("dwp", "dew_pt", "tdew"),
 )
 DEPRESSION: Final = ("dew_point_depression", "dewpoint_depression", "dpdp", "dpd", "depression", "t_td")
-HUMIDITY: Final = ("relative_humidity", "rh", "relh", "humidity", "rel_humidity", "rel_hum", "hum", "hur", "ur")
+HUMIDITY: Final = ("relative_humidity", "rh", "relh", "humidity", "rel_humidity", "rel_hum", "hum", "hur", "hu")
 MIXING: Final = ("mixing_ratio", "mixr", "mix_ratio", "water_vapor_mixing_ratio", "water_vapour_mixing_ratio")
 SPECIFIC: Final = ("specific_humidity", "spfh", "hus", "sphu")
 
@@ -89,7 +89,7 @@ def plain_name(text: str) -> str:
     >>> plain_name("geopotential height_m"), plain_name("Temp [°C]"), plain_name("Hgt/MSL")
     ('geopotential_height_m', 'temp_c', 'hgt_msl')
     """
-    name = re.sub(r"[°º\ufffd'\"]|(?<=\[)\xb0", "", text.strip().lower())
+    name = re.sub(r"[°º\ufffd'\"]|\.(?=\s|$)", "", text.strip().lower())
     name = name.replace("g/kg", "g_kg").replace("/", "_")
     return re.sub(r"[\s()\[\],:;_]+", "_", name).strip("_")
 

@@ -129,7 +129,9 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     by_dew = bool(np.isfinite(dew).sum() >= np.isfinite(humidity).sum())
     when = times[chosen]
     told = (
-        (f"the ascent of {when:%Y-%m-%d %H} UTC is taken, {len(heads) - 1} others are left",) if len(heads) > 1 and when is not None else ()
+        (f"the ascent of {when:%Y-%m-%d %H} UTC{', the first,' if time is None else ''} is taken, {len(heads) - 1} others are left",)
+        if len(heads) > 1 and when is not None
+        else ()
     )
     return RawSounding(
         "IGRA version 2",

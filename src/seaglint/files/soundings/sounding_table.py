@@ -112,10 +112,17 @@ def _as_heading(path: Path, lines: list[tuple[int, str]], place: int, separator:
             units, first = below, first + 1
     if separator is None and first < len(lines):
         row = next((cells for cells in (text.split() for _, text in lines[first : first + 20]) if len(cells) > 2), [])
+        if units is None and len(row) == len(names) + 1 and _counts([text for _, text in lines[first : first + 20]]):
+            names = ["", *names]  # an index without a name
         names, units = _aligned(line, names, units, len(row))
     elif units is not None and len(units) < len(names):
         units = [*units, *[""] * (len(names) - len(units))]
     return _Heading(place, number, separator, names, units, first)
+
+
+def _counts(rows: list[str]) -> bool:
+    """Return true for rows that begin with 0, 1, 2 and so on."""
+    return [row.split()[0] for row in rows] == [str(i) for i in range(len(rows))]
 
 
 def _aligned(line: str, names: list[str], units: list[str] | None, count: int) -> tuple[list[str], list[str] | None]:
