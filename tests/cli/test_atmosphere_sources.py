@@ -120,3 +120,18 @@ def test_info_chooses_place_and_time(tmp_path, monkeypatch, capsys):
         code, _, err = run_info(monkeypatch, capsys, tmp_path / "igra.txt", option, value)
         assert code == 2
         assert told in err
+
+
+def test_facts_of_a_worker_stay_silent_and_those_of_a_command_do_not(monkeypatch):
+    import logging
+
+    from seaglint.base.reports import REPORTS, leave_reports_to_parent
+
+    monkeypatch.setattr(REPORTS, "disabled", False)
+    package = logging.getLogger("seaglint")
+    monkeypatch.setattr(package, "handlers", [logging.NullHandler()])
+    leave_reports_to_parent()
+    assert not REPORTS.disabled
+    monkeypatch.setattr(package, "handlers", [])
+    leave_reports_to_parent()
+    assert REPORTS.disabled

@@ -18,9 +18,10 @@ class _Stderr(logging.Handler):
         """Write one line."""
         text = record.getMessage()
         if record.levelno >= logging.WARNING:
-            if text in self.warned:
-                return  # a study prepares the same air for every height, hour and worker
-            self.warned.add(text)
+            fact = str(getattr(record, "fact", text))  # what stays the same where numbers in the text follow a scene
+            if fact in self.warned:
+                return  # a study prepares the same air for every height, hour and scene
+            self.warned.add(fact)
         log(text)
 
 

@@ -21,7 +21,7 @@ ROUNDED: Final = {"pressure": 0.1, "height": 1.0}
 
 def is_sonde(data: Any) -> bool:
     """Return true for a dataset whose pressures and temperatures are records along one dimension."""
-    if any(name in data.dims for name in LEVEL_DIMENSIONS):
+    if any(name in data.dims and name in data.variables for name in LEVEL_DIMENSIONS):
         return False
     kinds = {column.kind for column in _columns(data)}
     return {"pressure", "temperature"} <= kinds

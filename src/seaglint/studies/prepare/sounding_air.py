@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Final
@@ -14,6 +13,7 @@ from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.limits import LOWTRAN_HEIGHTS
+from seaglint.base.reports import REPORTS
 from seaglint.files.soundings.continuation import Continuation, continuations
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.scenario.model import Scenario
@@ -22,8 +22,6 @@ from seaglint.scenario.records import atmosphere_table as wanted_air
 if TYPE_CHECKING:
     from seaglint.files.lowtran.deck import ProfileLevel
     from seaglint.files.soundings.sounding import Sounding
-
-_log = logging.getLogger(__name__)
 
 SKY_DEG: Final = 78.0
 """Zenith angle of the sky by which the effect of continued water vapour is shown [deg]: low sky, as slopes of waves mirror it."""
@@ -52,12 +50,23 @@ def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranF
 
 
 def report_sounding(sounding: Sounding, model: str, scenario: Scenario, over: Band) -> None:
-    """Log what a user of the result needs to see, a line a fact: levels left out, what the model continues and what it changes."""
+    """Log what a user of the result needs to see, a line a fact: levels left out, what the model continues and what it changes.
+
+    Records of one fact carry the same ``fact``: an ensemble of many sensors has one line of it.
+    """
     for text in sounding.reported:
-        _log.warning("%s: %s", sounding.path, text)
+        REPORTS.warning("%s: %s", sounding.path, text)
     profile, sensor = sounding.profile(model), scenario.sensor.height_m
     for part in continuations(sounding, profile, model, sensor):
-        _log.warning("%s: %s%s", sounding.path, part.text, _effect(part, profile, scenario, over))
+        fact = {"fact": f"{sounding.path}: above {part.height:g} m {model}"}
+        REPORTS.warning("%s: %s%s", sounding.path, part.text, _effect(part, profile, scenario, over), extra=fact)
+
+
+def report_air(scenario: Scenario, over: Band) -> None:
+    """Report the sounding of a scenario, where it has one, for workers that prepare its air and print nothing."""
+    air = scenario.atmosphere
+    if isinstance(air, wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere) and air.sounding is not None:
+        report_sounding(scenario_sounding(air, scenario), air.model, scenario, over)
 
 
 def program_sounding(
