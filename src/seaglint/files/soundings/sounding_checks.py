@@ -106,11 +106,15 @@ def span_misfit(raw: RawSounding, temperature: FloatArray) -> float:
 
 
 def _spans(height: FloatArray, sums: FloatArray) -> Iterator[tuple[int, int]]:
-    """Pairs of levels that lie a span apart by their heights or by their pressures; the last pair may be closer."""
+    """Pairs of levels that lie a span apart by their heights or by their pressures; the last pair overlaps the one below where it must."""
     first, last = 0, height.size - 1
     while first < last:
         ends = (int(np.searchsorted(height, height[first] + SPAN)), int(np.searchsorted(sums, sums[first] + SPAN)))
-        end = min(max(min(ends), first + 1), last)
+        end = max(min(ends), first + 1)
+        if end > last:
+            # two levels close to each other differ by their noise
+            lower = (int(np.searchsorted(height, height[last] - SPAN, "right")), int(np.searchsorted(sums, sums[last] - SPAN, "right")))
+            first, end = min(first, max(max(lower) - 1, 0)), last
         yield first, end
         first = end
 
