@@ -156,3 +156,28 @@ def test_forty_soundings_have_the_water_of_an_independent_integral(tmp_path, mod
         found = read_sounding(writer(tmp_path, truth))
         profile = found.profile(model)
         assert profile.water_above(found.lowest_given) - profile.water_above(truth.z[-1]) == pytest.approx(truth.water, rel=0.005)
+
+
+def test_the_old_layout_of_era5_is_read_at_a_place_and_time(tmp_path):
+    """NetCDF 3, integer levels in millibars, packed values, time and level under their old names."""
+    truth = ascent(z=np.r_[100.0, np.arange(500.0, 24_001.0, 1000.0)])
+    q = 1e-3 * truth.mixing_ratio
+    fields = {"z": 9.80665 * truth.geopotential, "t": truth.t, "q": q / (1.0 + q)}
+    shape, dims = (2, truth.z.size, 2, 2), ("time", "level", "latitude", "longitude")
+    warmer = np.array([0.0, 3.0])[:, None, None, None]
+    data = xr.Dataset(
+        {name: (dims, np.broadcast_to(v[None, :, None, None], shape) + (warmer if name == "t" else 0.0)) for name, v in fields.items()},
+        coords={
+            "time": np.array(["2023-05-01T00", "2023-05-01T12"], dtype="datetime64[ns]"),
+            "level": ("level", truth.p, {"units": "millibars"}),
+            "latitude": [10.25, 10.0],
+            "longitude": [-60.0, -59.75],
+        },
+    )
+    path = tmp_path / "old.nc"
+    data.to_netcdf(path, engine="scipy", format="NETCDF3_64BIT")
+    found = read_sounding(path, (10.1, 300.1), datetime(2023, 5, 1, 10, tzinfo=UTC))
+    np.testing.assert_allclose(found.temperature[1:], truth.t + 3.0, atol=0.01)
+    np.testing.assert_allclose(found.height[1:], truth.z, atol=0.5)
+    assert found.kind == "ERA5 pressure levels"
+    assert any("the hour 2023-05-01T12:00 is taken, 1 others are left" in text for text in found.reported)

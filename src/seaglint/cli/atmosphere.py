@@ -155,10 +155,7 @@ def info(
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
             raise DataError(f"{plot}: a picture is .png, .pdf or .svg; give a name that ends so")
         refuse_existing(plot, overwrite=overwrite, inputs=[Path(source)])
-    try:
-        summary = summarise_air(source, sea_temperature, model, _place(place), _time(time))
-    except DataError as error:  # readers know the keys of a scenario alone
-        raise DataError(str(error).replace("[place] latitude_deg and longitude_deg", "--place LAT,LON")) from None
+    summary = summarise_air(source, sea_temperature, model, _place(place), _time(time))
     typer.echo(json.dumps(summary.as_dict(), indent=2) if as_json else "\n".join(summary.lines))
     if plot is not None:
         from seaglint.plot.air_figure import write_air_plot

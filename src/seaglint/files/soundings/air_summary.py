@@ -171,7 +171,7 @@ def summarise_air(
     if source in MODELS and not Path(source).exists():
         profile = model_profile(source)
         return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)
-    read = read_sounding(source, place, time)
+    read = read_sounding(source, place, time, remedy="give `place` as LAT,LON")
     profile = read.profile(model)
     return AirSummary(
         profile,

@@ -23,7 +23,7 @@ MOISTURES: Final[dict[str, Humidity]] = {
 }  # fmt: skip
 
 
-def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: datetime | None) -> RawSounding:
+def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> RawSounding:
     """Read the levels of a sonde, or the column of the nearest grid point and hour.
 
     Raises
@@ -44,7 +44,7 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
         ] + ([] if moist else ["humidity (q, r)"])
         if missing or moist is None:
             raise DataError(f"{path}: variables are {', '.join(str(v) for v in data.variables)}; missing: {', '.join(missing)}")
-        at, notes = _selected(path, data, place, time)
+        at, notes = _selected(path, data, place, time, remedy)
         column = {what: np.asarray(at[name].values, dtype=np.float64).ravel() for what, name in names.items() if name is not None}
         height = column["height"]
         units = str(data[names["height"]].attrs.get("units", ""))
@@ -74,7 +74,7 @@ def _first(data: Any, known: tuple[str, ...]) -> str | None:
     return next((name for name in known if name in data.variables), None)
 
 
-def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None) -> tuple[Any, tuple[str, ...]]:
+def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> tuple[Any, tuple[str, ...]]:
     notes = []
     for name in TIMES:
         if name in data.dims and data.sizes[name] > 0:
@@ -91,7 +91,7 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
     if latitude is None or longitude is None or data.sizes[latitude] * data.sizes[longitude] == 1:
         return data.squeeze(), tuple(notes)
     if place is None:
-        raise DataError(f"{path}: holds {data.sizes[latitude] * data.sizes[longitude]} places; give [place] latitude_deg and longitude_deg")
+        raise DataError(f"{path}: holds {data.sizes[latitude] * data.sizes[longitude]} places; {remedy}")
     lats, lons = np.asarray(data[latitude].values), np.asarray(data[longitude].values)
     i = int(np.argmin(np.abs(lats - place[0])))
     j = int(np.argmin(np.abs((lons - place[1] + 180.0) % 360.0 - 180.0)))

@@ -102,7 +102,13 @@ class Sounding:
         }
 
 
-def read_sounding(path: str | Path, place: tuple[float, float] | None = None, time: datetime | None = None) -> Sounding:
+PLACE_OF_SCENARIO: Final = "give [place] latitude_deg and longitude_deg"
+"""Remedy for a file of many places in a scenario."""
+
+
+def read_sounding(
+    path: str | Path, place: tuple[float, float] | None = None, time: datetime | None = None, *, remedy: str = PLACE_OF_SCENARIO
+) -> Sounding:
     """Read a sounding in any of the formats known.
 
     Parameters
@@ -113,6 +119,8 @@ def read_sounding(path: str | Path, place: tuple[float, float] | None = None, ti
         Latitude and longitude [deg], for files that hold many places.
     time : datetime, optional
         For files that hold many times; without it the first is taken.
+    remedy : str
+        Words of the error for a file of many places without ``place``.
 
     Raises
     ------
@@ -122,7 +130,7 @@ def read_sounding(path: str | Path, place: tuple[float, float] | None = None, ti
     path = Path(path)
     with storage_errors(path, "give a file that can be read"):
         content = _bytes_of(path)
-    raw = _raw(path, content, place, time)
+    raw = _raw(path, content, place, time, remedy)
     if raw.pressure.size > MOST_LEVELS:
         raise DataError(f"{path}: has {raw.pressure.size} levels; at most {MOST_LEVELS} are read")
     return _understood(path, raw, hashlib.sha256(content).hexdigest())
@@ -136,12 +144,12 @@ def _bytes_of(path: Path) -> bytes:
     return path.read_bytes()
 
 
-def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: datetime | None) -> RawSounding:
+def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> RawSounding:
     """Rows of the file by the reader of its layout, which its content shows."""
     if content.startswith(NETCDF_MAGIC) or path.suffix.lower() in (".nc", ".nc4", ".cdf"):
         from seaglint.files.soundings.era5_levels import read_netcdf_sounding
 
-        return read_netcdf_sounding(path, place, time)
+        return read_netcdf_sounding(path, place, time, remedy)
     from seaglint.files.soundings import sounding_lists, station_lists
     from seaglint.files.soundings.sounding_table import read_sounding_table
 
