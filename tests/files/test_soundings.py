@@ -183,16 +183,39 @@ def test_era5_levels_at_a_place_and_hour(tmp_path):
         read_sounding(tmp_path / "no.nc", (33.0, 130.0))
 
 
-@pytest.mark.parametrize("missing", ["", "NaN", "9999", "999.9", "-99.9", "-9999", "--", "///"])
-def test_levels_with_missing_values_are_left_out_and_counted(tmp_path, missing):
+@pytest.mark.parametrize("missing", ["", "NaN", "9999", "-99.9", "-99", "-9999", "--", "/////", "1e20"])
+def test_levels_without_pressure_or_temperature_are_left_out_and_counted(tmp_path, missing):
+    """A level without humidity keeps its temperature; its humidity is interpolated in height."""
     rows = [f"{z},{p},{t},{u}" for z, p, t, u in zip(Z, P, T, U, strict=True)]
     for i, column in ((2, 2), (5, 3), (9, 1)):
         cells = rows[i].split(",")
         cells[column] = missing
         rows[i] = ",".join(cells)
     found = read_sounding(write(tmp_path, HEAD + "\n".join(rows) + "\n"))
-    assert any(note.startswith("3 of 15 levels have missing values") for note in found.notes)
-    np.testing.assert_allclose(found.height[1:], np.delete(Z, [2, 5, 9]))
+    assert any(note.startswith("2 of 15 levels have missing values") for note in found.reported)
+    assert any(note.startswith("1 of 13 levels lack humidity between others") for note in found.reported)
+    np.testing.assert_allclose(found.height[1:], np.delete(Z, [2, 9]))
+    assert found.temperature[5] == pytest.approx(T[5])
+    assert found.relative_humidity[5] == pytest.approx(np.interp(Z[5], Z[[4, 6]], U[[4, 6]]))
+
+
+@pytest.mark.parametrize(("column", "missing"), [(2, "999.9"), (3, "999"), (3, "-999.99")])
+def test_numbers_that_no_air_has_are_missing(tmp_path, column, missing):
+    rows = [[f"{value}" for value in row] for row in zip(Z, P, T, U, strict=True)]
+    rows[4][column] = missing
+    found = read_sounding(write(tmp_path, HEAD + "\n".join(map(",".join, rows)) + "\n"))
+    assert found.given == 15 - (column == 2)
+
+
+def test_a_pressure_of_999_9_hpa_and_a_height_of_999_m_are_real(tmp_path):
+    z, p = np.append(Z, 999.0), np.append(P, np.exp(np.interp(999.0, Z, np.log(P))))
+    order = np.argsort(z)
+    shift = 999.9 / p[order][1]  # the second level gets this pressure
+    rows = zip(z[order], p[order] * shift, np.interp(z[order], Z, T), np.interp(z[order], Z, U), strict=True)
+    found = read_sounding(write(tmp_path, HEAD + "".join(f"{a:g},{b:.1f},{c},{d}\n" for a, b, c, d in rows)))
+    assert found.given == 16
+    assert 999.0 in found.height
+    assert found.pressure[2] == pytest.approx(999.9)
 
 
 def test_levels_from_the_top_down_are_turned_round(tmp_path):

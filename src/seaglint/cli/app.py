@@ -21,6 +21,7 @@ from seaglint.base.errors import ScenarioError, SeaglintError
 from seaglint.cli.commands import Commands, write_groups
 from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import epilog
+from seaglint.cli.terminal.logs import begin_logs
 from seaglint.cli.terminal.messages import log, option_names, printable, spelled_as_options
 from seaglint.cli.terminal.start import collect_later
 
@@ -77,6 +78,7 @@ class _Program(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command chosen."""
         words = [*ctx._protected_args, *ctx.args]
+        begin_logs()
         try:
             with _termination(), _printable_usage():
                 return super().invoke(ctx)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -128,6 +129,12 @@ def info(
         float, typer.Option("--sea-temperature", metavar="K", help="temperature of the sea to compare with")
     ] = SEA_KELVIN,
     model: Annotated[str, typer.Option("--model", help="model atmosphere that continues a sounding")] = "midlatitude-summer",
+    place: Annotated[
+        str | None, typer.Option("--place", metavar="LAT,LON", help="place in a file that holds several, in degrees north and east")
+    ] = None,
+    time: Annotated[
+        str | None, typer.Option("--time", metavar="ISO", help="time in a file that holds several, such as 2024-07-01T06:00Z; UTC")
+    ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw temperature, humidity and refractivity")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
@@ -148,13 +155,41 @@ def info(
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
             raise DataError(f"{plot}: a picture is .png, .pdf or .svg; give a name that ends so")
         refuse_existing(plot, overwrite=overwrite, inputs=[Path(source)])
-    summary = summarise_air(source, sea_temperature, model)
+    summary = summarise_air(source, sea_temperature, model, _place(place), _time(time))
     typer.echo(json.dumps(summary.as_dict(), indent=2) if as_json else "\n".join(summary.lines))
     if plot is not None:
         from seaglint.plot.air_figure import write_air_plot
 
         write_air_plot(summary, plot)
         log(f"{plot} written")
+
+
+def _place(text: str | None) -> tuple[float, float] | None:
+    """Latitude and longitude of an option."""
+    from seaglint.base.errors import DataError
+
+    if text is None:
+        return None
+    try:
+        latitude, longitude = (float(part) for part in text.split(","))
+    except ValueError:
+        latitude = longitude = float("nan")
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 360.0):
+        raise DataError(f"--place {text}: give latitude and longitude in degrees, -90 to 90 and -360 to 360, as 54.2,7.9")
+    return latitude, longitude
+
+
+def _time(text: str | None) -> datetime | None:
+    """Time of an option, UTC where it says no zone."""
+    from seaglint.base.errors import DataError
+
+    if text is None:
+        return None
+    try:
+        when = datetime.fromisoformat(text)
+    except ValueError:
+        raise DataError(f"--time {text}: give a time as 2024-07-01T06:00Z") from None
+    return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
 
 
 _HELD = {

@@ -18,12 +18,14 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from seaglint.base.errors import one_line
+from seaglint.base.reports import leave_reports_to_parent
 from seaglint.cluster.job import Failed, attempt
 
 
 def serve(number: int) -> None:
     """Work for the parent at the other end of a socket, until it closes it."""
     os.set_inheritable(number, False)
+    leave_reports_to_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its workers
     pipe, name = Connection(number), f"process {os.getpid()}"
     inbox: queue.SimpleQueue[tuple[Any, ...]] = queue.SimpleQueue()

@@ -42,8 +42,10 @@ def do(unit: bytes, content: bytes) -> bytes:
 
     Errors of a unit are values: what Dask itself reports of a task is a lost worker or one without the package.
     """
+    from seaglint.base.reports import leave_reports_to_parent
     from seaglint.base.threads import thread_limit
 
+    leave_reports_to_parent()
     name, threads = _here()
     with _one_at_a_time:
         try:

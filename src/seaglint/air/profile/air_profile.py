@@ -94,10 +94,22 @@ class AirProfile:
     @property
     def precipitable_water(self) -> float:
         """Water vapour of the whole air above the sea [kg m-2], exponential between levels."""
-        a, b = self.vapour[:-1], self.vapour[1:]
+        return self.water_above(0.0)
+
+    def water_above(self, height: float) -> float:
+        """Water vapour of the air above a height [kg m-2, from m], exponential between levels."""
+        z, vapour = self.height, self.vapour
+        if height > z[0]:
+            first = int(np.searchsorted(z, height, side="right"))
+            low, high = vapour[first - 1 : first + 1] if first < z.size else (0.0, 0.0)
+            share = (height - z[first - 1]) / (z[first] - z[first - 1]) if first < z.size else 0.0
+            at = low ** (1.0 - share) * high**share if min(low, high) > 0.0 else (1.0 - share) * low + share * high
+            z, vapour = np.append(height, z[first:]), np.append(at, vapour[first:])
+        a, b = vapour[:-1], vapour[1:]
         both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
-        mean = np.where(both, (a - b) / np.log(np.where(both, a / b, np.e)), 0.5 * (a + b))
-        return float(1e-3 * np.sum(mean * np.diff(self.height)))
+        ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
+        mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
+        return float(1e-3 * np.sum(mean * np.diff(z)))
 
 
 def _model_index(model: str) -> int:

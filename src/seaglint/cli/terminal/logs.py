@@ -8,11 +8,29 @@ from seaglint.cli.terminal.messages import log
 
 
 class _Stderr(logging.Handler):
-    """The standard error of the moment: tests and notebooks exchange it."""
+    """The standard error of the moment: tests and notebooks exchange it. A warning is printed once a command."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.warned: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write one line."""
-        log(record.getMessage())
+        text = record.getMessage()
+        if record.levelno >= logging.WARNING:
+            fact = str(getattr(record, "fact", text))  # what stays the same where numbers in the text follow a scene
+            if fact in self.warned:
+                return  # a study prepares the same air for every height, hour and scene
+            self.warned.add(fact)
+        log(text)
+
+
+def begin_logs() -> None:
+    """Print the warnings of a command that begins, each once."""
+    show_logs(quiet=True)
+    for handler in logging.getLogger("seaglint").handlers:
+        if isinstance(handler, _Stderr):
+            handler.warned.clear()
 
 
 def show_logs(*, quiet: bool = False) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.files.lowtran.deck import MOST_LEVELS, ProfileLevel
-from seaglint.files.soundings.sounding import read_sounding
+from seaglint.files.soundings.sounding import Sounding, read_sounding
 
 MODEL_LEVELS_KM = (*range(1, 26), 30, 35, 40, 45, 50, 70, 100)
 """Levels of LOWTRAN7's own models, which continue a sounding upwards."""
@@ -21,7 +21,7 @@ THINNING = (0.002, 0.3, 2.0)
 """Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
 
 
-def program_levels(path: str | Path) -> tuple[ProfileLevel, ...]:
+def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple[ProfileLevel, ...]:
     """Return the levels of a sounding from the sea to 100 km, thinned to what LOWTRAN7 takes, then those of the model atmosphere.
 
     Levels are left out where the others, interpolated (pressure logarithmically), miss the sounding least.
@@ -31,8 +31,13 @@ def program_levels(path: str | Path) -> tuple[ProfileLevel, ...]:
     DataError
         As :func:`~seaglint.files.soundings.sounding.read_sounding`.
     """
-    read = read_sounding(path)
-    return _to_the_top(np.column_stack([read.height, read.pressure, read.temperature, read.relative_humidity]))
+    return levels_of(read_sounding(path), model)
+
+
+def levels_of(sounding: Sounding, model: str) -> tuple[ProfileLevel, ...]:
+    """Return the levels of a sounding that was read, as :func:`program_levels` does; humidity that ends is the model's above."""
+    air = (sounding.height, sounding.pressure, sounding.temperature, sounding.humidity(model))
+    return _to_the_top(np.column_stack(air))
 
 
 def _to_the_top(levels: FloatArray) -> tuple[ProfileLevel, ...]:

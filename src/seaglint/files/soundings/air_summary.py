@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Final
 
@@ -15,6 +16,7 @@ from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.base.free_form import JsonObject
 from seaglint.files.lowtran.deck import MODELS
+from seaglint.files.soundings.continuation import continuations
 from seaglint.files.soundings.sounding import read_sounding
 from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
 
@@ -32,6 +34,10 @@ FARTHEST: Final = 500e3
 
 LOWEST: Final = 100.0
 """Height up to which the mean gradient of refractivity is taken [m]."""
+
+
+STATION: Final = 2.0
+"""Height of the lowest level from which on the water above it is listed too [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +101,21 @@ class AirSummary:
         return float(np.interp(REFERENCE_HEIGHT, self.profile.height, self.profile.temperature)) - self.sea_kelvin
 
     @property
+    def water_above_station(self) -> float:
+        """Water vapour above the lowest level given [kg m-2], without the air that is continued from there down to the sea."""
+        return self.profile.water_above(self.lowest)
+
+    @property
     def lines(self) -> list[str]:
         """Listing, a fact a line."""
         air = self.profile
         out = [
             f"{air.name}: {self.kind}, {self.given} levels from {self.lowest:.0f} m to {1e-3 * self.top:.1f} km",
             f"at the sea       {air.pressure[0]:.1f} hPa, {air.temperature[0] - 273.15:.1f} C, {air.relative_humidity[0]:.0f} % humidity",
-            f"precipitable water {air.precipitable_water:.1f} kg/m2 (mm)",
+            f"precipitable water {air.precipitable_water:.2f} kg/m2 (mm) from the sea up",
         ]
+        if self.lowest > STATION:
+            out[-1] += f", {self.water_above_station:.2f} from the lowest level at {self.lowest:.0f} m up"
         if self.misfit is not None:
             out.append(f"heights against pressures (hydrostatic) {100.0 * self.misfit:+.2f} %")
         out.append(f"air at 10 m less sea of {self.sea_kelvin:g} K  {self.air_minus_sea:+.1f} K")
@@ -129,6 +142,7 @@ class AirSummary:
             "surface_temperature_k": float(self.profile.temperature[0]),
             "surface_relative_humidity_percent": float(self.profile.relative_humidity[0]),
             "precipitable_water_kg_m2": self.profile.precipitable_water,
+            "precipitable_water_above_station_kg_m2": self.water_above_station,
             "hydrostatic_misfit": self.misfit,
             "air_minus_sea_k": self.air_minus_sea,
             "refractivity_gradient_per_m": 1e-9 * self.lowest_gradient,
@@ -138,8 +152,16 @@ class AirSummary:
         }
 
 
-def summarise_air(source: str, sea_kelvin: float, model: str = "midlatitude-summer") -> AirSummary:
+def summarise_air(
+    source: str,
+    sea_kelvin: float,
+    model: str = "midlatitude-summer",
+    place: tuple[float, float] | None = None,
+    time: datetime | None = None,
+) -> AirSummary:
     """Return facts about a sounding's file or a model atmosphere by name; ``model`` continues a sounding.
+
+    ``place`` (latitude and longitude [deg]) and ``time`` choose from files that hold several.
 
     Raises
     ------
@@ -149,17 +171,17 @@ def summarise_air(source: str, sea_kelvin: float, model: str = "midlatitude-summ
     if source in MODELS and not Path(source).exists():
         profile = model_profile(source)
         return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)
-    read = read_sounding(source)
+    read = read_sounding(source, place, time, remedy="give `place` as LAT,LON")
     profile = read.profile(model)
     return AirSummary(
         profile,
-        read.height.size - (1 if read.lowest_given > 0.0 else 0),
+        read.given,
         read.kind,
-        float(read.height[-1]),
+        read.top,
         read.lowest_given,
         _misfit(profile, read.height.size),
         sea_kelvin,
-        read.notes,
+        (*(note for note in read.notes if " ends at " not in note), *(part.text for part in continuations(read, profile, model))),
     )
 
 

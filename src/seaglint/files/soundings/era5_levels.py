@@ -1,8 +1,8 @@
-"""Reader of ERA5's pressure levels at a place: geopotential, temperature and humidity, as the Climate Data Store writes them."""
+"""Reader of soundings in NetCDF: ERA5's pressure levels at a place, as the Climate Data Store writes them; sondes by their own reader."""
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,6 +11,7 @@ import numpy as np
 from seaglint.base.errors import DataError
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.soundings.raw_sounding import Humidity, RawSounding
+from seaglint.files.soundings.sonde_netcdf import is_sonde, read_sonde
 
 LEVELS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
 TIMES: Final = ("valid_time", "time")
@@ -22,14 +23,17 @@ MOISTURES: Final[dict[str, Humidity]] = {
 }  # fmt: skip
 
 
-def read_era5_levels(path: Path, place: tuple[float, float] | None, time: datetime | None) -> RawSounding:
-    """Read the column of the nearest grid point and hour.
+def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> RawSounding:
+    """Read the levels of a sonde, or the column of the nearest grid point and hour.
 
     Raises
     ------
     DataError
         Variables missing, or many places without one that was asked for.
     """
+    with open_netcdf(path, decode_times=False) as plain:
+        if is_sonde(plain):
+            return read_sonde(path, plain)
     with open_netcdf(path, decode_times=True) as data:
         names = {what: _first(data, known) for what, known in (("level", LEVELS), ("height", HEIGHTS), ("temperature", TEMPERATURES))}
         moist = next((name for name in MOISTURES if name in data), None)
@@ -40,7 +44,7 @@ def read_era5_levels(path: Path, place: tuple[float, float] | None, time: dateti
         ] + ([] if moist else ["humidity (q, r)"])
         if missing or moist is None:
             raise DataError(f"{path}: variables are {', '.join(str(v) for v in data.variables)}; missing: {', '.join(missing)}")
-        at, notes = _selected(path, data, place, time)
+        at, notes = _selected(path, data, place, time, remedy)
         column = {what: np.asarray(at[name].values, dtype=np.float64).ravel() for what, name in names.items() if name is not None}
         height = column["height"]
         units = str(data[names["height"]].attrs.get("units", ""))
@@ -70,23 +74,24 @@ def _first(data: Any, known: tuple[str, ...]) -> str | None:
     return next((name for name in known if name in data.variables), None)
 
 
-def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None) -> tuple[Any, tuple[str, ...]]:
+def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> tuple[Any, tuple[str, ...]]:
     notes = []
     for name in TIMES:
         if name in data.dims and data.sizes[name] > 0:
             stamps = np.asarray(data[name].values)
             i = 0
             if time is not None and np.issubdtype(stamps.dtype, np.datetime64):
-                i = int(np.argmin(np.abs(stamps - np.datetime64(time.replace(tzinfo=None)))))
+                i = int(np.argmin(np.abs(stamps - np.datetime64(time.astimezone(UTC).replace(tzinfo=None)))))
             if stamps.size > 1:
-                notes.append(f"the hour {str(stamps[i])[:16]} is taken, {stamps.size - 1} others are left")
+                first = ", the first," if time is None else ""
+                notes.append(f"the hour {str(stamps[i])[:16]}{first} is taken, {stamps.size - 1} others are left")
             data = data.isel({name: i})
     latitude = next((name for name in ("latitude", "lat") if name in data.dims), None)
     longitude = next((name for name in ("longitude", "lon") if name in data.dims), None)
     if latitude is None or longitude is None or data.sizes[latitude] * data.sizes[longitude] == 1:
         return data.squeeze(), tuple(notes)
     if place is None:
-        raise DataError(f"{path}: holds {data.sizes[latitude] * data.sizes[longitude]} places; give [place] latitude_deg and longitude_deg")
+        raise DataError(f"{path}: holds {data.sizes[latitude] * data.sizes[longitude]} places; {remedy}")
     lats, lons = np.asarray(data[latitude].values), np.asarray(data[longitude].values)
     i = int(np.argmin(np.abs(lats - place[0])))
     j = int(np.argmin(np.abs((lons - place[1] + 180.0) % 360.0 - 180.0)))

@@ -11,11 +11,22 @@ from numpy.typing import NDArray
 from seaglint.air.profile.air_profile import saturation_density
 from seaglint.base.conventions import FloatArray
 
-MISSING: Final = (9999.0, 99999.0, 999.9, 999.99, -99.9, -999.0, -999.9, -9999.0, -8888.0, -99999.0, 9999.9, -32768.0, 32767.0)
-"""Numbers that stand for a missing value."""
+MISSING: Final = (9999.0, 99999.0, -999.0, -999.9, -999.99, -9999.0, -9999.9, -8888.0, -99999.0, 9999.9, -32768.0, 32767.0)
+"""Numbers that stand for a missing value of any quantity."""
 
-MISSING_TEXTS: Final = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "///", "//", "m", "missing", "*", "****")
-"""Texts that stand for a missing value."""
+BELOW_ZERO: Final = (-99.0, -99.9, -99.99, -888.0)
+"""Further numbers that stand for a missing pressure, temperature or humidity; a height of -99 m may be real."""
+
+BEYOND_AIR: Final = (999.0, 999.9, 999.99)
+"""Further numbers that stand for a missing temperature or humidity; 999.9 hPa and 999 m may be real."""
+
+Quantity = Literal["pressure", "height", "temperature", "humidity"]
+
+LARGEST: Final = 1e9
+"""Numbers beyond are fill values such as 1e20."""
+
+MISSING_TEXTS: Final = frozenset({"", "nan", "na", "n/a", "null", "none", "m", "missing", "nil"})
+"""Texts that stand for a missing value, in lower case; so do texts of nothing but ``-``, ``/``, ``*`` or ``.``."""
 
 Humidity = Literal["dewpoint_k", "relative_humidity_percent", "mixing_ratio_g_kg", "specific_humidity"]
 
@@ -36,7 +47,7 @@ class RawSounding:
     humidity : str
         Quantity of ``humidity_value``: dew point [K], relative humidity [%], mixing ratio [g kg-1], or specific humidity [kg kg-1].
     humidity_value : ndarray
-        Its values.
+        Its values, NaN where missing.
     geopotential : bool
         True for geopotential heights.
     names : dict
@@ -69,7 +80,7 @@ class RawSounding:
         )
 
     def relative_humidity(self) -> FloatArray:
-        """Relative humidity over water [%], 0 to 100."""
+        """Relative humidity over water [%], 0 to 100; NaN where missing."""
         match self.humidity:
             case "relative_humidity_percent":
                 out = self.humidity_value
@@ -86,8 +97,18 @@ class RawSounding:
         return np.asarray(np.clip(out, 0.0, 100.0))
 
 
-def without_missing(values: FloatArray) -> FloatArray:
-    """Return values with NaN for the numbers that stand for none."""
+def without_missing(values: FloatArray, what: Quantity) -> FloatArray:
+    """Return values of a quantity with NaN for the numbers that stand for none."""
     out = np.array(values, dtype=np.float64)
-    out[np.isin(out, MISSING)] = np.nan
+    none = MISSING if what == "height" else (*MISSING, *BELOW_ZERO) if what == "pressure" else (*MISSING, *BELOW_ZERO, *BEYOND_AIR)
+    out[np.isin(out, none) | (np.abs(out) > LARGEST)] = np.nan
     return out
+
+
+def is_missing_text(text: str) -> bool:
+    """Return true for a text that stands for a missing value.
+
+    >>> is_missing_text("/////"), is_missing_text("-99")
+    (True, False)
+    """
+    return text.lower() in MISSING_TEXTS or set(text) <= {text[0]} <= set("-/*.")

@@ -1,7 +1,8 @@
-"""Nonsense in soundings: units that were mistaken, heights and pressures that contradict each other."""
+"""Heights and pressures of soundings that contradict each other."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
@@ -34,64 +35,15 @@ def virtual_temperature(temperature: ArrayLike, pressure: ArrayLike, humidity: A
     return np.asarray(t / (1.0 - 0.378 * np.minimum(vapour / np.asarray(pressure), 0.5)))
 
 
-def check_units(path: Path, raw: RawSounding) -> None:
-    """Refuse values that speak of another unit.
-
-    Raises
-    ------
-    DataError
-        With the suspicion.
-    """
-    name = raw.names
-    _check_temperatures(path, raw)
-    highest = float(np.max(raw.pressure))
-    if highest > 2000.0:
-        raise DataError(f"{path}: {name['pressure']} goes up to {highest:g}; are pressures in Pa? hPa are needed")
-    if np.any(raw.pressure <= 0.0):
-        raise DataError(f"{path}: {name['pressure']} goes down to {float(np.min(raw.pressure)):g}; pressures are above 0 hPa")
-    lowest = float(np.nanmin(raw.height)) if np.isfinite(raw.height).any() else 0.0
-    if highest < 120.0 and lowest < 3000.0:
-        raise DataError(f"{path}: {name['pressure']} is {highest:g} at the lowest level; are pressures in kPa? hPa are needed")
-    value = raw.humidity_value
-    if raw.humidity == "relative_humidity_percent":
-        if float(np.max(value)) <= 1.2 and float(np.max(raw.pressure)) > 500.0:
-            raise DataError(
-                f"{path}: {name['humidity']} is {float(np.max(value)):g} at most; is relative humidity a share (0.8 for 80 %)? % are needed"
-            )
-        if float(np.max(value)) > 110.0 or float(np.min(value)) < 0.0:
-            bad = float(np.max(value)) if float(np.max(value)) > 110.0 else float(np.min(value))
-            raise DataError(f"{path}: {name['humidity']} holds {bad:g}; relative humidity is 0 to 100 %, is it the right column?")
-    if raw.humidity == "dewpoint_k":
-        above = value > raw.temperature + 0.5
-        if above.any():
-            i = int(np.argmax(above))
-            at = f"{name['humidity']} ({value[i] - 273.15:.1f} C) lies above {name['temperature']} ({raw.temperature[i] - 273.15:.1f} C)"
-            celsius = value - 273.15
-            ratio = float(np.min(celsius)) >= -0.01 and bool(np.any(raw.temperature < 263.0))
-            what = "is it a mixing ratio in g/kg?" if ratio else "are the columns or units exchanged?"
-            raise DataError(f"{path}: at {raw.pressure[i]:g} hPa {at}; {what}")
-        # a mixing ratio read as a dew point falls to 0 with height and never below
-        if bool(np.any(raw.temperature < 233.0)) and float(np.min(value)) >= 273.14:
-            raise DataError(
-                f"{path}: {name['humidity']} never falls below 0 C while the air falls below -40 C; is it a mixing ratio in g/kg?"
-            )
-
-
-def _check_temperatures(path: Path, raw: RawSounding) -> None:
-    """Refuse temperatures that no air has."""
-    name, kelvin = raw.names["temperature"], raw.temperature
-    high, low = float(np.max(kelvin)), float(np.min(kelvin))
-    if high > 400.0 and low - 273.15 > 150.0:
-        raise DataError(f"{path}: {name} is {high - 273.15:g} at its largest, in Celsius; are temperatures in kelvin?")
-    if high < 150.0:
-        raise DataError(f"{path}: {name} is {high:g} at its largest, in kelvin; are temperatures in Celsius?")
-    if high > 345.0 or low < 130.0:
-        bad = high if high > 345.0 else low
-        raise DataError(f"{path}: {name} holds {bad:.1f} K ({bad - 273.15:.1f} C), which no air has; is it the right column and unit?")
-    if raw.humidity == "dewpoint_k" and float(np.max(raw.humidity_value)) > 400.0:
-        raise DataError(
-            f"{path}: {raw.names['humidity']} is {float(np.max(raw.humidity_value)) - 273.15:g} in Celsius; are dew points in kelvin?"
-        )
+def whole_humidity(pressure: FloatArray, humidity: FloatArray) -> FloatArray:
+    """Relative humidity [%] without gaps, for the weight of the air alone: linear in log pressure, and as the pressure above the last."""
+    known = np.isfinite(humidity)
+    if known.all():
+        return humidity
+    x = -np.log(pressure)
+    order = np.argsort(x[known])
+    at, values = x[known][order], humidity[known][order]
+    return np.asarray(np.interp(x, at, values) * np.exp(np.minimum(at[-1] - x, 0.0)))
 
 
 def hydrostatic_thickness(raw: RawSounding, humidity: FloatArray) -> FloatArray:
@@ -117,14 +69,10 @@ def check_hydrostatics(path: Path, raw: RawSounding, humidity: FloatArray) -> fl
     slack = _slack(raw, 0, z.size - 1)
     if abs(whole) > HYDROSTATIC and abs(z[-1] - z[0] - sums[-1]) > slack:
         _refuse(path, raw, 0, z.size - 1, float(sums[-1]))
-    first = 0
-    for i in range(1, z.size):
-        given, ours = z[i] - z[first], sums[i] - sums[first]
-        if max(given, ours) < SPAN and i < z.size - 1:
-            continue
-        if abs(given - ours) > HYDROSTATIC * max(ours, given) + _slack(raw, first, i):
-            _refuse(path, raw, first, i, float(ours))
-        first = i
+    for start, end in _spans(z, sums):
+        given, ours = z[end] - z[start], sums[end] - sums[start]
+        if abs(given - ours) > HYDROSTATIC * max(ours, given) + _slack(raw, start, end):
+            _refuse(path, raw, start, end, float(ours))
     at_sea = float(p[0] * np.exp(GRAVITY * z[0] / (DRY_AIR * raw.temperature[0])))
     low, high = SURFACE_PRESSURES
     if not low <= at_sea <= high:
@@ -133,6 +81,42 @@ def check_hydrostatics(path: Path, raw: RawSounding, humidity: FloatArray) -> fl
             "are heights above the ground, or columns exchanged?"
         )
     return whole
+
+
+def span_misfit(raw: RawSounding, temperature: FloatArray) -> float:
+    """Largest relative misfit of heights from the hydrostatic ones of dry air of some temperatures [K], over spans of a kilometre [1].
+
+    Rounding of the file is taken off. The result is NaN where fewer than two levels have heights.
+    """
+    known = np.flatnonzero(np.isfinite(raw.height) & np.isfinite(temperature) & (temperature > 1.0) & (raw.pressure > 0.0))
+    known = known[np.argsort(raw.height[known], kind="stable")]
+    if known.size < 2:
+        return float("nan")
+    part = raw.kept(known)
+    p = np.minimum.accumulate(part.pressure)
+    kelvin = temperature[known]
+    steps = DRY_AIR / GRAVITY * 0.5 * (kelvin[1:] + kelvin[:-1]) * np.log(p[:-1] / p[1:])
+    sums, z = np.concatenate([[0.0], np.cumsum(steps)]), part.height
+    worst = 0.0
+    for low, high in _spans(z, sums):
+        given, ours = z[high] - z[low], sums[high] - sums[low]
+        if max(given, ours) > 0.0:
+            worst = max(worst, (abs(given - ours) - _slack(part, low, high)) / max(given, ours))
+    return float(worst)
+
+
+def _spans(height: FloatArray, sums: FloatArray) -> Iterator[tuple[int, int]]:
+    """Pairs of levels that lie a span apart by their heights or by their pressures; the last pair overlaps the one below where it must."""
+    first, last = 0, height.size - 1
+    while first < last:
+        ends = (int(np.searchsorted(height, height[first] + SPAN)), int(np.searchsorted(sums, sums[first] + SPAN)))
+        end = max(min(ends), first + 1)
+        if end > last:
+            # two levels close to each other differ by their noise
+            lower = (int(np.searchsorted(height, height[last] - SPAN, "right")), int(np.searchsorted(sums, sums[last] - SPAN, "right")))
+            first, end = min(first, max(max(lower) - 1, 0)), last
+        yield first, end
+        first = end
 
 
 def _slack(raw: RawSounding, first: int, last: int) -> float:

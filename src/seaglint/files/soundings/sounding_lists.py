@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.raw_sounding import RawSounding, without_missing
+from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, without_missing
 
 _IGRA_HEAD = re.compile(r"^#[A-Z0-9]{11} \d{4} ")
 _WIDTH = 7
@@ -56,8 +56,9 @@ def read_wyoming_list(path: Path, lines: list[str]) -> RawSounding:
         rows.append(row)
     if not rows:
         raise DataError(f"{path}: has the names of University of Wyoming's list and no rows under them")
-    values = without_missing(np.array(rows))
-    column = {name: values[:, i] for i, name in enumerate(names)}
+    kinds: dict[str, Quantity] = {"PRES": "pressure", "HGHT": "height"}
+    values = np.array(rows)
+    column = {name: without_missing(values[:, i], kinds.get(name, "humidity")) for i, name in enumerate(names)}
     if "DWPT" not in column:
         raise DataError(f"{path}: columns are {', '.join(names)}; missing: DWPT")
     return RawSounding(
@@ -128,7 +129,9 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     by_dew = bool(np.isfinite(dew).sum() >= np.isfinite(humidity).sum())
     when = times[chosen]
     told = (
-        (f"the ascent of {when:%Y-%m-%d %H} UTC is taken, {len(heads) - 1} others are left",) if len(heads) > 1 and when is not None else ()
+        (f"the ascent of {when:%Y-%m-%d %H} UTC{', the first,' if time is None else ''} is taken, {len(heads) - 1} others are left",)
+        if len(heads) > 1 and when is not None
+        else ()
     )
     return RawSounding(
         "IGRA version 2",

@@ -69,7 +69,7 @@ PRESETS: Final[dict[str, Preset]] = {
         "air of a sounding",
         (
             "sounding.csv beside this file: a midlatitude summer up to 10 km (Anderson et al. 1986); put your own in its place.",
-            "Read are also the University of Wyoming's list and CSV, IGRA version 2, and ERA5's pressure levels (NetCDF);",
+            "Read are also the lists of the University of Wyoming, IGRA, SHARPpy, bufkit, Vaisala and AVAPS, sondes in NetCDF, and ERA5;",
             "'seaglint atmosphere info sounding.csv' says what is understood.",
         ),
         {"atmosphere": {"source": "lowtran", "sounding": "sounding.csv"}},

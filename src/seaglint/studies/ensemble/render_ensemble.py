@@ -31,6 +31,8 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
 from seaglint.studies.ensemble.object_places import PixelGrid
 from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.memory import give_back
+from seaglint.studies.prepare.prepare import band
+from seaglint.studies.prepare.sounding_air import report_air
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed import prepare_sensed
 
@@ -168,6 +170,8 @@ def render_ensemble(
         folder.check(resume=resume, overwrite=overwrite)
         folder.write(ensemble, drawn, resume=resume, overwrite=overwrite)
         if not draw_only:
+            if workers is not None and drawn:
+                report_air(drawn[0].scenario, band(drawn[0].scenario))
             _render(folder, [scene.label for scene in drawn], workers, threads, progress)
     return folder.path
 

@@ -23,6 +23,8 @@ from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
 from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
+from seaglint.studies.prepare.prepare import band
+from seaglint.studies.prepare.sounding_air import report_air
 from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions
 from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.weather_table import WeatherTable
@@ -246,6 +248,7 @@ def _outcomes(
     if workers is None:
         yield ((piece, cells.piece(*piece)) for piece in pieces)
         return
+    report_air(settings.scenario, band(settings.scenario))
     with workers.map(Job(mapper, settings), pieces) as outcomes:
         yield ((outcome.unit, record_of(outcome)) for outcome in outcomes)
 

@@ -16,7 +16,6 @@ from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
 from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
-from seaglint.files.lowtran.program_levels import program_levels
 from seaglint.files.modtran.json_deck import json_deck
 from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
 from seaglint.files.modtran.tape5 import deck
@@ -26,6 +25,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.sounding_air import program_sounding
 
 DeckFormat = Literal["tape5", "tape5-lowtran7", "modtran6-json"]
 
@@ -117,7 +117,7 @@ def _air(scenario: Scenario) -> LowtranAir:
         case (wanted_air.LowtranAtmosphere(model=model) | wanted_air.LowtranFortranAtmosphere(model=model)) as wanted:
             longer = wanted.wind_24h_m_s
             aerosol = Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer)
-            levels = () if wanted.sounding is None else program_levels(wanted.sounding)
+            levels = program_sounding(wanted, scenario, prepare.band(scenario))
         case other:
             raise ScenarioError(
                 f"atmosphere.source = '{other.source}' is no air that MODTRAN could compute; "

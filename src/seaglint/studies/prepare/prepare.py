@@ -40,6 +40,7 @@ from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.studies.prepare.floating_platform import afloat
 from seaglint.studies.prepare.profile_air import profile_atmosphere
 from seaglint.studies.prepare.slope_laws import slopes
+from seaglint.studies.prepare.sounding_air import program_sounding
 from seaglint.studies.prepare.wave_spectra import Waves, waves
 
 RESOLVED_SHARE = 0.8
@@ -107,7 +108,6 @@ def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
 def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
     """LOWTRAN7's runs for this sensor height, band and wind, from the cache where it has them."""
     from seaglint.files.lowtran.deck import Aerosol
-    from seaglint.files.lowtran.program_levels import program_levels
     from seaglint.files.lowtran.sample import lowtran_atmosphere
 
     wind, longer = scenario.wind.speed_m_s, source.wind_24h_m_s
@@ -116,7 +116,7 @@ def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, ov
         Aerosol(source.haze, source.visibility_km, source.air_mass_character, wind, wind if longer is None else longer),
         scenario.sensor.height_m,
         (over.min_um, over.max_um),
-        levels=() if source.sounding is None else program_levels(source.sounding),
+        levels=program_sounding(source, scenario, over),
         name=f"LOWTRAN7 ({source.model if source.sounding is None else source.sounding})",
     )
 

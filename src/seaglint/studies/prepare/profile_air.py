@@ -24,6 +24,7 @@ from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT
+from seaglint.studies.prepare.sounding_air import report_sounding, scenario_sounding
 
 _log = logging.getLogger(__name__)
 
@@ -55,10 +56,8 @@ def profile_atmosphere(
     choice = replace(choice, haze=haze)
     if wanted.sounding is None:
         return _kept(wanted.model, choice)
-    from seaglint.files.soundings.sounding import read_sounding
-
-    place = None if scenario.place is None else (scenario.place.latitude_deg, scenario.place.longitude_deg)
-    sounding = read_sounding(wanted.sounding, place, None if scenario.time is None else scenario.time.utc)
+    sounding = scenario_sounding(wanted, scenario)
+    report_sounding(sounding, wanted.model, scenario, over)
     profile = sounding.profile(wanted.model)
     trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
     if trapped:
