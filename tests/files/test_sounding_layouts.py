@@ -8,6 +8,7 @@ import xarray as xr
 from sounding_files import LAYOUTS, ascent, save
 
 from seaglint.base.errors import DataError
+from seaglint.files.soundings.raw_sounding import others_left
 from seaglint.files.soundings.sounding import read_sounding
 
 MODELS = ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976")
@@ -42,7 +43,7 @@ def test_the_nearest_hour_is_taken_and_the_others_are_counted(tmp_path, layout, 
     truth = ascent()
     found = read_sounding(LAYOUTS[layout](tmp_path, truth), None, time)
     np.testing.assert_allclose(found.temperature[1:], truth.t + warmer, atol=0.06)
-    assert any(f"{others} others are left" in note for note in found.reported)
+    assert any(others_left(others) in note for note in found.reported)
     assert any("the first" in note for note in found.reported) == (time is None)
 
 
@@ -180,4 +181,4 @@ def test_the_old_layout_of_era5_is_read_at_a_place_and_time(tmp_path):
     np.testing.assert_allclose(found.temperature[1:], truth.t + 3.0, atol=0.01)
     np.testing.assert_allclose(found.height[1:], truth.z, atol=0.5)
     assert found.kind == "ERA5 pressure levels"
-    assert any("the hour 2023-05-01T12:00 is taken, 1 others are left" in text for text in found.reported)
+    assert any("the hour 2023-05-01T12:00 is taken, 1 other is left" in text for text in found.reported)

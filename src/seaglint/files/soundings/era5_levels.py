@@ -10,7 +10,7 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.files.netcdf import open_netcdf
-from seaglint.files.soundings.raw_sounding import Humidity, RawSounding
+from seaglint.files.soundings.raw_sounding import Humidity, RawSounding, others_left
 from seaglint.files.soundings.sonde_netcdf import is_sonde, read_sonde
 
 LEVELS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
@@ -84,7 +84,7 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
                 i = int(np.argmin(np.abs(stamps - np.datetime64(time.astimezone(UTC).replace(tzinfo=None)))))
             if stamps.size > 1:
                 first = ", the first," if time is None else ""
-                notes.append(f"the hour {str(stamps[i])[:16]}{first} is taken, {stamps.size - 1} others are left")
+                notes.append(f"the hour {str(stamps[i])[:16]}{first} is taken, {others_left(stamps.size - 1)}")
             data = data.isel({name: i})
     latitude = next((name for name in ("latitude", "lat") if name in data.dims), None)
     longitude = next((name for name in ("longitude", "lon") if name in data.dims), None)

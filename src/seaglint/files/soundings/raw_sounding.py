@@ -105,6 +105,15 @@ def without_missing(values: FloatArray, what: Quantity) -> FloatArray:
     return out
 
 
+def others_left(count: int) -> str:
+    """Return the end of a note on a choice.
+
+    >>> others_left(1), others_left(3)
+    ('1 other is left', '3 others are left')
+    """
+    return f"{count} other is left" if count == 1 else f"{count} others are left"
+
+
 def is_missing_text(text: str) -> bool:
     """Return true for a text that stands for a missing value.
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, without_missing
+from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, others_left, without_missing
 
 _IGRA_HEAD = re.compile(r"^#[A-Z0-9]{11} \d{4} ")
 _WIDTH = 7
@@ -129,7 +129,7 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     by_dew = bool(np.isfinite(dew).sum() >= np.isfinite(humidity).sum())
     when = times[chosen]
     told = (
-        (f"the ascent of {when:%Y-%m-%d %H} UTC{', the first,' if time is None else ''} is taken, {len(heads) - 1} others are left",)
+        (f"the ascent of {when:%Y-%m-%d %H} UTC{', the first,' if time is None else ''} is taken, {others_left(len(heads) - 1)}",)
         if len(heads) > 1 and when is not None
         else ()
     )

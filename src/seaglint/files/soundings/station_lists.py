@@ -12,7 +12,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, is_missing_text, without_missing
+from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, is_missing_text, others_left, without_missing
 from seaglint.files.soundings.sounding_columns import columns_of, sounding_of
 from seaglint.files.soundings.sounding_table import rounding
 from seaglint.files.text_file import parsed_json
@@ -34,7 +34,7 @@ def choice_note(what: str, when: datetime | None, others: int, requested: dateti
         return ()
     shown = f" of {when:%Y-%m-%d %H:%M} UTC" if when is not None else ""
     first = "" if requested is not None else ", the first,"
-    return (f"{what}{shown}{first} is taken, {others} others are left",)
+    return (f"{what}{shown}{first} is taken, {others_left(others)}",)
 
 
 def _number(path: Path, line: int, text: str) -> float:
@@ -147,7 +147,7 @@ def read_bufkit(path: Path, lines: list[str], place: tuple[float, float] | None,
     steps = {column.place: rounding(texts[column.place :: len(names)]) for column in columns}
     note = choice_note("the hour", times[chosen], len(blocks) - 1, time)
     if len(set(stations)) > 1:
-        note = (f"the station {station} is taken, {len(set(stations)) - 1} others are left", *note)
+        note = (f"the station {station} is taken, {others_left(len(set(stations)) - 1)}", *note)
     raw = sounding_of("bufkit's list", columns, numbers, steps, note, geopotential=True)
     if not np.isfinite(raw.height).any():
         raw.height[0] = _number(path, a + 1, _header_value(lines[a:b], "SELV"))  # the others follow from the pressures

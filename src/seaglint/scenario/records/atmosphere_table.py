@@ -68,8 +68,8 @@ class _Profile(Record):
     sounding: Annotated[
         InputFile | None,
         Field(
-            description="CSV file with columns height_m, pressure_hpa, temperature_k (or temperature_c), relative_humidity_percent "
-            "(or dewpoint_k, dewpoint_c)"
+            description="sounding: a table with columns height_m, pressure_hpa, temperature_k (or temperature_c), "
+            "relative_humidity_percent (or dewpoint_k, dewpoint_c), or the file of an archive or a sonde (guide: Atmospheres)"
         ),
     ] = None
     haze: Annotated[
