@@ -97,8 +97,11 @@ def test_what_the_model_adds_to_a_sounding_is_printed_once_a_command(tmp_path, m
         left, humid, top = run_mean(tmp_path, monkeypatch, capsys, name)
         assert "1 of 5 levels have missing values and are left out (1 pressure missing)" in left
         assert "humidity ends at 0.1 km; above it is that of midlatitude-summer, " in humid
-        assert " % of the water vapour; without it the thermal sky 78 deg from the zenith, from 20 m, would be 2" in humid
-        assert humid.endswith(" K in 8-12 um")
+        assert (
+            " % of the water vapour; without this vapour the thermal sky 78 deg from the zenith, seen from 20 m in 8-12 um, would be at 2"
+            in humid
+        )
+        assert humid.endswith(" K")
         assert "the sounding ends at 6.0 km; above it is the air of midlatitude-summer, " in top
 
 
@@ -112,7 +115,7 @@ def test_info_chooses_place_and_time(tmp_path, monkeypatch, capsys):
     code, out, _ = run_info(monkeypatch, capsys, tmp_path / "igra.txt", "--time", "2024-07-01T11:00Z")
     assert code in (0, None)
     assert "20.0 C" in out
-    assert "the ascent of 2024-07-01 12 UTC is taken, 1 other is left" in out
+    assert "the ascent of 2024-07-01 12:00 UTC is taken, 1 other is left" in out
     for option, value, told in (
         ("--place", "north", "as 54.2,7.9"),
         ("--place", "95,0", "-90 to 90"),

@@ -214,3 +214,24 @@ def test_the_water_of_a_station_is_that_above_it(tmp_path):
 
 def test_shares_have_two_figures():
     assert [percent(share) for share in (0.1432, 0.93, 1.0, 2.34e-5)] == ["14 %", "93 %", "100 %", "0.0023 %"]
+
+
+@pytest.mark.parametrize("height", [300.0, 500.0, 800.0])
+def test_a_launch_that_was_given_up_is_no_part_of_the_ascent(tmp_path, height):
+    """However short it was: the air near the ground would be that of the other launch."""
+    truth = ascent("us-standard-1976", np.arange(5.0, 12e3, 5.0))
+    first = np.flatnonzero(truth.z < height)
+    with pytest.raises(DataError, match=r"rises again from .* at level \d+ of \d+; is it one ascent"):
+        read_sounding(table(tmp_path, truth, order=np.r_[first, np.arange(truth.z.size)]))
+
+
+def test_levels_without_one_humidity_have_another_of_the_file(tmp_path):
+    truth = ascent("us-standard-1976", np.arange(5.0, 12e3, 100.0))
+    low = truth.z < 5000.0
+    lines = ["height_m,pressure_hpa,temperature_k,dew point [K],rh (%)"]
+    for z, p, t, dew, u, below in zip(truth.z, truth.p, truth.t, truth.dew, truth.u, low, strict=True):
+        lines.append(f"{z:.1f},{p:.3f},{t:.3f}," + (f"{dew:.3f}," if below else f",{u:.3f}"))
+    (tmp_path / "two.csv").write_text("\n".join(lines) + "\n")
+    found = read_sounding(tmp_path / "two.csv")
+    np.testing.assert_allclose(found.relative_humidity[1:], truth.u, atol=0.1)
+    assert any("have the humidity of another column" in note for note in found.notes)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
+from sounding_files import humidity_of_dew_point
 
 from seaglint.air.profile.air_profile import model_profile, saturation_density
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.sounding import geometric_height, humidity_of_dew_point, read_sounding
+from seaglint.files.soundings.sounding import geometric_height, read_sounding
 from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
 
 HEAD = "height_m,pressure_hpa,temperature_k,relative_humidity_percent\n"

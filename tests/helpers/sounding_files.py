@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from seaglint.air.profile.air_profile import model_levels, saturation_density
-from seaglint.files.soundings.sounding import humidity_of_dew_point
 from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
 
 RADIUS = 6_356_766.0
@@ -59,6 +58,11 @@ def ascent(model="midlatitude-summer", z=None, surface=1012.0, warmer=0.0, wette
         gravity = 9.80665 * (RADIUS / (RADIUS + 0.5 * (fine[1:] + fine[:-1]))) ** 2
         p = surface * np.exp(-np.r_[0.0, np.cumsum(np.diff(fine) * gravity / (DRY_AIR * 0.5 * (warm[1:] + warm[:-1])))])
     return Truth(z, np.interp(z, fine, p), kelvin, u, dew_points(kelvin, u))
+
+
+def humidity_of_dew_point(kelvin, dew):
+    """Relative humidity over water [%] of a dew point [K]: the ratio of vapour pressures, in LOWTRAN7's saturation."""
+    return 100.0 * saturation_density(dew) * dew / (saturation_density(kelvin) * kelvin)
 
 
 def dew_points(kelvin, humidity):

@@ -156,12 +156,18 @@ def info(
             raise DataError(f"{plot}: a picture is .png, .pdf or .svg; give a name that ends so")
         refuse_existing(plot, overwrite=overwrite, inputs=[Path(source)])
     summary = summarise_air(source, sea_temperature, model, _place(place), _time(time))
+    if place is not None and summary.kind not in _WITH_PLACES:
+        log(f"--place {place} is not used: a file of this kind ({summary.kind}) holds one place")
     typer.echo(json.dumps(summary.as_dict(), indent=2) if as_json else "\n".join(summary.lines))
     if plot is not None:
         from seaglint.plot.air_figure import write_air_plot
 
         write_air_plot(summary, plot)
         log(f"{plot} written")
+
+
+_WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")
+"""Kinds of files that may hold several places."""
 
 
 def _place(text: str | None) -> tuple[float, float] | None:

@@ -22,6 +22,15 @@ from seaglint.files.soundings.sounding_checks import DRY_AIR
 FALL: Final = 0.125
 """Rise of the logarithm of pressure beyond which more than one level is another ascent: a fall of about a kilometre."""
 
+RESTART: Final = 0.008
+"""Rise of the logarithm of pressure in one step, from which levels go on rising, that tells a second launch: a fall of some 65 m."""
+
+GROUND: Final = 0.012
+"""Difference of the logarithm of pressure from the first level within which a level is near the ground: some 100 m."""
+
+RESTARTED: Final = 3
+"""Least number of levels after such a step that lie below those before it; fewer are faults of single levels."""
+
 JUMP: Final = 0.7
 """Share of such a rise in a single step by which another sounding is told from a descent."""
 
@@ -51,6 +60,7 @@ def upwards(path: Path, raw: RawSounding) -> tuple[RawSounding, bool]:
         raw = raw.kept(np.arange(raw.pressure.size)[::-1])
     log_p = np.log(raw.pressure)
     least = np.minimum.accumulate(log_p)
+    _refuse_restart(path, raw, log_p, least, turned)
     back = np.flatnonzero(log_p[1:] - least[:-1] > FALL) + 1
     if back.size < 2:
         return raw, turned
@@ -71,6 +81,22 @@ def upwards(path: Path, raw: RawSounding) -> tuple[RawSounding, bool]:
         f"{path}: pressure falls to {low:g} hPa at level {row} of {size} and rises again to {high:g} hPa; is it one ascent? "
         "ascent and descent in one file: give one of them"
     )
+
+
+def _refuse_restart(path: Path, raw: RawSounding, log_p: FloatArray, least: FloatArray, turned: bool) -> None:
+    """Refuse an ascent that begins again near the ground: a launch that was given up stands before the whole one, however short it was."""
+    size = log_p.size
+    for place in (np.flatnonzero(np.diff(log_p) > RESTART) + 1).tolist():
+        above = least[place - 1]
+        after = log_p[place : place + RESTARTED]
+        if log_p[place] < log_p[0] - GROUND:
+            continue
+        if after.size == RESTARTED and bool(np.all(after > above)) and bool(np.all(np.diff(after) < RESTART)):
+            row = size - place + 1 if turned else place + 1
+            raise DataError(
+                f"{path}: pressure rises again from {np.exp(above):.4g} to {raw.pressure[place]:g} hPa at level {row} of {size}; is it one "
+                "ascent? two soundings in one file, or levels out of order: give one, in order"
+            )
 
 
 def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatArray, list[str], list[str]]:

@@ -97,6 +97,28 @@ class RawSounding:
         return np.asarray(np.clip(out, 0.0, 100.0))
 
 
+def with_other_humidity(raw: RawSounding, other: Humidity, values: FloatArray) -> RawSounding:
+    """Return a sounding whose levels without humidity have that of another quantity of the file, as relative humidity.
+
+    Parameters
+    ----------
+    raw : RawSounding
+        The sounding.
+    other : str
+        The other quantity.
+    values : ndarray
+        Its values, NaN where missing.
+    """
+    gaps = ~np.isfinite(raw.humidity_value)
+    further = replace(raw, humidity=other, humidity_value=values).relative_humidity()
+    count = int(np.sum(gaps & np.isfinite(further)))
+    if not count:
+        return raw
+    both = np.where(gaps, further, raw.relative_humidity())
+    note = f"{count} levels without {raw.names['humidity']} have the humidity of another column"
+    return replace(raw, humidity="relative_humidity_percent", humidity_value=both, notes=(*raw.notes, note))
+
+
 def without_missing(values: FloatArray, what: Quantity) -> FloatArray:
     """Return values of a quantity with NaN for the numbers that stand for none."""
     out = np.array(values, dtype=np.float64)

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.air.profile.air_profile import AirProfile, saturation_density, sounding_profile
+from seaglint.air.profile.air_profile import AirProfile, sounding_profile
 from seaglint.air.profile.humidity_above import continued_humidity
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
@@ -308,12 +308,3 @@ def geometric_height(geopotential: FloatArray) -> FloatArray:
     """
     radius = 6_356_766.0
     return np.asarray(radius * geopotential / (radius - geopotential))
-
-
-def humidity_of_dew_point(temperature: FloatArray, dew: FloatArray) -> FloatArray:
-    """Relative humidity over water [%] of a dew point [K], with LOWTRAN7's saturation.
-
-    >>> round(float(humidity_of_dew_point(np.array(288.15), np.array(288.15))), 6)
-    100.0
-    """
-    return np.asarray(100.0 * saturation_density(dew) * dew / (saturation_density(temperature) * temperature))

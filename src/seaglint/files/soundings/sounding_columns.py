@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.files.soundings.raw_sounding import Humidity, Quantity, RawSounding, without_missing
+from seaglint.files.soundings.raw_sounding import Humidity, Quantity, RawSounding, with_other_humidity, without_missing
 
 #: Names of quantities without their unit, the preferred first; a bare name is one that says enough without a unit.
 PRESSURE: Final = ("pressure", "pres", "press", "p", "pc", "pm", "air_pressure", "prs")
@@ -220,6 +220,8 @@ def sounding_of(
 ) -> RawSounding:
     """Return a sounding of the columns of a file: of several for one quantity that with most values, the preferred name first.
 
+    Levels without the chosen humidity take another one that the file has.
+
     Parameters
     ----------
     form : str
@@ -237,25 +239,36 @@ def sounding_of(
     """
     chosen: dict[Quantity, SoundingColumn] = {}
     values: dict[Quantity, FloatArray] = {}
+    humidities: list[tuple[SoundingColumn, FloatArray]] = []
     order = list(HUMIDITIES)
     for column in sorted(columns, key=lambda c: (order.index(c.kind) if c.kind in order else 0, c.rank)):
         what = column.quantity
         here = column.in_si(without_missing(numbers[column.place], what))
+        if what == "humidity":
+            humidities.append((column, here))
         if what not in chosen or np.isfinite(here).sum() > np.isfinite(values[what]).sum():
             chosen[what], values[what] = column, here
     wet = chosen["humidity"]
     height = values.get("height", np.full(values["pressure"].size, np.nan))
     step_p = steps[chosen["pressure"].place] * chosen["pressure"].factor
     step_z = steps[chosen["height"].place] * chosen["height"].factor if "height" in chosen else 1.0
-    return RawSounding(
+
+    def humidity_of(column: SoundingColumn, here: FloatArray) -> FloatArray:
+        return values["temperature"] - here if column.kind == "depression" else here
+
+    raw = RawSounding(
         form,
         values["pressure"],
         height,
         values["temperature"],
         HUMIDITIES[wet.kind],
-        values["temperature"] - values["humidity"] if wet.kind == "depression" else values["humidity"],
+        humidity_of(wet, values["humidity"]),
         geopotential or ("height" in chosen and chosen["height"].geopotential),
         {"height": "height"} | {str(what): column.name for what, column in chosen.items()},
         notes,
         resolution=(step_p, step_z),
     )
+    for column, here in humidities:
+        if column is not wet:
+            raw = with_other_humidity(raw, HUMIDITIES[column.kind], humidity_of(column, here))
+    return raw

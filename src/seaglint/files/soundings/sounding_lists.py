@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, others_left, without_missing
+from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, with_other_humidity, without_missing
+from seaglint.files.soundings.station_lists import choice_note, nearest_time
 
 _IGRA_HEAD = re.compile(r"^#[A-Z0-9]{11} \d{4} ")
 _WIDTH = 7
@@ -106,10 +107,7 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     """
     heads = [i for i, line in enumerate(lines) if line.startswith("#")]
     times = [_igra_time(lines[i]) for i in heads]
-    chosen = 0
-    if time is not None:
-        gaps = [abs((t - time).total_seconds()) if t is not None else np.inf for t in times]
-        chosen = int(np.argmin(gaps))
+    chosen = nearest_time(times, time)
     first = heads[chosen] + 1
     last = heads[chosen + 1] if chosen + 1 < len(heads) else len(lines)
     rows = []
@@ -127,13 +125,7 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     kelvin = 0.1 * values[:, 2] + 273.15
     dew, humidity = kelvin - 0.1 * values[:, 4], 0.1 * values[:, 3]
     by_dew = bool(np.isfinite(dew).sum() >= np.isfinite(humidity).sum())
-    when = times[chosen]
-    told = (
-        (f"the ascent of {when:%Y-%m-%d %H} UTC{', the first,' if time is None else ''} is taken, {others_left(len(heads) - 1)}",)
-        if len(heads) > 1 and when is not None
-        else ()
-    )
-    return RawSounding(
+    raw = RawSounding(
         "IGRA version 2",
         0.01 * values[:, 0],
         values[:, 1],
@@ -142,9 +134,11 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
         dew if by_dew else humidity,
         True,
         {"pressure": "PRESS", "height": "GPH", "temperature": "TEMP", "humidity": "DPDP" if by_dew else "RH"},
-        told,
+        choice_note("the ascent", times[chosen], len(heads) - 1, time),
         resolution=(1.0, 1.0),
     )
+    other = humidity if by_dew else dew
+    return with_other_humidity(raw, "relative_humidity_percent" if by_dew else "dewpoint_k", other)
 
 
 def _igra_time(head: str) -> datetime | None:

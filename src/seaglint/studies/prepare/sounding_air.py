@@ -29,6 +29,9 @@ SKY_DEG: Final = 78.0
 MOST_LEVELS: Final = 2000
 """Levels of the profiles by which the effect is shown."""
 
+LEAST_EFFECT: Final = 0.1
+"""Difference of the sky below which only that is reported [K]."""
+
 ALMOST_NONE: Final = 1e-6
 """Factor of the water vapour that is taken away [1]; none at all has no logarithm."""
 
@@ -97,10 +100,10 @@ def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: B
     without, given = (_sky(air, HazeWeather(wind=wind, wind_24h=wind), height, over) for air in (dry, profile))
     if not np.isfinite([without, given]).all():
         return ""  # a band in which the air hardly emits
-    return (
-        f"; without it the thermal sky {SKY_DEG:g} deg from the zenith, from {height:g} m, would be {without:.1f} K for {given:.1f} K "
-        f"in {over.min_um:g}-{over.max_um:g} um"
-    )
+    seen = f"the thermal sky {SKY_DEG:g} deg from the zenith, seen from {height:g} m in {over.min_um:g}-{over.max_um:g} um,"
+    if abs(given - without) < LEAST_EFFECT:
+        return f"; without this vapour {seen} would change by less than {LEAST_EFFECT:g} K"
+    return f"; without this vapour {seen} would be at {without:.1f} K instead of {given:.1f} K"
 
 
 def _thinned(profile: AirProfile, height: float) -> AirProfile:
