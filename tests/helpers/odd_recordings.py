@@ -364,7 +364,8 @@ def tiff(rng: Random, folder: Path) -> Odd:
         rate = 25.0
         if form == "imagej":
             if chance(rng):
-                about = {"axes": "TCYX", "finterval": 0.04, "fps": 7.0}
+                step = {"finterval": 40.0, "tunit": "ms"} if chance(rng) else {"finterval": 0.04, "tunit": "sec"}
+                about = {"axes": "TCYX", "fps": 7.0, **step}
                 tifffile.imwrite(path, stack, imagej=True, metadata=about)
             else:
                 line = {"Info": "", "finterval": 0.04, "axes": "TCYX", "cf": 0, "c0": 5.0, "c1": 0.5, "vunit": "K"}

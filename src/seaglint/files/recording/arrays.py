@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
-from seaglint.files.recording.axes import MOST_COLOURS, AxisOrder, Ordered, layout_of
+from seaglint.files.recording.axes import COLOUR_NAMES, MOST_COLOURS, AxisOrder, Ordered, layout_of
 from seaglint.files.recording.decoding import PLAIN, Decoded, Decoding, in_type
-from seaglint.files.recording.stored import CHANNELS, SeveralChannelsError, full_scale, grey
+from seaglint.files.recording.frame_times import RATE_NAMES, frame_rate_of
+from seaglint.files.recording.stored import CHANNELS, SeveralChannelsError, colour_notes, full_scale, grey
 
 RESOLVED: Final = 1000.0
 """Smallest spread of the values in steps of single precision; below it an offset is subtracted."""
@@ -68,6 +69,8 @@ class ArrayFacts:
         Relation of stored numbers to values.
     saturation : float or None
         Value of full scale; None for that of the number type.
+    colours : bool
+        True where the file says that its channels are red, green and blue.
     order : str
         Order of three axes where nothing says it.
     notes : tuple of str
@@ -79,6 +82,7 @@ class ArrayFacts:
     names: tuple[str, ...] = ()
     decoding: Decoding = PLAIN
     saturation: float | None = None
+    colours: bool = False
     order: str = "tyx"
     notes: tuple[str, ...] = ()
 
@@ -99,6 +103,7 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
     decoding = how.decoding(facts.decoding, stored)
     channels = layout.size(shape, "c")
     coloured, index = _channel(channels, how.channel, source)
+    colours = facts.colours or bool(set(map(str.lower, facts.names)) & set(COLOUR_NAMES)) or how.channel is not None
     frames, rows, columns = (layout.size(shape, letter) for letter in "tyx")
     ordered = Ordered(array if decoding.plain else Decoded(array, decoding), layout, index)
 
@@ -108,14 +113,20 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
         except (OSError, ValueError, RuntimeError) as error:
             raise DataError(f"{source}: frames {start}:{stop} cannot be read ({error}); the file is cut") from error
         block = _released(block)
+        if coloured and not colours:
+            _require_equal(block, source, layout, channels)
         return grey(block, source, how.channel) if coloured else block
 
-    notes = (*_order_note(shape, layout, facts), *facts.notes, *decoding.notes)
+    averaged: tuple[str, ...] = ()
+    if coloured:  # channels that differ are refused when a file is opened, not in the middle of an analysis
+        read(0, 1)
+        averaged = colour_notes(ordered[0:1], how.channel)
+    notes = (*averaged, *_order_note(shape, layout, facts), *facts.notes, *decoding.notes)
     if channels > 1 and index is not None:
         notes = (*notes, f"channel {index + 1} of {channels}")
     dtype = decoding.dtype(stored)
     recording = Recording(source, frames, rows, columns, read, facts.frame_rate, facts.units, _saturation(facts, decoding, stored), notes)
-    return _resolved(recording) if dtype.itemsize > 2 and dtype != np.float32 else recording
+    return resolved(recording) if dtype.itemsize > 2 and dtype != np.float32 else recording
 
 
 def _channel(count: int, requested: str | None, source: str) -> tuple[bool, int | None]:
@@ -130,6 +141,16 @@ def _channel(count: int, requested: str | None, source: str) -> tuple[bool, int 
     if count > 1:
         raise SeveralChannelsError(f"{source}: has {count} channels; give channel = 1 to {count}")
     return False, None
+
+
+def _require_equal(block: NDArray[Any], source: str, layout: AxisOrder, channels: int) -> None:
+    """Refuse channels that are not known to be colours and differ: three bands are no grey picture."""
+    colours = block[..., :3] if channels == MOST_COLOURS else block
+    if not np.array_equal(colours, np.broadcast_to(colours[..., :1], colours.shape), equal_nan=colours.dtype.kind == "f"):
+        last = " (or axes = 'yxt' if the last axis is time)" if layout.guessed and layout.letters == "yxc" else ""
+        raise SeveralChannelsError(
+            f"{source}: has {channels} channels that differ; give channel = 1 to {channels}, or {', '.join(CHANNELS)} of colours{last}"
+        )
 
 
 def _order_note(shape: tuple[int, ...], layout: AxisOrder, facts: ArrayFacts) -> tuple[str, ...]:
@@ -167,7 +188,7 @@ def _released(block: NDArray[Any]) -> NDArray[Any]:
     return block
 
 
-def _resolved(recording: Recording) -> Recording:
+def resolved(recording: Recording) -> Recording:
     """Subtract the level of values whose spread single precision would round away; refuse values beyond its range."""
     first = np.asarray(recording.read_block(0, 1), np.float64)
     first = first[np.isfinite(first)]
@@ -213,24 +234,6 @@ def _npz_shape(path: Path, name: str) -> tuple[int, ...] | None:
             return tuple(header(file)[0])
     except (KeyError, ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error):
         return None
-
-
-RATE_NAMES: Final = ("frame_rate", "frame_rate_hz", "fps")
-"""Names of a frame rate in attributes, and of arrays that hold one number."""
-
-
-def frame_rate_of(attributes: Attributes) -> float | None:
-    """Return the frame rate [Hz] that attributes state."""
-    for name in RATE_NAMES:
-        value = attributes.get(name)
-        if value is not None:
-            try:
-                rate = float(np.ravel(value)[0])
-            except (TypeError, ValueError, IndexError):
-                continue
-            if np.isfinite(rate) and rate > 0.0:
-                return rate
-    return None
 
 
 def text_of(value: Any) -> str | None:

@@ -19,9 +19,13 @@ _NAMES: Final = {
     "y": ("y", "row", "rows", "line", "lines", "lat", "latitude", "height", "ny", "y_pixel", "yc", "north", "northing", "south_north"),
     "x": ("x", "col", "cols", "column", "columns", "sample", "samples", "lon", "longitude", "width", "nx", "x_pixel", "xc", "east",
           "easting", "west_east", "pixel"),
-    "c": ("c", "channel", "channels", "band", "bands", "wavelength", "wavelengths", "color", "colour", "rgb", "rgba", "filter", "s"),
+    "c": ("c", "channel", "channels", "band", "bands", "wavelength", "wavelengths", "filter", "s",
+          "color", "colour", "colors", "colours", "rgb", "rgba"),
 }  # fmt: skip
 """Names of dimensions by letter, in lower case."""
+
+COLOUR_NAMES: Final = ("rgb", "rgba", "color", "colour", "colors", "colours")
+"""Names of dimensions whose channels are red, green and blue."""
 
 MOST_COLOURS: Final = 4
 """Largest number of channels of a colour picture: red, green, blue and alpha."""
@@ -45,6 +49,16 @@ class AxisOrder:
     def size(self, shape: Sequence[int], letter: str) -> int:
         """Return the length of an axis; 1 for one that is not there."""
         return int(shape[self.letters.index(letter)]) if letter in self.letters else 1
+
+
+def letter_of(name: str) -> str | None:
+    """Return the letter of a dimension by its name; None for an unknown one.
+
+    >>> letter_of("Time"), letter_of("lat"), letter_of("realization")
+    ('t', 'y', None)
+    """
+    plain = name.rpartition("/")[2].strip().lower()
+    return next((letter for letter, known in _NAMES.items() if plain in known), None)
 
 
 def require_axes(axes: str) -> None:
@@ -108,8 +122,7 @@ def _of_names(names: Sequence[str], shape: Sequence[int]) -> str | None:
     """Return the order that names say, or None where they do not say all of it."""
     letters = []
     for name, size in zip(names, shape, strict=True):
-        plain = str(name).rpartition("/")[2].strip().lower()
-        letter = next((letter for letter, known in _NAMES.items() if plain in known), None)
+        letter = letter_of(str(name))
         if letter is None:
             if size > 1:
                 return None

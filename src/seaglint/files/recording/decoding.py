@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 
 DEFAULT_FILLS: Final = {
-    "f4": 9.9692099683868690e36, "f8": 9.9692099683868690e36, "i2": -32767, "u2": 65535, "i4": -2147483647, "u4": 4294967295,
-    "i8": -9223372036854775806, "u8": 18446744073709551614,
+    "f4": 9.9692099683868690e36, "f8": 9.9692099683868690e36, "i2": -32767, "i4": -2147483647, "i8": -9223372036854775806,
 }  # fmt: skip
 """Values that the NetCDF library writes where nothing was written (``netcdf.h``, NC_FILL_*); it has none for bytes."""
 
@@ -144,7 +143,7 @@ def in_type(numbers: Iterable[Any], dtype: np.dtype[Any]) -> tuple[float, ...]:
 
 
 def of_attributes(attributes: Mapping[Any, Any], dtype: np.dtype[Any], source: str) -> tuple[Decoding, tuple[str, ...]]:
-    """Return the decoding that CF attributes state, and notes on attributes that are no CF ones.
+    """Return the decoding that CF attributes state, and notes on attributes that are no CF ones: with any, units do not hold.
 
     ``_FillValue``, ``missing_value``, ``valid_min``, ``valid_max``, ``valid_range``, ``scale_factor``, ``add_offset`` and ``_Unsigned``
     (CF conventions 1.11, sections 2.5.1 and 8.1; NetCDF users' guide, appendix A).
@@ -263,7 +262,8 @@ def _other_names(attributes: Mapping[Any, Any], scale: float, offset: float, sou
                         f"{source}: {own} = {value:g} and {given} = {number:g} contradict each other; leave one of the attributes out"
                     )
             elif number != (1.0 if own == "scale_factor" else 0.0):
-                notes.append(f"the attribute {given} = {number:g} is no CF name and is not applied; {own} is applied")
+                what = f"the attribute {given} = {number:g} is no CF name and is not applied"
+                notes.append(f"{what}; values are the stored numbers, of unknown units; write it as {own}")
     return tuple(notes)
 
 

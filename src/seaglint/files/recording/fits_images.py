@@ -21,6 +21,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import optional
 from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, of_array, text_of
 from seaglint.files.recording.decoding import Decoding, in_type
+from seaglint.files.recording.frame_times import one_rate, seconds_in
 from seaglint.files.recording.joined import joined
 
 ENDINGS: Final = (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fits.fz", ".fit.fz", ".fz")
@@ -29,15 +30,14 @@ _RATES: Final = ("FRMRATE", "FRATE", "FPS", "FRAMERAT")
 """Cards of a frame rate [Hz]."""
 
 _TIMES: Final = ("TIME", "UTC", "TAI", "TT")
-_SECONDS: Final = {"s": 1.0, "": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _LISTED: Final = 6
 
 
 def open_fits(path: Path, how: ArrayReading) -> Recording:
     """Open an image of a FITS file: the first with data, or ``variable``; rows stay in the order of the file.
 
-    ``variable`` is a name (``SCI``), a name and version (``SCI,2``), the number of an extension (``2``), or ``SCI,*`` for all images of
-    one name as frames.
+    ``variable`` is a name (``SCI``), a name and version (``SCI,2``), the number of an extension (``2``), ``SCI,*`` for all images of one
+    name as frames, or ``*`` for all images of the file.
 
     Raises
     ------
@@ -61,11 +61,12 @@ def open_fits(path: Path, how: ArrayReading) -> Recording:
         recording = _image(images[chosen[0]], f"{path}:{labels[chosen[0]]}", how)
     except (TypeError, ValueError, OSError) as error:
         raise DataError(f"{path}: is cut ({error}); copy it again") from error
-    others = [f"{labels[i]} {_size(images[i])}" for i in images if i != chosen[0]]
+    others = [f"{labels[i]} ({_size(images[i])})" for i in images if i != chosen[0]]
     if others and how.variable is None:
         listed = ", ".join(others[:_LISTED]) + (", ..." if len(others) > _LISTED else "")
         alike = [labels[i].partition(",")[0] for i in images]
-        all_of = f", '{alike[0]},*' all of one name as frames" if alike.count(alike[0]) > 1 else ""
+        every = f"{alike[0]},*" if alike.count(alike[0]) > 1 else "*"
+        all_of = f", '{every}' all of {'one name' if every != '*' else 'them'} as frames"
         recording = recording.with_notes(f"{labels[chosen[0]]} is read; the file also holds {listed} (--variable reads another{all_of})")
     return recording
 
@@ -90,7 +91,7 @@ def _labels(images: dict[int, Any]) -> dict[int, str]:
         same = [versions[j] for j in images if names[j] == name]
         # Versions that repeat say nothing: the images of one name are counted.
         version = versions[i] if len(set(same)) == len(same) else seen[name]
-        labels[i] = str(i) if not name else name if count[name] == 1 and version == 1 else f"{name},{version}"
+        labels[i] = f"extension {i}" if not name else name if count[name] == 1 and version == 1 else f"{name},{version}"
     return labels
 
 
@@ -100,6 +101,8 @@ def _chosen(images: dict[int, Any], labels: dict[int, str], requested: str | Non
     if requested is None:
         return [next(iter(images))]
     name, _, version = (part.strip() for part in requested.strip("[]").partition(","))
+    if requested.strip() == "*":
+        return list(images)
     same = [i for i in images if labels[i].partition(",")[0].upper() == name.upper()]
     if version == "*" and same:
         return same
@@ -111,7 +114,8 @@ def _chosen(images: dict[int, Any], labels: dict[int, str], requested: str | Non
     exact = [i for i in same if labels[i].upper() == f"{name},{version}".upper() or (version == "1" and "," not in labels[i])]
     if exact:
         return exact
-    raise DataError(f"{path}: has no image variable '{requested}'; it has {', '.join(f'{label} (or {i})' for i, label in labels.items())}")
+    held = ", ".join(label if label.endswith(f" {i}") else f"{label} (or {i})" for i, label in labels.items())
+    raise DataError(f"{path}: has no image variable '{requested}'; it has {held}")
 
 
 def _image(hdu: Any, source: str, how: ArrayReading) -> Recording:
@@ -181,16 +185,19 @@ def _frame_rate(header: Any) -> tuple[float | None, tuple[str, ...]]:
         value = header.get(name)
         if isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value) and value > 0.0:
             rates[name] = float(value)
+    why: tuple[str, ...] = ()
     for i in range(3, int(header["NAXIS"]) + 1):
         step = header.get(f"CDELT{i}", header.get(f"CD{i}_{i}"))
-        seconds = _SECONDS.get(str(header.get(f"CUNIT{i}", "")).strip())
-        if str(header.get(f"CTYPE{i}", "")).strip().upper() in _TIMES and isinstance(step, int | float) and step > 0.0 and seconds:
+        if str(header.get(f"CTYPE{i}", "")).strip().upper() not in _TIMES or not isinstance(step, int | float) or step <= 0.0:
+            continue
+        unit = str(header.get(f"CUNIT{i}", header.get("TIMEUNIT", "s"))).strip() or "s"
+        seconds = seconds_in(unit)
+        if seconds is None:
+            why = (f"CUNIT{i} = '{unit}' is no unit of time that is read; give --frame-rate",)
+        else:
             rates[f"CDELT{i}"] = 1.0 / (float(step) * seconds)
-    values = list(rates.values())
-    if not values or max(values) / min(values) - 1.0 < 1e-3:
-        return (values[0] if values else None), ()
-    listed = ", ".join(f"{rate:g} Hz of {name}" for name, rate in rates.items())
-    return None, (f"frame rates contradict each other ({listed}): none is taken; give --frame-rate",)
+    rate, contradiction = one_rate(rates)
+    return rate, (*why, *contradiction)
 
 
 def _axes(header: Any, count: int) -> tuple[str, ...]:
@@ -200,10 +207,12 @@ def _axes(header: Any, count: int) -> tuple[str, ...]:
         kind = str(header.get(f"CTYPE{i}", "")).strip().upper()
         if kind in _TIMES:
             names.append("t")
-        elif kind.partition("-")[0] in ("RGB", "STOKES", "WAVE", "FREQ", "AWAV", "BAND", "COLOR", "CHANNEL", "ENER", "WAVN"):
+        elif kind in ("RGB", "RGBA", "COLOR"):
+            names.append("rgb")
+        elif kind.partition("-")[0] in ("STOKES", "WAVE", "FREQ", "AWAV", "BAND", "CHANNEL", "ENER", "WAVN"):
             names.append("c")
         elif int(header[f"NAXIS{i}"]) == 1:
             names.append("-")
         else:
             names.append("" if "t" in names else "t" if count == 3 and not kind else "")
-    return tuple(names[::-1]) if all(names) and "c" in names else ()
+    return tuple(names[::-1]) if all(names) and {"c", "rgb"} & set(names) else ()

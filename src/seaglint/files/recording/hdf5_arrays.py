@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
-from seaglint.files.recording.arrays import RATE_NAMES, ArrayFacts, ArrayReading, choose, frame_rate_of, of_array, text_of
+from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, choose, of_array, text_of
+from seaglint.files.recording.axes import letter_of
 from seaglint.files.recording.decoding import DEFAULT_FILLS, Decoding, of_attributes
+from seaglint.files.recording.frame_times import RATE_NAMES, frame_rate_of, rate_of_times
 
 _MATLAB_NUMBERS: Final = (
     *("double", "single", "logical", "int8", "uint8", "int16", "uint16"),
@@ -65,14 +67,18 @@ def open_hdf5(path: Path, how: ArrayReading, *, netcdf: bool = False) -> Recordi
     array, source = datasets[name], f"{path}:{name}"
     attributes = dict(array.attrs)
     rate = frame_rate_of(attributes) or frame_rate_of(dict(file.attrs)) or frame_rate_of(scalars)
+    rate_notes: tuple[str, ...] = ()
+    if rate is None:
+        rate, rate_notes = _rate_of_scale(array)
     matlab = text_of(attributes.get("MATLAB_class"))
     decoding, notes = of_attributes(attributes, array.dtype, source)
+    units = None if notes else text_of(attributes.get("units", attributes.get("unit")))
     if netcdf:
         decoding = with_default_fill(decoding, attributes, array.dtype)
+        notes = (*notes, *unwritten_numbers(array, attributes))
     decoding, picture_notes = _picture(attributes, decoding, array.dtype, source)
     picture_notes = (*picture_notes, *_scale_elsewhere(array, file, attributes, source))
-    units = text_of(attributes.get("units", attributes.get("unit")))
-    facts = ArrayFacts(rate, units, _names(array, attributes), decoding, notes=(*notes, *picture_notes, *_unwritten(array)))
+    facts = ArrayFacts(rate, units, _names(array, attributes), decoding, notes=(*notes, *rate_notes, *picture_notes, *_unwritten(array)))
     if matlab is not None:
         return of_array(_Reversed(array), source, how, replace(facts, names=(), order="yxt"))
     return _turned(of_array(array, source, how, facts), text_of(attributes.get("DISPLAY_ORIGIN")), source)
@@ -88,6 +94,16 @@ def _is_beside(item: Any, file: Any) -> bool:
     kind = text_of(item.attrs.get("CLASS"))
     parent = file[item.name.rpartition("/")[0] or "/"]
     return kind in ("PALETTE", "DIMENSION_SCALE") or "flag_meanings" in item.attrs or "MATLAB_sparse" in parent.attrs
+
+
+def _rate_of_scale(array: Any) -> tuple[float | None, tuple[str, ...]]:
+    """Return the frame rate [Hz] of the scale of the dimension of times, and a note where it gives none."""
+    for size, dimension in zip(array.shape, array.dims, strict=True):
+        for scale in dimension.values():
+            if letter_of(str(scale.name)) == "t" and scale.shape == (size,):
+                rate, why = rate_of_times(scale[...], dict(scale.attrs))
+                return rate, () if why is None else (why,)
+    return None, ()
 
 
 def _scale_elsewhere(array: Any, file: Any, attributes: Attributes, source: str) -> tuple[str, ...]:
@@ -108,7 +124,7 @@ def _scale_elsewhere(array: Any, file: Any, attributes: Attributes, source: str)
 def _names(array: Any, attributes: Attributes) -> tuple[str, ...]:
     """Return the names of a dataset's dimensions: those of a colour picture, its labels, or those of its scales."""
     if text_of(attributes.get("IMAGE_SUBCLASS")) == "IMAGE_TRUECOLOR" and array.ndim == 3:
-        return ("c", "y", "x") if text_of(attributes.get("INTERLACE_MODE")) == "INTERLACE_PLANE" else ("y", "x", "c")
+        return ("rgb", "y", "x") if text_of(attributes.get("INTERLACE_MODE")) == "INTERLACE_PLANE" else ("y", "x", "rgb")
     names = []
     for dimension in array.dims:
         label = dimension.label
@@ -123,9 +139,24 @@ def with_default_fill(decoding: Decoding, attributes: Attributes, dtype: np.dtyp
     if "_FillValue" in attributes or "missing_value" in attributes:
         return decoding
     kind = dtype if decoding.unsigned is None else decoding.unsigned
-    # Unwritten floats hold 1e37, which no picture has. Fill values of integers, as 65535, may be data: they count as numbers.
+    # Unwritten floats hold 1e37, which no picture has. Fill values of integers may be data: they count as numbers, with a note.
     fill = DEFAULT_FILLS.get(f"{kind.kind}{kind.itemsize}") if kind.kind == "f" else None
     return decoding if fill is None else replace(decoding, missing=(*decoding.missing, float(kind.type(fill))))
+
+
+def unwritten_numbers(array: Any, attributes: Attributes) -> tuple[str, ...]:
+    """Return a note where NetCDF's fill value of an integer type stands among the numbers, with nothing said of missing ones.
+
+    The first, middle and last frames are looked at. Full scale of unsigned numbers, which is their fill value, is reported as saturated.
+    """
+    dtype = np.dtype(array.dtype)
+    fill = DEFAULT_FILLS.get(f"{dtype.kind}{dtype.itemsize}")
+    if dtype.kind != "i" or fill is None or "_FillValue" in attributes or "missing_value" in attributes:
+        return ()
+    frames = sorted({0, array.shape[0] // 2, array.shape[0] - 1}) if len(array.shape) > 2 else [slice(None)]
+    if not any(bool(np.any(np.asarray(array[i]) == fill)) for i in frames):
+        return ()
+    return (f"{fill} occurs, which NetCDF writes where nothing was written, and counts as a number; --missing {fill} masks it",)
 
 
 def _picture(attributes: Attributes, decoding: Decoding, dtype: np.dtype[Any], source: str) -> tuple[Decoding, tuple[str, ...]]:
@@ -157,7 +188,9 @@ def _unwritten(array: Any) -> tuple[str, ...]:
 
 def unwritten_note(absent: int, whole: int, fill: Any) -> str:
     """Return the note on chunks that are not there."""
-    return f"{absent} of {whole} chunks are not there: their values are the fill value {_plain(fill)}, and count as numbers"
+    nan = isinstance(fill, float | np.floating) and bool(np.isnan(fill))
+    what = "missing" if nan else f"the fill value {_plain(fill)}, and count as numbers"
+    return f"{absent} of {whole} chunks are not there: their values are {what}"
 
 
 def _plain(value: Any) -> str:

@@ -13,20 +13,11 @@ from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.base.schema import default_image
 from seaglint.files.netcdf import drop_quietly, open_netcdf
-from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, choose, frame_rate_of, of_array, text_of
+from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, choose, of_array, text_of
+from seaglint.files.recording.axes import letter_of
 from seaglint.files.recording.decoding import Decoding, in_type, of_attributes
-from seaglint.files.recording.hdf5_arrays import open_hdf5, unwritten_note, with_default_fill
-
-_SECONDS: Final = {
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
-    **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), 1e-3),
-    **dict.fromkeys(("us", "µs", "microsecond", "microseconds"), 1e-6),
-    **dict.fromkeys(("ns", "nanosecond", "nanoseconds"), 1e-9),
-    **dict.fromkeys(("min", "minute", "minutes"), 60.0),
-    **dict.fromkeys(("h", "hr", "hour", "hours"), 3600.0),
-    **dict.fromkeys(("d", "day", "days"), 86400.0),
-}
-"""Seconds in the units of a time coordinate, with or without "since"."""
+from seaglint.files.recording.frame_times import SAME, frame_rate_of, rate_of_times
+from seaglint.files.recording.hdf5_arrays import open_hdf5, unwritten_note, unwritten_numbers, with_default_fill
 
 _METADATA: Final = ("zarr.json", ".zgroup", ".zarray", ".zmetadata")
 
@@ -93,7 +84,7 @@ def _of_zarr_array(array: Any, source: str, how: ArrayReading) -> Recording:
     names = tuple(attributes.get("_ARRAY_DIMENSIONS") or getattr(array.metadata, "dimension_names", None) or ())
     facts = ArrayFacts(
         frame_rate_of(attributes),
-        text_of(attributes.get("units")),
+        None if notes else text_of(attributes.get("units")),
         tuple(map(str, names)) if all(names) else (),
         decoding,
         notes=(*notes, *_fill_notes(array, how.missing)),
@@ -168,16 +159,20 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
         decoding = range_of_decoded(chosen, f"{source}:{name}")
     else:
         decoding, notes = of_attributes(attributes, chosen.dtype, f"{source}:{name}")
+    units = None if notes else text_of(attributes.get("units"))
     if netcdf:
         decoding = with_default_fill(decoding, attributes, chosen.dtype)
     full = attributes.get("saturation_counts")
+    rate, rate_notes = _rate(dataset, chosen)
+    if netcdf:
+        notes = (*notes, *unwritten_numbers(_Lazy(chosen), attributes))
     facts = ArrayFacts(
-        stored_frame_rate(dataset, chosen),
-        text_of(attributes.get("units")),
+        rate,
+        units,
         tuple(map(str, chosen.dims)),
         decoding,
         None if full is None else float(full),
-        notes=notes,
+        notes=(*notes, *rate_notes),
     )
     return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
 
@@ -217,23 +212,24 @@ def stored_frame_rate(dataset: Any, images: Any) -> float | None:
     That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
     attributes.
     """
-    rate, even = frame_rate_of(dataset.attrs) or frame_rate_of(dict(images.attrs)), _spacing(dataset)
-    return even if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3) else rate
+    return _rate(dataset, images)[0]
 
 
-def _spacing(dataset: Any) -> float | None:
-    """Return the frame rate of evenly spaced times."""
-    name = next((name for name in ("time", "t") if name in dataset.variables), None)
-    if name is None or dataset[name].ndim != 1 or dataset[name].size < 2:
-        return None
-    values = dataset[name].to_numpy()
-    if values.dtype.kind == "M":
-        values, unit = (values - values[0]) / np.timedelta64(1, "ns"), 1e-9
-    else:
-        words = str(dataset[name].attrs.get("units", "")).split()
-        unit = _SECONDS.get(words[0].lower(), 0.0) if words else 0.0
-    if unit == 0.0 or values.dtype.kind not in "uif":
-        return None
-    steps = unit * np.diff(values.astype(np.float64))
-    middle = float(np.median(steps))
-    return 1.0 / middle if middle > 0.0 and np.all(np.abs(steps - middle) < 1e-3 * middle) else None
+def _rate(dataset: Any, images: Any) -> tuple[float | None, tuple[str, ...]]:
+    """Return the frame rate [Hz] of images, and a note where it is not that of the attributes, or where times give none.
+
+    Times are a coordinate along the images' own dimension: a file may have others, of its weather.
+    """
+    stated = frame_rate_of(dict(images.attrs)) or frame_rate_of(dataset.attrs)
+    along = next((str(name) for name in images.dims if letter_of(str(name)) == "t"), None)
+    names = [along, "time", "t"] if along is not None else []
+    name = next((n for n in names if n in dataset.variables and dataset[n].dims == (along,)), None)
+    if name is None:
+        return stated, ()
+    times = dataset[name]
+    rate, why = rate_of_times(times.to_numpy(), {**times.encoding, **times.attrs} if times.dtype.kind in "Mm" else times.attrs)
+    if rate is None:
+        return stated, () if stated is not None or why is None else (why,)
+    if stated is not None and abs(rate / stated - 1.0) > SAME:
+        return rate, (f"the frame rate is {rate:.6g} Hz by the times; the attribute says {stated:.6g} Hz",)
+    return rate if stated is None else stated, ()

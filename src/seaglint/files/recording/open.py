@@ -202,9 +202,13 @@ _SEVERAL = (*fits_images.ENDINGS, ".npy")
 """Endings of arrays of which a folder may hold a sequence."""
 
 
+_SPELLINGS = {".tiff": ".tif", ".jpeg": ".jpg", ".fit": ".fits", ".fts": ".fits"}
+"""Endings of one kind."""
+
+
 def _open_several(files: list[Path], where: Path, how: ArrayReading) -> Recording:
     """Open the files of a folder or pattern, which are of one kind, in the order of their names."""
-    endings = sorted({f.suffix.lower() for f in files})
+    endings = sorted({_SPELLINGS.get(f.suffix.lower(), f.suffix.lower()) for f in files})
     if all(f.name.lower().endswith(_SEVERAL) for f in files) and len(endings) == 1:
         first, last = files[0], files[-1]
         opened = [_open(f, None, how) for f in files]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.optional import optional
 from seaglint.files.recording.decoding import PLAIN, Decoding
+from seaglint.files.recording.forward import ForwardFrames
 from seaglint.files.recording.picture_file import PictureFile, first_line
 
 ENDINGS: Final = (".png", ".apng", ".gif", ".bmp", ".pgm", ".pbm", ".ppm", ".pnm", ".pfm", ".jpg", ".jpeg")
@@ -31,7 +32,6 @@ _BEFORE_PIXELS: Final = 200
 """Largest number of chunks before the pixels that are looked at."""
 
 _GAMMA_ONE: Final = 100_000
-_ORIENTATION: Final = 0x0112
 _UNEVEN_GIF: Final = 10.0
 """Largest difference between durations of a GIF's frames that rounding to hundredths of a second explains [ms]."""
 
@@ -84,10 +84,10 @@ def _by_pillow(path: Path, header: _PngHeader | None) -> PictureFile:
                 image.seek(i + skipped)
                 durations.append(float(image.info.get("duration", 0.0) or 0.0))
     except Exception as error:
-        raise DataError(f"{path}: cannot be decoded ({first_line(error)}); write it again as plain PNG or uncompressed TIFF") from error
+        raise _undecodable(path, error) from error
     if header is not None and header.animated and header.depth == 16 and header.colour != 0:
         raise DataError(f"{path}: is an animated PNG of 16 bits in colour, which is not read; write grey frames, or TIFF")
-    frames = _Animation(path, skipped)
+    frames = ForwardFrames(path, lambda: _frames(path, skipped))
     first = frames.read(0, 1)[0]
     notes = list(header.notes if header is not None else ())
     decoding, units = (header.decoding, header.units) if header is not None else (PLAIN, None)
@@ -117,44 +117,26 @@ def _rate(durations: list[float], form: str) -> tuple[float | None, tuple[str, .
     return 1000.0 * len(durations) / sum(durations), ()
 
 
-class _Animation:
-    """Decoder of an animation's frames in order; a request for earlier ones starts again."""
+def _frames(path: Path, skipped: int) -> Iterator[NDArray[Any]]:
+    """Iterate over the frames of an animation as stored."""
+    from PIL import Image
 
-    def __init__(self, path: Path, skipped: int) -> None:
-        self._path, self._skipped, self._next = path, skipped, 0
-        self._images: Iterator[NDArray[Any]] = iter(())
+    try:
+        with Image.open(path) as image:
+            for i in range(skipped, int(getattr(image, "n_frames", 1))):
+                if i:
+                    image.seek(i)
+                yield _numbers(image, path)
+    except DataError:
+        raise
+    except Exception as error:
+        raise _undecodable(path, error) from error
 
-    def read(self, start: int, stop: int) -> NDArray[Any]:
-        """Return frames ``start`` to ``stop`` as stored."""
-        if start < self._next or self._next == 0:
-            self._next, self._images = 0, self._decode()
-        block = []
-        try:
-            while self._next < stop:
-                image = next(self._images)
-                if self._next >= start:
-                    block.append(image)
-                self._next += 1
-        except StopIteration:
-            raise DataError(f"{self._path}: ends after frame {self._next}; the file is cut") from None
-        if any(image.shape != block[0].shape for image in block):
-            raise DataError(f"{self._path}: some of its frames are grey and some in colour; write them as grey pictures")
-        return np.stack(block)
 
-    def _decode(self) -> Iterator[NDArray[Any]]:
-        from PIL import Image
-
-        try:
-            with Image.open(self._path) as image:
-                for i in range(self._skipped, int(getattr(image, "n_frames", 1))):
-                    if i:
-                        image.seek(i)
-                    yield _numbers(image, self._path)
-        except DataError:
-            raise
-        except Exception as error:
-            reason = first_line(error)
-            raise DataError(f"{self._path}: cannot be decoded ({reason}); write it again as plain PNG or uncompressed TIFF") from error
+def _undecodable(path: Path, error: Exception) -> DataError:
+    return DataError(
+        f"{path}: cannot be decoded ({first_line(error)}); copy it again if it is cut, or write it as plain PNG or uncompressed TIFF"
+    )
 
 
 def _numbers(image: Any, path: Path) -> NDArray[Any]:
@@ -202,8 +184,7 @@ def _decoded(path: Path) -> NDArray[Any]:
     except (BackendError, DataError):
         raise
     except Exception as error:
-        reason = first_line(error)
-        raise DataError(f"{path}: cannot be decoded ({reason}); write it again as plain PNG or uncompressed TIFF") from error
+        raise _undecodable(path, error) from error
 
 
 def _deep_png(path: Path) -> NDArray[Any]:

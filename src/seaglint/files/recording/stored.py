@@ -12,6 +12,9 @@ from seaglint.base.errors import DataError
 NEARLY_GREY: Final = 0.02
 """Largest difference between colour channels that still counts as grey (rounding, recompression), as a share of full scale."""
 
+ALIKE: Final = 0.1
+"""Largest difference between colour channels that still counts as grey, in the mean square, as a share of the picture's deviation."""
+
 CHANNELS: Final = ("mean", "red", "green", "blue")
 """Names of the ways to make one image of colour channels."""
 
@@ -32,9 +35,27 @@ def require_channel(channel: str) -> None:
         raise DataError(f"channel = {channel!r}; allowed are {', '.join(CHANNELS)}, or the number of a channel from 1")
 
 
+def _alike(span: NDArray[np.float64], colours: NDArray[Any]) -> bool:
+    """Return true where channels differ by rounding, or by little of what the picture itself varies: unlike channels are no grey."""
+    step = 1.0 if colours.dtype.kind in "iu" else 0.0
+    deviation = float(np.nanstd(colours[..., 0].astype(np.float64)))
+    return float(np.sqrt(np.nanmean(span**2))) <= max(ALIKE * deviation, step)
+
+
 def full_scale(dtype: np.dtype[Any]) -> float | None:
     """Return the largest value of an integer type; None for floats."""
     return float(np.iinfo(dtype).max) if np.issubdtype(dtype, np.integer) else None
+
+
+def colour_notes(stored: NDArray[Any], channel: str | None) -> tuple[str, ...]:
+    """Return notes on the first picture of several channels: which is read, whether they are averaged, and alpha that is ignored."""
+    opaque = np.iinfo(stored.dtype).max if stored.dtype.kind in "iu" else 1
+    unseen = stored.shape[-1] in (2, 4) and bool(np.any(stored[..., -1] != opaque))
+    alpha = ("alpha, which is not full everywhere, is ignored: values are the stored numbers",) if unseen else ()
+    if channel is not None:
+        return (f"colour image, channel {channel}", *alpha)
+    averaged = stored.shape[-1] > 2 and bool(np.ptp(stored[..., :3], axis=-1).any())
+    return (*(("nearly equal colour channels, averaged",) if averaged else ()), *alpha)
 
 
 def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArray[Any]:
@@ -58,10 +79,11 @@ def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArr
     scale = full_scale(images.dtype) or float(np.nanmax(np.abs(colours))) or 1.0
     span = colours.max(axis=-1).astype(np.float64) - colours.min(axis=-1)
     worst = float(np.nanmax(span)) / scale
-    if channel is None and worst > NEARLY_GREY:
+    if channel is None and (worst > NEARLY_GREY or not _alike(span, colours)):
+        allowed = f"grey allows {100 * NEARLY_GREY:g} %" if worst > NEARLY_GREY else "more than a tenth of what the picture varies"
         raise DataError(
-            f"{source}: is a true colour image (channels differ by up to {100 * worst:.3g} % of full scale, grey allows "
-            f"{100 * NEARLY_GREY:g} %); false colours are no measure of radiance: give the grey original, or choose a channel: "
+            f"{source}: is a true colour image (channels differ by up to {100 * worst:.3g} % of full scale, {allowed}); false colours "
+            "are no measure of radiance: give the grey original, or choose a channel: "
             f"{', '.join(CHANNELS)}"
         )
     if not span.any():

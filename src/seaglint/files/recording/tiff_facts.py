@@ -16,8 +16,8 @@ import numpy as np
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.files.recording.decoding import PLAIN, Decoding, in_type
+from seaglint.files.recording.frame_times import one_rate, seconds_in
 
-_SECONDS: Final = {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
 _STRAIGHT: Final = 0
 _UNCALIBRATED: Final = 20
 """ImageJ's numbers of a calibration by a straight line, and of none (``ij.measure.Calibration``)."""
@@ -29,16 +29,16 @@ _UNUSED: Final = {291: "GrayResponseCurve", 301: "TransferFunction", 50712: "Lin
 
 @dataclass(frozen=True)
 class TiffFacts:
-    """Frame rate [Hz], units, decoding of the numbers, and notes; None where the file does not say.
+    """Frame rate [Hz], units, decoding of the numbers, full scale, and notes; None where the file does not say.
 
-    ``sampled`` are the decodings of further channels, where the file states them one by one.
+    ``bands`` are scale, offset and units of each channel by GDAL, which states them one by one; None where it states none.
     """
 
     frame_rate: float | None = None
     units: str | None = None
     decoding: Decoding = PLAIN
-    sampled: tuple[tuple[float, float, str | None], ...] = ()
-    saturation: float | None = None
+    bands: tuple[tuple[float, float, str | None], ...] | None = None
+    full_scale: float | None = None
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -52,10 +52,8 @@ class TiffFacts:
         """
         imagej: JsonObject = file.imagej_metadata or {}
         own = _own(imagej.get("Info")) or _own(page.description)
-        dtype = np.dtype(page.dtype)
         lines: dict[str, tuple[float, float]] = {}
-        blanks: list[float] = []
-        rates: dict[str, float] = {}
+        blanks = _gdal_nodata(page, source)
         units: str | None = None
         if own is not None:
             scale, zero = _number(own.get("scale_factor")), _number(own.get("add_offset"))
@@ -63,36 +61,33 @@ class TiffFacts:
                 lines["our own description"] = scale, zero or 0.0
                 blanks += [blank for blank in [_number(own.get("_FillValue"))] if blank is not None]
             units = _words(own.get("attributes", {}).get("units"))
-            if (rate := _positive(own.get("frame_rate_hz"))) is not None:
-                rates["our own description"] = rate
         else:
-            interval = _positive(imagej.get("finterval"))
-            if interval is not None:
-                rates["ImageJ's finterval"] = 1.0 / interval
             value_unit = imagej.get("vunit")
             units = None if value_unit in (None, "", "Gray Value") else str(value_unit)
             line = _imagej_line(imagej, source)
             if line is not None:
                 lines["ImageJ's calibration"] = line
-        sampled = _gdal_lines(page, source)
-        if sampled:
-            units = units or sampled[0][2]
-            if any(line[:2] != (1.0, 0.0) for line in sampled):
-                lines["GDAL's metadata"] = sampled[0][:2]
-        blanks += _gdal_nodata(page, source)
-        rates |= _rates(file, page)
-        line = _one_line(lines, source)
-        decoding = Decoding(in_type(blanks, dtype), scale=line[0], offset=line[1], white=_white(page, source))
-        rate, notes = _one_rate(rates)
-        limit = _limit(page) if decoding.scale == 1.0 and decoding.offset == 0.0 else None  # counts of an export end at the largest value
-        return cls(rate, units, decoding, sampled, limit, (*notes, *_curves(page)))
+        bands = _gdal_lines(page, source)
+        scaled = any(line[:2] != (1.0, 0.0) for line in bands)
+        if scaled and lines:
+            lines["GDAL's metadata"] = bands[0][:2]
+        first, offset = _one_line(lines, source)
+        rate, notes = one_rate(_rates(file, page, own, imagej))
+        decoding = Decoding(in_type(blanks, np.dtype(page.dtype)), scale=first, offset=offset, white=_white(page, source))
+        return cls(rate, units, decoding, bands if bands and not lines else None, _limit(file, page), (*notes, *_curves(page)))
 
     def of_channel(self, index: int | None) -> TiffFacts:
-        """Return the facts of one channel of several."""
-        if index is None or not 0 < index < len(self.sampled):
+        """Return the facts of one channel, of the first where there is one; a channel without a line of GDAL's own has none."""
+        if self.bands is None:
             return self
-        scale, zero, units = self.sampled[index]
-        return replace(self, units=units, decoding=replace(self.decoding, scale=scale, offset=zero))
+        place = 0 if index is None else index
+        scale, zero, units = self.bands[place] if place < len(self.bands) else (1.0, 0.0, None)
+        return replace(self, units=units or self.units, decoding=replace(self.decoding, scale=scale, offset=zero))
+
+    @property
+    def saturation(self) -> float | None:
+        """Value of full scale; None where a line makes the values, since counts of an export end at the largest value."""
+        return self.full_scale if self.decoding.scale == 1.0 and self.decoding.offset == 0.0 else None
 
 
 def _imagej_line(imagej: JsonObject, source: str) -> tuple[float, float] | None:
@@ -134,38 +129,47 @@ def _gdal_nodata(page: Any, source: str) -> list[float]:
         raise DataError(f"{source}: GDAL_NODATA = '{text}' is no number; correct the tag") from None
 
 
-def _rates(file: Any, page: Any) -> dict[str, float]:
+def _rates(file: Any, page: Any, own: JsonObject | None, imagej: JsonObject) -> dict[str, float]:
     """Return frame rates [Hz] by their source."""
     rates: dict[str, float] = {}
+    interval, unit = _positive(imagej.get("finterval")), seconds_in(imagej.get("tunit", "s"))
+    if own is not None:
+        rate = _positive(own.get("frame_rate_hz"))
+        rates |= {} if rate is None else {"our own description": rate}
+    elif interval is not None and unit is not None:
+        rates["ImageJ's finterval"] = 1.0 / (interval * unit)
     fraction = _tag(page, 51044)
     if fraction is not None:
         above, below = (float(part) for part in np.ravel(fraction)[:2]) if np.size(fraction) > 1 else (float(fraction), 1.0)
         if above > 0.0 and below > 0.0:
             rates["FrameRate"] = above / below
     if file.is_ome:
-        interval = _ome_interval(file.ome_metadata)
-        if interval is not None:
-            rates["OME"] = 1.0 / interval
+        step = _ome_interval(ome_pixels(file.ome_metadata))
+        rates |= {} if step is None else {"OME": 1.0 / step}
     return rates
 
 
-def _ome_interval(text: str | None) -> float | None:
-    """Return OME's time step [s]: TimeIncrement, otherwise the even spacing of DeltaT of the planes of the first channel."""
+def ome_pixels(text: str | None) -> Any:
+    """Return the element of OME's description that describes the first images; None without one."""
     try:
         root = ElementTree.fromstring(text or "")
     except ElementTree.ParseError:
         return None
-    pixels = next((element for element in root.iter() if element.tag.rpartition("}")[2] == "Pixels"), None)
+    return next((element for element in root.iter() if element.tag.rpartition("}")[2] == "Pixels"), None)
+
+
+def _ome_interval(pixels: Any) -> float | None:
+    """Return OME's time step [s]: TimeIncrement, otherwise the even spacing of DeltaT of the planes of the first channel."""
     if pixels is None:
         return None
     step = _positive(_float(pixels.get("TimeIncrement")))
-    unit = _SECONDS.get(pixels.get("TimeIncrementUnit", "s"))
+    unit = seconds_in(pixels.get("TimeIncrementUnit", "s"))
     if step is not None:
         return None if unit is None else step * unit
     times: dict[int, float] = {}
     for plane in pixels:
         if plane.tag.rpartition("}")[2] == "Plane" and plane.get("TheC", "0") == "0" and plane.get("TheZ", "0") == "0":
-            moment, scale = _float(plane.get("DeltaT")), _SECONDS.get(plane.get("DeltaTUnit", "s"))
+            moment, scale = _float(plane.get("DeltaT")), seconds_in(plane.get("DeltaTUnit", "s"))
             if moment is not None and scale is not None:
                 times[int(plane.get("TheT", "0"))] = moment * scale
     if len(times) < 2 or sorted(times) != list(range(len(times))):
@@ -194,16 +198,6 @@ def _one_line(lines: dict[str, tuple[float, float]], source: str) -> tuple[float
     return scale, zero
 
 
-def _one_rate(rates: dict[str, float]) -> tuple[float | None, tuple[str, ...]]:
-    if not rates:
-        return None, ()
-    values = list(rates.values())
-    if max(values) / min(values) - 1.0 < 1e-3:
-        return values[0], ()
-    listed = ", ".join(f"{rate:g} Hz of {where}" for where, rate in rates.items())
-    return None, (f"frame rates contradict each other ({listed}): none is taken; give --frame-rate",)
-
-
 def _white(page: Any, source: str) -> float | None:
     """Return the largest number of a page whose white is zero (PhotometricInterpretation 0)."""
     if int(page.photometric) != _MINISWHITE:
@@ -216,13 +210,17 @@ def _white(page: Any, source: str) -> float | None:
     raise DataError(f"{source}: white is zero in floats, whose white is not known; write it with black as zero (MinIsBlack)")
 
 
-def _limit(page: Any) -> float | None:
-    """Return full scale: a white level (DNG), or that of the bits of a number."""
+def _limit(file: Any, page: Any) -> float | None:
+    """Return full scale: a white level (DNG), that of OME's significant bits, or that of the bits of a number."""
     white = _tag(page, 50717)
     if white is not None:
         return float(np.ravel(white)[0])
-    dtype = np.dtype(page.dtype)
-    return float(2 ** int(np.ravel(page.bitspersample)[0]) - 1) if dtype.kind == "u" else None
+    if np.dtype(page.dtype).kind != "u":
+        return None
+    bits = int(np.ravel(page.bitspersample)[0])
+    pixels = ome_pixels(file.ome_metadata) if file.is_ome else None
+    significant = "" if pixels is None else pixels.get("SignificantBits", "")
+    return float(2 ** (min(int(significant), bits) if significant.isdecimal() and int(significant) else bits) - 1)
 
 
 def _curves(page: Any) -> tuple[str, ...]:

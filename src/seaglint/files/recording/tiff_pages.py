@@ -8,6 +8,7 @@ axes of a stack in its description.
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -22,7 +23,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import optional
 from seaglint.files.recording.axes import AxisOrder, Ordered
 from seaglint.files.recording.picture_file import PictureFile, channel_index, first_line
-from seaglint.files.recording.tiff_facts import TiffFacts
+from seaglint.files.recording.tiff_facts import TiffFacts, ome_pixels
 
 _REDUCED, _MASK = 1, 4
 """Bits of NewSubfileType: a reduced version of another page, a transparency mask."""
@@ -39,6 +40,9 @@ _REFUSED: Final = {
 
 _LOSSY: Final = (6, 7, 33003, 33004, 33005, 33007, 34712, 34887, 34927, 50001, 50002)
 """Compressions that may round numbers: JPEG in two forms, JPEG 2000, LERC, WebP, JPEG XL."""
+
+_BEYOND_THE_END: Final = ("invalid page offset", "invalid value offset")
+"""Parts of tifffile's messages at a file whose end is missing."""
 
 _STACKED: Final = ("is_imagej", "is_ome", "is_stk", "is_lsm", "is_micromanager", "is_scanimage", "is_nih", "is_fluoview", "is_mdgel")
 """Kinds of files whose description says what the pages of a stack are."""
@@ -80,10 +84,13 @@ def open_tiff(path: Path, channel: str | None) -> PictureFile:
     tifffile = optional("tifffile", f"{path}: TIFF")
 
     try:
-        with _silent(), tifffile.TiffFile(path) as file:
+        with _silent() as messages, tifffile.TiffFile(path) as file:
             whole = next((kind for kind in _STACKED if getattr(file, kind, False)), None) is not None
             shaped = file.is_shaped and len(file.series) == 1 and len(file.series[0].axes.replace("S", "")) > 3
             frames = _of_series(file, path, channel) if whole or shaped else _of_pages(file, path)
+            _require_whole(file, path, frames)
+            if any(text in message for message in messages.texts for text in _BEYOND_THE_END):
+                raise DataError(f"{path}: points to pages or tags beyond its end; the file is cut: copy it again")
             page = file.pages[frames.keys[0]].keyframe  # further pages of a stack have no tags of their own
             facts = TiffFacts.of(file, page, str(path))
             return _picture_file(path, page, frames, facts, channel)
@@ -93,15 +100,58 @@ def open_tiff(path: Path, channel: str | None) -> PictureFile:
         raise DataError(f"{path}: cannot be read as TIFF ({first_line(error)}); write it again") from error
 
 
-@contextmanager
-def _silent() -> Iterator[None]:
-    """Keep tifffile's own messages from the terminal: what matters is an error or a note here."""
-    logger = logging.getLogger("tifffile")
-    before, logger.disabled = logger.disabled, True
+def _require_whole(file: Any, path: Path, frames: _StackFrames) -> None:
+    """Refuse a file of fewer images than its description names: where the end is cut off, tifffile takes what is there for all."""
+    page = file.pages[0]
+    named = 1
+    if file.is_imagej:
+        named = int((file.imagej_metadata or {}).get("images", 1))
+    elif file.is_ome:
+        pixels = ome_pixels(file.ome_metadata)
+        sizes = [1 if pixels is None else int(pixels.get(name, "1")) for name in ("SizeT", "SizeC", "SizeZ")]
+        named = int(np.prod(sizes)) // int(page.samplesperpixel if sizes[1] % int(page.samplesperpixel) == 0 else 1)
+    elif file.is_shaped:
+        shape = _shape_of(page.description)
+        named = int(np.prod(shape)) // max(int(np.prod(page.shape)), 1) if shape else 1
+    if frames.stack is not None:
+        there = (path.stat().st_size - int(file.series[0].dataoffset)) // max(int(page.nbytes), 1)
+    else:
+        there = len(file.pages)
+    if there < named:
+        raise DataError(f"{path}: its description names {named} images, {there} are there; the file is cut: copy it again")
+
+
+def _shape_of(description: str) -> tuple[int, ...]:
+    """Return the shape that tifffile's own description states, empty for any other."""
     try:
-        yield
+        shape = json.loads(description)["shape"]
+        return tuple(int(size) for size in shape)
+    except (ValueError, TypeError, KeyError):
+        return ()
+
+
+class _Messages(logging.Filter):
+    """Messages of tifffile, kept from the terminal: what matters is an error or a note here."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.texts: list[str] = []
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Keep a message, and print none."""
+        self.texts.append(record.getMessage())
+        return False
+
+
+@contextmanager
+def _silent() -> Iterator[_Messages]:
+    """Keep tifffile's messages from the terminal, for the caller to look at."""
+    logger, messages = logging.getLogger("tifffile"), _Messages()
+    logger.addFilter(messages)
+    try:
+        yield messages
     finally:
-        logger.disabled = before
+        logger.removeFilter(messages)
 
 
 def _of_pages(file: Any, path: Path) -> _StackFrames:
@@ -229,8 +279,6 @@ def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts,
             block = np.moveaxis(block, 1, -1)
         if one is not None:
             block = block[..., one]
-        elif alpha:
-            block = block[..., 0]
         if palette is not None:
             block = np.moveaxis(palette[:, block], 0, -1)
         return block if turn is None else turn(block)
@@ -239,7 +287,7 @@ def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts,
     rows, columns = (size["X"], size["Y"]) if turn is not None and int(orientation.value) >= 5 else (size["Y"], size["X"])
     return PictureFile(
         path, frames.count or len(frames.keys), rows, columns, dtype if palette is None else palette.dtype, read,
-        colours=3 if palette is not None else samples if coloured else 0,
+        colours=3 if palette is not None else samples if coloured or alpha else 0,
         frame_rate=facts.frame_rate, units=facts.units, decoding=facts.decoding,
         saturation=facts.saturation if palette is None else float(np.iinfo(palette.dtype).max),
         notes=(*notes, *facts.notes),

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.base.optional import optional
+from seaglint.files.recording.forward import ForwardFrames
 from seaglint.files.recording.stored import grey
 
 ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
@@ -40,7 +41,7 @@ def open_video(path: Path, channel: str | None) -> Recording:
         raise DataError(f"{path}: cannot be read as video ({str(error).splitlines()[0]})") from error
     if frames == 0:
         raise DataError(f"{path}: holds no frames")
-    decoder = _Decoder(path, deep=bits > 8, channel=channel)
+    decoder = ForwardFrames(path, lambda: _decoded(path, bits > 8, channel))
     notes = [] if codec in LOSSLESS else [f"codec {codec} is lossy: tails and correlations of the noise are changed"]
     if narrow and bits <= 8:
         notes.append("numbers of 16 to 235 (limited range) are stretched to 0 to 255, as players do")
@@ -66,36 +67,18 @@ def _uneven(packets: list[tuple[int | None, Any]]) -> tuple[float, float] | None
     return (float(steps.min()), float(steps.max())) if spread > max(2.5 * tick, 0.02 * float(np.median(steps))) else None
 
 
-class _Decoder:
-    """Decoder of frames in order; a request for earlier ones starts again."""
+def _decoded(path: Path, deep: bool, channel: str | None) -> Iterator[NDArray[Any]]:
+    """Iterate over the frames of a video as one image each."""
+    import av
 
-    def __init__(self, path: Path, *, deep: bool, channel: str | None) -> None:
-        self._path, self._format, self._channel = path, "gray16le" if deep else "rgb24", channel
-        self._next = 0
-        self._frames: Iterator[Any] = iter(())
-
-    def _restart(self) -> None:
-        import av
-
-        container = av.open(str(self._path))
-        self._next, self._frames = 0, container.decode(video=0)
-
-    def read(self, start: int, stop: int) -> NDArray[Any]:
-        """Return frames ``start`` to ``stop``."""
-        if start < self._next or self._next == 0:
-            self._restart()
-        block: list[NDArray[Any]] = []
-        try:
-            while self._next < stop:
-                frame = next(self._frames)
-                if self._next >= start:
-                    image = np.asarray(frame.to_ndarray(format=self._format))
-                    block.append(grey(image, str(self._path), self._channel) if image.ndim == 3 else image)
-                self._next += 1
-        except StopIteration:
-            raise DataError(f"{self._path}: ends after frame {self._next}, {stop} were announced; the file is cut") from None
-        except DataError:
-            raise
-        except Exception as error:
-            raise DataError(f"{self._path}: frame {self._next} cannot be decoded ({str(error).splitlines()[0]})") from error
-        return np.stack(block)
+    number = 0
+    try:
+        with av.open(str(path)) as container:
+            for frame in container.decode(video=0):
+                image = np.asarray(frame.to_ndarray(format="gray16le" if deep else "rgb24"))
+                yield grey(image, str(path), channel) if image.ndim == 3 else image
+                number += 1
+    except DataError:
+        raise
+    except Exception as error:
+        raise DataError(f"{path}: frame {number} cannot be decoded ({str(error).splitlines()[0]})") from error
