@@ -13,7 +13,7 @@ NEARLY_GREY: Final = 0.02
 """Largest difference between colour channels that still counts as grey (rounding, recompression), as a share of full scale."""
 
 ALIKE: Final = 0.1
-"""Largest difference between colour channels that still counts as grey, in the mean square, as a share of the picture's deviation."""
+"""Largest deviation of the difference between colour channels that still counts as grey, as a share of that of the picture."""
 
 CHANNELS: Final = ("mean", "red", "green", "blue")
 """Names of the ways to make one image of colour channels."""
@@ -35,11 +35,12 @@ def require_channel(channel: str) -> None:
         raise DataError(f"channel = {channel!r}; allowed are {', '.join(CHANNELS)}, or the number of a channel from 1")
 
 
-def _alike(span: NDArray[np.float64], colours: NDArray[Any]) -> bool:
-    """Return true where channels differ by rounding, or by little of what the picture itself varies: unlike channels are no grey."""
+def _alike(colours: NDArray[Any]) -> bool:
+    """Return true where channels vary together: apart from a level of their own they differ by rounding, or by little of what they vary."""
     step = 1.0 if colours.dtype.kind in "iu" else 0.0
-    deviation = float(np.nanstd(colours[..., 0].astype(np.float64)))
-    return float(np.sqrt(np.nanmean(span**2))) <= max(ALIKE * deviation, step)
+    first = colours[..., 0].astype(np.float64)
+    largest = max(ALIKE * float(np.nanstd(first)), step)
+    return all(float(np.nanstd(colours[..., i] - first)) <= largest for i in range(1, colours.shape[-1]))
 
 
 def full_scale(dtype: np.dtype[Any]) -> float | None:
@@ -79,7 +80,7 @@ def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArr
     scale = full_scale(images.dtype) or float(np.nanmax(np.abs(colours))) or 1.0
     span = colours.max(axis=-1).astype(np.float64) - colours.min(axis=-1)
     worst = float(np.nanmax(span)) / scale
-    if channel is None and (worst > NEARLY_GREY or not _alike(span, colours)):
+    if channel is None and (worst > NEARLY_GREY or not _alike(colours)):
         allowed = f"grey allows {100 * NEARLY_GREY:g} %" if worst > NEARLY_GREY else "more than a tenth of what the picture varies"
         raise DataError(
             f"{source}: is a true colour image (channels differ by up to {100 * worst:.3g} % of full scale, {allowed}); false colours "
