@@ -176,3 +176,21 @@ def test_a_folder_in_order_whatever_the_spelling(tmp_path: Path) -> None:
     for i, frame in enumerate(FRAMES):
         tifffile.imwrite(tmp_path / f"{'im' if i % 3 else 'IM'}{i}.{'tif' if i % 2 else 'TIFF'}", frame)
     np.testing.assert_array_equal(values(tmp_path), FRAMES)
+
+
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_images_of_a_group_are_reached_by_name(ending: str, tmp_path: Path) -> None:
+    """Beside others in the root, which are read where nothing is requested."""
+    import xarray as xr
+
+    path = tmp_path / f"a.{ending}"
+    for group, frames in ((None, FRAMES), ("camera", FRAMES[::-1])):
+        dataset = xr.Dataset({"a": (("time", "y", "x"), frames)})
+        if ending == "nc":
+            dataset.to_netcdf(path, engine="h5netcdf", group=group, mode="a" if group else "w")
+        else:
+            dataset.to_zarr(path, group=group, mode="a", consolidated=False)
+    np.testing.assert_array_equal(values(path), FRAMES)
+    np.testing.assert_array_equal(values(path, variable="camera/a"), FRAMES[::-1])
+    with pytest.raises(DataError, match=r"has no image variable 'b'; it has .*camera/a"):
+        open_recording(path, variable="b")

@@ -254,6 +254,7 @@ def choose(available: Attributes, requested: str | None, path: str | Path) -> st
     """
     names = ", ".join(available) or "none"
     if requested is not None:
+        requested = requested.strip("/")
         if requested not in available:
             raise DataError(f"{path}: has no image variable '{requested}'; it has {names}")
         return requested

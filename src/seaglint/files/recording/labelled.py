@@ -30,7 +30,9 @@ def is_zarr(path: Path) -> bool:
 def open_labelled_netcdf(path: Path, how: ArrayReading) -> Recording:
     """Open NetCDF: a variable of its root, otherwise one of its groups."""
     dataset = open_netcdf(path, chunks=None, decode_times=False, mask_and_scale=False)
-    if not _images(dataset) and path.read_bytes()[:4] == b"\x89HDF":
+    with path.open("rb") as file:
+        hdf5 = file.read(4) == b"\x89HDF"
+    if hdf5 and not (_images(dataset) if how.variable is None else how.variable in dataset.variables):
         dataset.close()
         return open_hdf5(path, how, netcdf=True)
     return of_dataset(dataset, str(path), how, netcdf=True)
@@ -49,7 +51,7 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
         return _of_zarr_array(node, str(path), how)
     try:
         dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False, mask_and_scale=False)
-        labelled = bool(_images(dataset)) or how.variable in dataset.variables
+        labelled = bool(_images(dataset)) if how.variable is None else how.variable in dataset.variables
     except Exception as error:
         drop_quietly(error)
         labelled = False
