@@ -194,3 +194,43 @@ def test_images_of_a_group_are_reached_by_name(ending: str, tmp_path: Path) -> N
     np.testing.assert_array_equal(values(path, variable="camera/a"), FRAMES[::-1])
     with pytest.raises(DataError, match=r"has no image variable 'b'; it has .*camera/a"):
         open_recording(path, variable="b")
+
+
+@pytest.mark.parametrize("ending", ["png", "gif", "bmp", "pgm", "jpg"])
+def test_another_format_under_the_ending_of_a_picture_is_refused(ending: str, tmp_path: Path) -> None:
+    """Pillow opens FITS and TIFF too, without the tags that change their numbers."""
+    import tifffile
+
+    fits = pytest.importorskip("astropy.io.fits", reason="astropy, which reads FITS, is not installed")
+    fits.PrimaryHDU(FRAMES).writeto(tmp_path / "a.fits")
+    tifffile.imwrite(tmp_path / "b.tif", FRAMES, imagej=True)
+    for name, says in (("a.fits", "FITS"), ("b.tif", "TIFF")):
+        path = (tmp_path / name).rename(tmp_path / f"{name[0]}.{ending}")
+        with pytest.raises(DataError, match=f"holds {says} .*give it the ending of its format"):
+            open_recording(path)
+
+
+def test_text_under_the_ending_of_fits_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.fits").write_text("a log of the camera\n")
+    with pytest.raises(DataError, match="is no FITS file"):
+        open_recording(tmp_path / "a.fits")
+
+
+def test_names_of_channels_are_shown(tmp_path: Path) -> None:
+    import xarray as xr
+
+    bands = xr.Dataset({"a": (("time", "band", "y", "x"), np.stack([FRAMES, FRAMES[::-1]], 1))}, coords={"band": ["mwir", "lwir"]})
+    bands.to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    with pytest.raises(DataError, match=r"has 2 channels \(mwir, lwir\)"):
+        open_recording(tmp_path / "a.nc")
+    assert "channel 2 of 2 (lwir)" in open_recording(tmp_path / "a.nc", channel="2").notes
+
+
+def test_pixels_of_few_values_are_not_dead() -> None:
+    from seaglint.analysis.recording import Recording
+    from seaglint.analysis.survey import survey
+
+    frames = FRAMES.astype(np.float32)
+    frames[1:, 3, 4] = np.nan
+    notes = survey(Recording("memory", *frames.shape, lambda a, b: frames[a:b]), lambda done: None).notes
+    assert not any("never change" in note for note in notes)

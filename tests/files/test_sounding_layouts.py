@@ -182,3 +182,36 @@ def test_the_old_layout_of_era5_is_read_at_a_place_and_time(tmp_path):
     np.testing.assert_allclose(found.height[1:], truth.z, atol=0.5)
     assert found.kind == "ERA5 pressure levels"
     assert any("the hour 2023-05-01T12:00 is taken, 1 other is left" in text for text in found.reported)
+
+
+@pytest.mark.parametrize(
+    ("time", "surface", "first"),
+    [
+        (None, 290.0, ", the first,"),
+        (datetime(2024, 7, 2, 1, tzinfo=UTC), 270.0, ""),
+        (datetime(2024, 7, 9, tzinfo=UTC), 270.0, ", 168 h from"),
+    ],
+)
+def test_of_several_lists_of_wyoming_one_is_taken_with_a_word(tmp_path, time, surface, first):
+    """The page gives one after the other for a range of days."""
+    lists = []
+    for title, kelvin in (("12Z 01 Jul 2024", 290.0), ("00Z 02 Jul 2024", 270.0)):
+        rows = [f"{p:7.1f}{z:7d}{t - 273.15:7.1f}{t - 278.15:7.1f}" for p, z, t in _column(kelvin)]
+        head = (
+            f"<H2>47600 RJNW Observations at {title}</H2><PRE>\n"
+            + "-" * 28
+            + "\n   PRES   HGHT   TEMP   DWPT\n    hPa     m      C      C\n"
+            + "-" * 28
+        )
+        lists.append("\n".join([head, *rows, "</PRE><H3>Station information and sounding indices</H3>"]))
+    (tmp_path / "month.txt").write_text("\n".join(lists) + "\n")
+    found = read_sounding(tmp_path / "month.txt", None, time)
+    assert found.temperature[0] == pytest.approx(surface, abs=0.06)
+    (note,) = [text for text in found.reported if "1 other is left" in text]
+    assert first in note
+
+
+def _column(kelvin):
+    """Levels of an isothermal air: pressure, height and temperature."""
+    heights = np.arange(10, 9000, 400)
+    return [(1012.0 * np.exp(-9.80665 * (z - 10) / (287.05 * kelvin)), int(z), kelvin) for z in heights]

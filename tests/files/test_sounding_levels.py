@@ -185,7 +185,7 @@ def test_humidity_that_begins_aloft_goes_on_below(tmp_path):
     truth = ascent()
     found = read_sounding(table(tmp_path, truth, digits=(1, 2, 2, 2), holes={0, 1, 2}))
     np.testing.assert_allclose(found.relative_humidity[:4], truth.u[3], atol=0.01)
-    assert any(text.startswith(f"humidity begins at {truth.z[3]:.0f} m") for text in found.reported)
+    assert any(text.startswith(f"humidity begins at {truth.z[3]:.0f} m") for text in found.notes)
 
 
 def test_no_humidity_at_all_is_refused(tmp_path):
@@ -235,3 +235,23 @@ def test_levels_without_one_humidity_have_another_of_the_file(tmp_path):
     found = read_sounding(tmp_path / "two.csv")
     np.testing.assert_allclose(found.relative_humidity[1:], truth.u, atol=0.1)
     assert any("have the humidity of another column" in note for note in found.notes)
+
+
+def test_the_share_of_vapour_below_the_first_humidity_is_reported(tmp_path):
+    """It is most of the water where humidity begins high."""
+    from seaglint.files.soundings.continuation import continuations
+
+    truth = ascent("us-standard-1976", np.arange(5.0, 12e3, 100.0))
+    lines = ["height_m,pressure_hpa,temperature_k,rh (%)"]
+    lines += [
+        f"{z:.1f},{p:.3f},{t:.3f}," + (f"{u:.3f}" if z > 5700.0 else "")
+        for z, p, t, u in zip(truth.z, truth.p, truth.t, truth.u, strict=True)
+    ]
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    found = read_sounding(tmp_path / "a.csv")
+    profile = found.profile("us-standard-1976")
+    (part, *_) = continuations(found, profile, "us-standard-1976")
+    assert part.below
+    assert part.share == pytest.approx(1.0 - profile.water_above(5705.0) / profile.precipitable_water)
+    assert part.share > 0.8
+    assert "humidity begins at 5705 m; below it is the relative humidity of that level, 9" in part.text

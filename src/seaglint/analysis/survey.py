@@ -38,6 +38,10 @@ MOST_DEAD = 0.25
 """Largest share of dead pixels; with more never-changing pixels the scene or the recording is still."""
 
 
+MOST_SKY = 0.75
+"""Largest share of rows that never change and are left out as a sky; with more of them the scene is still, or little of it moves."""
+
+
 class Passes:
     """Progress of several passes over a recording, reported as a share of its frames."""
 
@@ -261,11 +265,12 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
             f"{where.size} rows left out ({_listed(where)}): all their pixels are equal in every frame, a dead line or an even sky"
         )
     if recording.frames >= FEWEST_FOR_DEAD:
-        still = ~dead & (moments.minimum == moments.maximum)
+        # A pixel that has few values has had no time to change.
+        still = ~dead & (moments.minimum == moments.maximum) & (moments.count >= FEWEST_FOR_DEAD)
         rows = (still | dead).all(axis=1) & still.any(axis=1)
         # A still scene is no sky: where much of the other rows is still too, nothing is left out.
         rest = ~rows[:, np.newaxis] & ~dead
-        moves = not (still | dead).all() and still[rest].sum() <= MOST_DEAD * rest.sum()
+        moves = rows.mean() <= MOST_SKY and still[rest].sum() <= MOST_DEAD * rest.sum()
         if recording.columns > 1 and rows.any() and moves:
             dead[rows], still[rows] = True, False
             where = np.flatnonzero(rows)

@@ -20,6 +20,11 @@ def info(
         str,
         typer.Argument(metavar="FILE", help="sequence, finished or not, also a URL; mean map; scenario; recording of any format"),
     ],
+    variable: Annotated[str | None, typer.Option("--variable", help="which array of a recording that holds several")] = None,
+    channel: Annotated[
+        str | None, typer.Option("--channel", help="a colour, or the number of a channel, of a recording of several")
+    ] = None,
+    axes: Annotated[str | None, typer.Option("--axes", help="order of a recording's axes, e.g. yxt where time is the last")] = None,
     everything: Annotated[bool, typer.Option("--all", help="with all that was noted when it was made")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -35,7 +40,7 @@ def info(
         told, plain = lines(held, everything=everything), held.as_dict
     else:
         assert isinstance(place, Path)
-        facts = describe_scenario(place) if place.suffix.lower() == ".toml" else describe_recording(place)
+        facts = describe_scenario(place) if place.suffix.lower() == ".toml" else describe_recording(place, variable, channel, axes)
         told, plain = facts.lines, facts.as_dict
     if as_json:
         print_json(plain())

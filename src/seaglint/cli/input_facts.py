@@ -177,13 +177,15 @@ def scene_line(scenario: Mapping[str, Any]) -> str:
     else:
         light = "Sun by time and place"
     name = air.get("model") or air["source"]
+    if air.get("sounding"):
+        name = f"of {Path(str(air['sounding'])).name}, continued by {name}"
     return (
         f"wind {wind['speed_m_s']:g} m/s from {wind['from_deg']:g} deg; {light}; sea at {scenario['sea']['temperature_k']:g} K; air {name}"
     )
 
 
-def describe_recording(path: Path) -> RecordingFacts:
-    """Facts about images of any format that ``seaglint analyze`` reads.
+def describe_recording(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> RecordingFacts:
+    """Facts about images of any format that ``seaglint analyze`` reads; of several channels the first without a request.
 
     Raises
     ------
@@ -196,9 +198,9 @@ def describe_recording(path: Path) -> RecordingFacts:
     from seaglint.files.recording.stored import SeveralChannelsError
 
     try:
-        recording = open_recording(path)
+        recording = open_recording(path, variable=variable, channel=channel, axes=axes)
     except SeveralChannelsError:
-        recording = open_recording(path, channel="1")
+        recording = open_recording(path, variable=variable, channel="1", axes=axes)
     first = recording.read(0, 1)[0].astype(float) + recording.offset
     known = first[np.isfinite(first)]
     return RecordingFacts(

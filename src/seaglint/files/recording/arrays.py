@@ -69,6 +69,8 @@ class ArrayFacts:
         Relation of stored numbers to values.
     saturation : float or None
         Value of full scale; None for that of the number type.
+    channels : tuple of str
+        Names of the channels.
     colours : bool
         True where the file says that its channels are red, green and blue.
     order : str
@@ -82,6 +84,7 @@ class ArrayFacts:
     names: tuple[str, ...] = ()
     decoding: Decoding = PLAIN
     saturation: float | None = None
+    channels: tuple[str, ...] = ()
     colours: bool = False
     order: str = "tyx"
     notes: tuple[str, ...] = ()
@@ -102,7 +105,7 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
     layout = layout_of(shape, source, how.axes, facts.names, facts.order)
     decoding = how.decoding(facts.decoding, stored)
     channels = layout.size(shape, "c")
-    coloured, index = _channel(channels, how.channel, source)
+    coloured, index = _channel(channels, how.channel, source, facts.channels)
     colours = facts.colours or bool(set(map(str.lower, facts.names)) & set(COLOUR_NAMES)) or how.channel is not None
     frames, rows, columns = (layout.size(shape, letter) for letter in "tyx")
     ordered = Ordered(array if decoding.plain else Decoded(array, decoding), layout, index)
@@ -123,13 +126,14 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
         averaged = colour_notes(ordered[0:1], how.channel)
     notes = (*averaged, *_order_note(shape, layout, facts), *facts.notes, *decoding.notes)
     if channels > 1 and index is not None:
-        notes = (*notes, f"channel {index + 1} of {channels}")
+        named = f" ({facts.channels[index]})" if facts.channels else ""
+        notes = (*notes, f"channel {index + 1} of {channels}{named}")
     dtype = decoding.dtype(stored)
     recording = Recording(source, frames, rows, columns, read, facts.frame_rate, facts.units, _saturation(facts, decoding, stored), notes)
     return resolved(recording) if dtype.itemsize > 2 and dtype != np.float32 else recording
 
 
-def _channel(count: int, requested: str | None, source: str) -> tuple[bool, int | None]:
+def _channel(count: int, requested: str | None, source: str, names: tuple[str, ...]) -> tuple[bool, int | None]:
     """Return whether the channels are colours, to be made one, and the index of the chosen one."""
     if requested is not None and requested not in CHANNELS:
         index = int(requested) - 1
@@ -139,7 +143,8 @@ def _channel(count: int, requested: str | None, source: str) -> tuple[bool, int 
     if count in (3, MOST_COLOURS):
         return True, None
     if count > 1:
-        raise SeveralChannelsError(f"{source}: has {count} channels; give channel = 1 to {count}")
+        listed = f" ({', '.join(names)})" if names else ""
+        raise SeveralChannelsError(f"{source}: has {count} channels{listed}; give channel = 1 to {count}")
     return False, None
 
 
@@ -258,6 +263,8 @@ def choose(available: Attributes, requested: str | None, path: str | Path) -> st
         if requested not in available:
             raise DataError(f"{path}: has no image variable '{requested}'; it has {names}")
         return requested
+    if not available:
+        raise DataError(f"{path}: no image variable (none); give a file with an array of rows and columns")
     if len(available) != 1:
-        raise DataError(f"{path}: {'several image variables' if available else 'no image variable'} ({names}); give one as variable")
+        raise DataError(f"{path}: several image variables ({names}); give one as variable = {next(iter(available))}")
     return next(iter(available))

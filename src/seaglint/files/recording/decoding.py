@@ -16,6 +16,9 @@ DEFAULT_FILLS: Final = {
 }  # fmt: skip
 """Values that the NetCDF library writes where nothing was written (``netcdf.h``, NC_FILL_*); it has none for bytes."""
 
+_COUNTS: Final = ("count", "counts", "dn", "adu", "digital number", "digital numbers")
+"""Units of stored numbers."""
+
 _SCALES: Final = ("scale", "slope", "gain")
 _OFFSETS: Final = ("offset", "intercept", "bias")
 """Names that other programs give to a scale or an offset, in lower case; CF, which HDF5, NetCDF and Zarr share, has others."""
@@ -245,6 +248,9 @@ def _valid_range(
 
 def _other_names(attributes: Mapping[Any, Any], scale: float, offset: float, source: str) -> tuple[str, ...]:
     """Refuse a second scale or offset that differs from the first; note one that CF does not know."""
+    units = attributes.get("units")
+    if str(units.decode() if isinstance(units, bytes) else units).strip().lower() in _COUNTS:
+        return ()  # a gain beside counts is the camera's: the stored numbers are what the units say
     lower = {str(name).lower(): (name, value) for name, value in attributes.items()}
     notes = []
     for own, value, names in (("scale_factor", scale, _SCALES), ("add_offset", offset, _OFFSETS)):

@@ -46,6 +46,10 @@ def open_fits(path: Path, how: ArrayReading) -> Recording:
     """
     fits = optional("astropy.io.fits", f"{path}: FITS")
 
+    with path.open("rb") as opened:
+        head = opened.read(6)
+    if head != b"SIMPLE" and not head.startswith(b"\x1f\x8b"):
+        raise DataError(f"{path}: is no FITS file, which begins with SIMPLE; give a FITS file, or another ending")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cards that have no meaning; those that matter are looked at here

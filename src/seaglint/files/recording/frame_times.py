@@ -67,7 +67,9 @@ def rate_of_times(times: NDArray[Any], attributes: Mapping[Any, Any]) -> tuple[f
         stated = attributes.get("units")
         found = None if stated is None else seconds_in(stated.decode() if isinstance(stated, bytes) else stated)
         if found is None:
-            return None, None if stated is None else f"times are in {stated}, which is no unit of time that is read; give --frame-rate"
+            if stated is None:
+                return None, "times have no units: they give no frame rate; give --frame-rate"
+            return None, f"times are in {stated}, which is no unit of time that is read; give --frame-rate"
         unit = found * float(np.ravel(attributes.get("scale_factor", 1.0))[0])
         seconds, whole = times.astype(np.float64), bool(np.all(times == np.round(times)))
     steps = unit * np.diff(seconds)

@@ -243,7 +243,8 @@ def open_matlab(path: Path, how: ArrayReading) -> Recording:
         }
         if not images:
             held = ", ".join(f"{name} ({kind})" for name, (_, kind) in sizes.items()) or "nothing"
-            raise DataError(f"{path}: holds no array of numbers with rows and columns, but {held}; save the array itself with -v7.3")
+            remedy = "save the array itself, in MATLAB: x = s.frames; save('x.mat', 'x', '-v7.3')"
+            raise DataError(f"{path}: holds no array of numbers with rows and columns, but {held}; {remedy}")
         name = choose(images, how.variable, path)
         rates = [key for key in RATE_NAMES if sizes.get(key, ((), ""))[0] == (1, 1)]
         arrays: Any = loadmat(str(path), variable_names=[name, *rates])

@@ -116,4 +116,5 @@ def missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
     jumps = np.flatnonzero(steps > step)
     absent = int((steps[jumps] // step - 1).sum())
     where = ", ".join(f"{paths[i].name} to {paths[i + 1].name}" for i in jumps[:3]) + (", ..." if jumps.size > 3 else "")
-    return (f"the files' numbers jump ({where}): some {absent} frames are missing, times across the gaps are not to be trusted",)
+    what = "1 frame is" if absent == 1 else f"{absent} frames are"
+    return (f"the files' numbers jump ({where}): {what} missing, times across the gaps are not to be trusted",)

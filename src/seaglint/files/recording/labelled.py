@@ -19,6 +19,9 @@ from seaglint.files.recording.decoding import Decoding, in_type, of_attributes
 from seaglint.files.recording.frame_times import SAME, frame_rate_of, rate_of_times
 from seaglint.files.recording.hdf5_arrays import open_hdf5, unwritten_note, unwritten_numbers, with_default_fill
 
+MOST_NAMED: Final = 16
+"""Largest number of channels that a message names."""
+
 _METADATA: Final = ("zarr.json", ".zgroup", ".zarray", ".zmetadata")
 
 
@@ -174,6 +177,7 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
         tuple(map(str, chosen.dims)),
         decoding,
         None if full is None else float(full),
+        channels=_channel_names(dataset, chosen),
         notes=(*notes, *rate_notes),
     )
     return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
@@ -196,6 +200,14 @@ def range_of_decoded(variable: Any, source: str) -> Decoding:
     # A number at the end of the range is rounded when it is unpacked.
     step = 1e-6 * abs(packed.scale) if packing else 0.0
     return Decoding(low=None if low is None else low - step, high=None if high is None else high + step)
+
+
+def _channel_names(dataset: Any, images: Any) -> tuple[str, ...]:
+    """Return the names that a coordinate gives to the channels of images."""
+    along = next((name for name in images.dims if letter_of(str(name)) == "c"), None)
+    if along is None or along not in dataset.variables or dataset[along].dims != (along,) or dataset[along].size > MOST_NAMED:
+        return ()
+    return tuple(f"{value:g}" if isinstance(value, float) else str(value) for value in dataset[along].to_numpy().tolist())
 
 
 class _Lazy:

@@ -24,6 +24,18 @@ from seaglint.files.recording.picture_file import PictureFile, first_line
 
 ENDINGS: Final = (".png", ".apng", ".gif", ".bmp", ".pgm", ".pbm", ".ppm", ".pnm", ".pfm", ".jpg", ".jpeg")
 
+_FORMATS: Final = ("PNG", "GIF", "BMP", "DIB", "PPM", "JPEG")
+"""Formats that Pillow opens here: it knows FITS and TIFF too, without the tags that change their numbers."""
+
+_OTHERS: Final = {
+    b"SIMPLE": "FITS (.fits)",
+    b"II*\0": "TIFF (.tif)",
+    b"MM\0*": "TIFF (.tif)",
+    b"\x89HDF": "HDF5 (.h5)",
+    b"\x93NUMPY": "NumPy (.npy)",
+}
+"""Beginnings of files of other formats, with their names and endings."""
+
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 _CHANNELS: Final = {0: 0, 2: 3, 3: 3, 4: 2, 6: 4}
 """Length of the axis of colours by the colour type of a PNG: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha."""
@@ -74,7 +86,7 @@ def _by_pillow(path: Path, header: _PngHeader | None) -> PictureFile:
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        with Image.open(path, formats=_FORMATS) as image:
             # The picture before an animation that is no part of it (APNG) is the first frame to Pillow.
             skipped = int(bool(getattr(image, "default_image", False)))
             count = int(getattr(image, "n_frames", 1)) - skipped
@@ -122,7 +134,7 @@ def _frames(path: Path, skipped: int) -> Iterator[NDArray[Any]]:
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        with Image.open(path, formats=_FORMATS) as image:
             for i in range(skipped, int(getattr(image, "n_frames", 1))):
                 if i:
                     image.seek(i)
@@ -134,6 +146,11 @@ def _frames(path: Path, skipped: int) -> Iterator[NDArray[Any]]:
 
 
 def _undecodable(path: Path, error: Exception) -> DataError:
+    with path.open("rb") as file:
+        head = file.read(8)
+    other = next((name for start, name in _OTHERS.items() if head.startswith(start)), None)
+    if other is not None:
+        return DataError(f"{path}: holds {other}, and its ending is that of a picture; give it the ending of its format")
     return DataError(
         f"{path}: cannot be decoded ({first_line(error)}); copy it again if it is cut, or write it as plain PNG or uncompressed TIFF"
     )
@@ -179,7 +196,7 @@ def _decoded(path: Path) -> NDArray[Any]:
         header = _png_header(path)
         if header is not None and header.depth == 16 and header.colour != 0:
             return _deep_png(path)
-        with Image.open(path) as image:
+        with Image.open(path, formats=_FORMATS) as image:
             return _numbers(image, path)
     except (BackendError, DataError):
         raise

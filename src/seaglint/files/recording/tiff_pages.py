@@ -174,6 +174,8 @@ def _of_pages(file: Any, path: Path) -> _StackFrames:
         sizes[tuple(page.shape)] = sizes.get(tuple(page.shape), 0) + 1
         _require_alike(page, first, i, path)
         keys.append(i)
+    if not keys and not reduced + masks:
+        raise DataError(f"{path}: holds no page; the file is cut: copy it again")
     if not keys:
         raise DataError(f"{path}: all of its {reduced + masks} pages are masks or reduced versions of others; give the file of the images")
     if len(sizes) > 1:

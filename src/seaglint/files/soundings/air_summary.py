@@ -14,6 +14,7 @@ from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.bent_ray import trapping_layers
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray, horizon_range
+from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.files.lowtran.deck import MODELS
 from seaglint.files.soundings.continuation import continuations
@@ -171,6 +172,8 @@ def summarise_air(
     if source in MODELS and not Path(source).exists():
         profile = model_profile(source)
         return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)
+    if not Path(source).exists() and Path(source).suffix == "":
+        raise DataError(f"{source}: is neither a file nor a model atmosphere; model atmospheres are {', '.join(MODELS)}")
     read = read_sounding(source, place, time, remedy="give `place` as LAT,LON")
     profile = read.profile(model)
     return AirSummary(
@@ -181,8 +184,13 @@ def summarise_air(
         read.lowest_given,
         _misfit(profile, read.height.size),
         sea_kelvin,
-        (*(note for note in read.notes if " ends at " not in note), *(part.text for part in continuations(read, profile, model))),
+        (*(note for note in read.notes if not _is_continuation(note)), *(part.text for part in continuations(read, profile, model))),
     )
+
+
+def _is_continuation(note: str) -> bool:
+    """Return true for a note of which the continuations say more."""
+    return " ends at " in note or note.startswith("humidity begins")
 
 
 def _misfit(profile: AirProfile, count: int) -> float:

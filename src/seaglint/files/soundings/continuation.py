@@ -1,4 +1,4 @@
-"""Parts of a sounding that a model atmosphere continues: humidity above its last one, air above its last level."""
+"""Parts of a sounding that are continued: humidity below its first and above its last one, air above its last level."""
 
 from __future__ import annotations
 
@@ -10,21 +10,24 @@ from seaglint.files.soundings.sounding import LOW_TOP, Sounding
 
 @dataclass(frozen=True)
 class Continuation:
-    """Part of the air that is a model atmosphere's.
+    """Part of the air that the sounding does not have.
 
     Attributes
     ----------
     height : float
-        Height from which on it is [m].
+        Height from which on it is, or up to which [m].
     share : float
-        Share of the precipitable water above that height [1].
+        Share of the precipitable water there [1].
     text : str
         What ends where, and the share.
+    below : bool
+        True for the part below that height.
     """
 
     height: float
     share: float
     text: str
+    below: bool = False
 
 
 def percent(share: float) -> str:
@@ -52,6 +55,11 @@ def continuations(sounding: Sounding, profile: AirProfile, model: str, sensor: f
     """
     out = []
     whole, humid, top = profile.precipitable_water, sounding.humidity_top, sounding.top
+    begins = sounding.humidity_begins
+    if begins is not None:
+        share = 1.0 - profile.water_above(begins) / whole
+        text = f"humidity begins at {begins:.0f} m; below it is the relative humidity of that level, {percent(share)} of the water vapour"
+        out.append(Continuation(begins, share, text, below=True))
     if humid < top:
         share = profile.water_above(humid) / whole
         text = f"humidity ends at {1e-3 * humid:.1f} km; above it is that of {model}, {percent(share)} of the water vapour"

@@ -59,6 +59,8 @@ class Sounding:
         Height of the file's own lowest level [m].
     given : int
         Number of levels of the file that are used.
+    humidity_begins : float or None
+        Height of the lowest level with humidity [m], where levels below it have none.
     """
 
     path: str
@@ -72,6 +74,7 @@ class Sounding:
     digest: str
     lowest_given: float
     given: int
+    humidity_begins: float | None = None
 
     @property
     def top(self) -> float:
@@ -158,7 +161,7 @@ def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: da
     if sounding_lists.is_igra(lines):
         return sounding_lists.read_igra(path, lines, time)
     if sounding_lists.is_wyoming_list(lines):
-        return sounding_lists.read_wyoming_list(path, lines)
+        return sounding_lists.read_wyoming_list(path, lines, time)
     if station_lists.is_sharppy(lines):
         return station_lists.read_sharppy(path, lines, time)
     if station_lists.is_bufkit(lines):
@@ -221,6 +224,10 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
             report(text)
     if raw.height.size < 2:
         raise DataError(f"{path}: has no two levels from the sea to 100 km; give heights above the sea in metres")
+    known = np.flatnonzero(np.isfinite(humidity))
+    begins = float(raw.height[known[0]]) if known.size and known[0] > 0 else None
+    if begins is not None:
+        notes.append(f"humidity begins at {begins:.0f} m; below it is the relative humidity of that level")
     humidity = _without_gaps(path, raw.height, humidity, report)
     check_hydrostatics(path, raw, whole_humidity(raw.pressure, humidity))
     lowest = float(raw.height[0])
@@ -242,7 +249,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
         notes.append(f"humidity ends at {1e-3 * top:.1f} km; the model atmosphere's goes on above")
     if height[-1] < LOW_TOP:
         notes.append(f"the sounding ends at {1e-3 * height[-1]:.1f} km; the model atmosphere goes on above")
-    return Sounding(str(path), raw.kind, height, pressure, kelvin, humidity, tuple(notes), tuple(reported), digest, lowest, given)
+    return Sounding(str(path), raw.kind, height, pressure, kelvin, humidity, tuple(notes), tuple(reported), digest, lowest, given, begins)
 
 
 def _with_values(path: Path, raw: RawSounding, report: Callable[[str], None]) -> RawSounding:
@@ -290,8 +297,6 @@ def _without_gaps(path: Path, height: FloatArray, humidity: FloatArray, report: 
     if not known.any():
         raise DataError(f"{path}: has no humidity from the sea to 100 km; give it at two levels at least")
     first, last = (int(i) for i in np.flatnonzero(known)[[0, -1]])
-    if first:
-        report(f"humidity begins at {height[first]:.0f} m; below it is the relative humidity of that level")
     gaps = int(np.sum(~known[first:last]))
     if gaps:
         report(f"{gaps} of {known.size} levels lack humidity between others; their relative humidity is interpolated in height")

@@ -13,6 +13,7 @@ from seaglint.files.soundings.raw_sounding import Quantity, RawSounding, with_ot
 from seaglint.files.soundings.station_lists import choice_note, nearest_time
 
 _IGRA_HEAD = re.compile(r"^#[A-Z0-9]{11} \d{4} ")
+_WYOMING_TITLE = re.compile(r"\b(\d{2})Z (\d{1,2}) ([A-Z][a-z]{2}) (\d{4})\b")
 _WIDTH = 7
 """Width of a column of Wyoming's list."""
 
@@ -23,23 +24,38 @@ def is_wyoming_list(lines: list[str]) -> bool:
 
 
 def _names_line(lines: list[str]) -> int | None:
-    for i, line in enumerate(lines[:200]):
-        words = line.split()
-        if words[:2] == ["PRES", "HGHT"] and "," not in line and "TEMP" in words:
-            return i
-    return None
+    return next((i for i, line in enumerate(lines[:200]) if _is_names_line(line)), None)
 
 
-def read_wyoming_list(path: Path, lines: list[str]) -> RawSounding:
+def _is_names_line(line: str) -> bool:
+    words = line.split()
+    return words[:2] == ["PRES", "HGHT"] and "," not in line and "TEMP" in words
+
+
+def _wyoming_time(lines: list[str]) -> datetime | None:
+    """Return the time of the last title among lines, as ``... Observations at 00Z 01 Jul 2024``."""
+    found = [match for line in lines for match in [_WYOMING_TITLE.search(line)] if match]
+    try:
+        return datetime.strptime(" ".join(found[-1].groups()), "%H %d %b %Y").replace(tzinfo=UTC) if found else None
+    except ValueError:
+        return None
+
+
+def read_wyoming_list(path: Path, lines: list[str], time: datetime | None = None) -> RawSounding:
     """Read a list of ``PRES HGHT TEMP DWPT ...`` in hPa, geopotential metres and Celsius, as the web page or a saved copy has it.
+
+    Of several lists, as the page gives for several days, the one nearest to ``time`` is read, without it the first.
 
     Raises
     ------
     DataError
         No rows under the names.
     """
-    head = _names_line(lines)
-    assert head is not None  # is_wyoming_list said so
+    heads = [i for i, line in enumerate(lines) if _is_names_line(line)]
+    times = [_wyoming_time(lines[before:head]) for before, head in zip([0, *heads], heads, strict=False)]
+    chosen = nearest_time(times, time)
+    head = heads[chosen]
+    lines = lines[: heads[chosen + 1] if chosen + 1 < len(heads) else len(lines)]
     names = lines[head].split()
     fixed = len(lines[head].rstrip()) % _WIDTH in (0, _WIDTH - 1) and lines[head].rstrip()[: _WIDTH * 2].split() == names[:2]
     rows: list[list[float]] = []
@@ -71,6 +87,7 @@ def read_wyoming_list(path: Path, lines: list[str]) -> RawSounding:
         column["DWPT"] + 273.15,
         True,
         {"pressure": "PRES", "height": "HGHT", "temperature": "TEMP", "humidity": "DWPT"},
+        choice_note("the sounding", times[chosen], len(heads) - 1, time),
         resolution=(0.1, 1.0),
     )
 

@@ -20,6 +20,9 @@ NEEDED: Final = "height_m, pressure_hpa, temperature_k (or temperature_c), relat
 HEADER_LINES: Final = 300
 """Lines of a file among which the line of column names is looked for."""
 
+MOST_SHOWN: Final = 300
+"""Characters of column names that an error shows."""
+
 SAMPLE: Final = 2000
 """Rows at either end by which the rounding of a long table is found."""
 
@@ -161,6 +164,7 @@ def _require(path: Path, heading: _Heading, columns: list[SoundingColumn]) -> No
         used = [column.name for column in columns]
         alike = _alike(heading.names, used, missing)
         shown = ", ".join(name for name in heading.names if name)
+        shown = f"{shown[:MOST_SHOWN]}..." if len(shown) > MOST_SHOWN else shown
         raise DataError(f"{path}: line {heading.number}: columns are {shown}; missing: {', '.join(missing)}{alike}")
     for known in (("temperature_k", "temperature_c"), ("relative_humidity_percent", "dewpoint_k", "dewpoint_c")):
         both = [name for name in known if name in names]

@@ -17,6 +17,9 @@ from seaglint.files.soundings.sounding_columns import columns_of, sounding_of
 from seaglint.files.soundings.sounding_table import rounding
 from seaglint.files.text_file import parsed_json
 
+FAR_S: Final = 3.0 * 3600.0
+"""Difference from the time requested that is reported [s]: half of the time between two ascents of a day's four."""
+
 NAMES_OF: Final[dict[str, str]] = {"pressure": "PRES", "height": "HGHT", "temperature": "TEMP", "humidity": "DWPT"}
 
 
@@ -34,6 +37,8 @@ def choice_note(what: str, when: datetime | None, others: int, requested: dateti
         return ()
     shown = f" of {when:%Y-%m-%d %H:%M} UTC" if when is not None else ""
     first = "" if requested is not None else ", the first,"
+    if requested is not None and when is not None and abs((when - requested).total_seconds()) >= FAR_S:
+        first = f", {abs((when - requested).total_seconds()) / 3600.0:.0f} h from the time requested,"
     return (f"{what}{shown}{first} is taken, {others_left(others)}",)
 
 

@@ -95,7 +95,8 @@ def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: B
     """Apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
     height = float(np.clip(scenario.sensor.height_m, *LOWTRAN_HEIGHTS))
     profile = _thinned(profile, part.height)
-    dry = replace(profile, vapour=np.where(profile.height > part.height, ALMOST_NONE, 1.0) * profile.vapour)
+    there = profile.height < part.height if part.below else profile.height > part.height
+    dry = replace(profile, vapour=np.where(there, ALMOST_NONE, 1.0) * profile.vapour)
     wind = scenario.wind.speed_m_s
     without, given = (_sky(air, HazeWeather(wind=wind, wind_24h=wind), height, over) for air in (dry, profile))
     if not np.isfinite([without, given]).all():
