@@ -249,8 +249,8 @@ def _valid_range(
 def _other_names(attributes: Mapping[Any, Any], scale: float, offset: float, source: str) -> tuple[str, ...]:
     """Refuse a second scale or offset that differs from the first; note one that CF does not know."""
     units = attributes.get("units")
-    if str(units.decode() if isinstance(units, bytes) else units).strip().lower() in _COUNTS:
-        return ()  # a gain beside counts is the camera's: the stored numbers are what the units say
+    # A gain beside counts is the camera's: the stored numbers are what the units say.
+    counts = str(units.decode() if isinstance(units, bytes) else units).strip().lower() in _COUNTS
     lower = {str(name).lower(): (name, value) for name, value in attributes.items()}
     notes = []
     for own, value, names in (("scale_factor", scale, _SCALES), ("add_offset", offset, _OFFSETS)):
@@ -267,7 +267,7 @@ def _other_names(attributes: Mapping[Any, Any], scale: float, offset: float, sou
                     raise DataError(
                         f"{source}: {own} = {value:g} and {given} = {number:g} contradict each other; leave one of the attributes out"
                     )
-            elif number != (1.0 if own == "scale_factor" else 0.0):
+            elif not counts and number != (1.0 if own == "scale_factor" else 0.0):
                 what = f"the attribute {given} = {number:g} is no CF name and is not applied"
                 notes.append(f"{what}; values are the stored numbers, of unknown units; write it as {own}")
     return tuple(notes)
