@@ -17,7 +17,7 @@ from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
 from seaglint.files.recording.axes import COLOUR_NAMES, MOST_COLOURS, AxisOrder, Ordered, layout_of
-from seaglint.files.recording.decoding import PLAIN, Decoded, Decoding, in_type
+from seaglint.files.recording.decoding import PLAIN, Decoded, Decoding
 from seaglint.files.recording.frame_times import RATE_NAMES, frame_rate_of
 from seaglint.files.recording.stored import CHANNELS, SeveralChannelsError, colour_notes, full_scale, grey
 
@@ -48,9 +48,7 @@ class ArrayReading:
 
     def decoding(self, stated: Decoding, dtype: np.dtype[Any]) -> Decoding:
         """Return a file's decoding with the user's own missing values."""
-        if not self.missing:
-            return stated
-        return replace(stated, missing=tuple(dict.fromkeys((*stated.missing, *in_type(self.missing, dtype)))))
+        return stated.with_missing(self.missing, dtype)
 
 
 @dataclass(frozen=True)

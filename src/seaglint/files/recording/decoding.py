@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -92,6 +92,10 @@ class Decoding:
         if self.masks:
             values[self._absent(stored)] = np.nan
         return values
+
+    def with_missing(self, numbers: Iterable[float], stored: np.dtype[Any]) -> Decoding:
+        """Return the decoding with further numbers that stand for no value, those that a type of stored numbers can hold."""
+        return replace(self, missing=tuple(dict.fromkeys((*self.missing, *in_type(numbers, stored)))))
 
     def _absent(self, stored: NDArray[Any]) -> NDArray[np.bool_]:
         absent = np.zeros(stored.shape, dtype=np.bool_)

@@ -15,7 +15,6 @@ from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
 from seaglint.files.recording import pillow_pictures
 from seaglint.files.recording.arrays import resolved
-from seaglint.files.recording.decoding import in_type
 from seaglint.files.recording.joined import joined
 from seaglint.files.recording.picture_file import PictureFile
 from seaglint.files.recording.pillow_pictures import open_picture
@@ -44,11 +43,7 @@ def open_images(paths: Sequence[Path], channel: str | None, missing: tuple[float
         A file that cannot be decoded, or files of different sizes, number types or units.
     """
     files = [_look(path, channel) for path in paths]
-    if missing:
-        files = [
-            replace(f, decoding=replace(f.decoding, missing=tuple(dict.fromkeys((*f.decoding.missing, *in_type(missing, f.dtype))))))
-            for f in files
-        ]
+    files = [replace(file, decoding=file.decoding.with_missing(missing, file.dtype)) for file in files]
     first = files[0]
     for other in files[1:]:
         _require_alike(first, other)

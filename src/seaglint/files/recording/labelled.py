@@ -241,7 +241,7 @@ def _rate(dataset: Any, images: Any) -> tuple[float | None, tuple[str, ...]]:
     if name is None:
         return stated, ()
     times = dataset[name]
-    rate, why = rate_of_times(times.to_numpy(), {**times.encoding, **times.attrs} if times.dtype.kind in "Mm" else times.attrs)
+    rate, why = rate_of_times(times.to_numpy(), times.attrs)
     if rate is None:
         return stated, () if stated is not None or why is None else (why,)
     if stated is not None and abs(rate / stated - 1.0) > SAME:
