@@ -255,3 +255,17 @@ def test_the_share_of_vapour_below_the_first_humidity_is_reported(tmp_path):
     assert part.share == pytest.approx(1.0 - profile.water_above(5705.0) / profile.precipitable_water)
     assert part.share > 0.8
     assert "humidity begins at 5705 m; below it is the relative humidity of that level, 9" in part.text
+
+
+def test_humidity_aloft_joins_that_of_the_model_within_its_scale_height():
+    """Half of the model's humidity where it ends: the factor 0.5 ** exp(-z / 2 km) above, in the troposphere."""
+    from seaglint.air.profile.air_profile import model_levels, saturation_density
+    from seaglint.air.profile.humidity_above import continued_humidity
+
+    z = np.arange(0.0, 8001.0, 250.0)
+    pressure, kelvin, vapour, _ = model_levels("us-standard-1976", z)
+    model = 100.0 * vapour / saturation_density(kelvin)
+    given = np.where(z <= 2000.0, 0.5 * model, np.nan)
+    found = continued_humidity("us-standard-1976", z, pressure, kelvin, given)
+    factor = np.where(z <= 2000.0, 0.5, 0.5 ** np.exp(-(z - 2000.0) / 2000.0))
+    np.testing.assert_allclose(found / model, factor, rtol=1e-3)
