@@ -33,6 +33,9 @@ class Recording(PlainFrames):
         Units of the values; None where neither file nor user say.
     saturation : float or None
         Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
+    blur_px : float or None
+        Blur of what made the frames beyond its pixels, a standard deviation [px]: 0 for radiance rendered without a sensor; None where
+        it is not known.
     offset : float
         Level that :meth:`read` subtracts from the file's numbers, so that single precision resolves their spread.
     notes : tuple of str
@@ -49,6 +52,16 @@ class Recording(PlainFrames):
     saturation: float | None = None
     notes: tuple[str, ...] = ()
     offset: float = 0.0
+    blur_px: float | None = None
+
+    @property
+    def blur(self) -> str:
+        """Return what is known of the blur, in a sentence for readers of correlation times."""
+        if self.blur_px is None:
+            return "not known: correlation times and lengths are those of what made these frames, blur included"
+        if self.blur_px == 0.0:
+            return "none, rendered without a sensor: correlation times of a real sensor are longer"
+        return f"{self.blur_px:.2g} px (standard deviation, beyond the pixel itself), that of the sensor in the file"
 
     def read(self, start: int, stop: int) -> FrameArray:
         """Return frames ``start`` to ``stop`` (not included) as a float32 copy (k, rows, columns); NaN where there is no value.

@@ -125,6 +125,8 @@ class Analysis:
             columns=self.recording.columns,
             units=self.recording.units,
             frame_rate_hz=rate,
+            blur_px=self.recording.blur_px,
+            blur=self.recording.blur,
             filter=self.options.filter.name,
             sigma_of=self.options.scope,
             border="kept" if self.border_kept else "dropped",
@@ -143,7 +145,11 @@ class Analysis:
         names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
         rows = [(name, *(getattr(region, key) for key in names)) for name, region in values.present.items()]
         size = f"{values.frames} frames of {values.columns} x {values.rows} pixels, {values.units}, filter {values.filter}"
-        return card(f"Analysis of {values.source}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
+        known = notes([size, f"blur of the frames: {values.blur}"])
+        return card(
+            f"Analysis of {values.source}",
+            known + table(("region", *names), rows) + notes(self.notes),
+        )
 
 
 @single_threaded_algebra()

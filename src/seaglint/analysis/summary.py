@@ -306,6 +306,11 @@ class AnalysisSummary:
         Units of the brightness, as far as they are known.
     frame_rate_hz : float or None
         Frame rate, as far as it is known [Hz].
+    blur_px : float or None
+        Blur of what made the frames beyond its pixels, a standard deviation [px]: 0 for radiance rendered without a sensor; None where
+        it is not known.
+    blur : str
+        The same in a sentence, with what it does to correlation times.
     filter : str
         Filter before the thresholds.
     sigma_of : str
@@ -326,6 +331,8 @@ class AnalysisSummary:
     columns: int
     units: str | None
     frame_rate_hz: float | None
+    blur_px: float | None
+    blur: str
     filter: str
     sigma_of: str
     border: str

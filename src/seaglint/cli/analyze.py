@@ -85,6 +85,8 @@ def lines(result: AnalysisSummary) -> list[str]:
         f"{result.source}: {result.frames} frame{'s' * (result.frames != 1)} of {result.columns} x {result.rows}, {units}, "
         + (f"{rate:g} Hz" if rate else "frame rate not known")
     ]
+    if result.frames > 1:
+        out.append(f"blur of the frames: {result.blur}")
     regions = result.regions
     for name, region in regions.items():
         if region is None:

@@ -32,6 +32,10 @@ MTF_POINTS: Final = 41
 """Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency."""
 
 
+BLUR_POINTS: Final = 4097
+"""Number of frequencies up to the optics' cut-off among which the transfer's fall to a half is sought."""
+
+
 @dataclass(frozen=True)
 class Budget:
     """Temporal noise of a pixel by its causes, rms in units of the signal, with the mean signal."""
@@ -70,6 +74,38 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
             total = total * part
         out[name] = {**parts, "total": total}
     return out
+
+
+def blur_px(model: SensorModel) -> float:
+    r"""Return the blur of a sensor beyond its pixels, as a standard deviation [px].
+
+    That of the Gaussian whose transfer falls to a half where the product ``H`` of optics, crosstalk and steady movement does:
+
+    .. math:: s = \frac{1}{p f_{1/2}}\sqrt{\frac{\ln 2}{2\pi^2}}, \qquad H(f_{1/2}) = \tfrac12
+
+    with the pixel's angle ``p``; the root mean square of both axes. Integration over the pixel itself, which rendered pictures have
+    too, is not in it. A second moment would not do: that of diffraction is infinite.
+
+    Examples
+    --------
+    >>> from seaglint.optics.band import Band
+    >>> from seaglint.instrument.optics import SensorOptics
+    >>> from seaglint.instrument.detector import PhotonPixels
+    >>> from seaglint.instrument.photons import Photons
+    >>> shaken = SensorModel(Photons(Band.rectangular(3.5, 5.0)), SensorOptics(0.2, 0.1, jitter=1.8e-4), PhotonPixels(15e-6))
+    >>> round(blur_px(shaken), 2)
+    1.2
+    """
+    frequency = np.linspace(0.0, model.optics.cutoff(1e-6 * model.photons.band.min_um), BLUR_POINTS)
+    squares = []
+    for parts in mtf(model, frequency).values():
+        beyond = np.prod([part for name, part in parts.items() if name not in ("detector", "total")], axis=0)
+        # Linear between the points; at the cut-off the transfer is 0, so that it falls to a half before.
+        after = int(np.flatnonzero(beyond <= 0.5)[0])
+        step = (beyond[after - 1] - 0.5) / (beyond[after - 1] - beyond[after])
+        half = frequency[after - 1] + step * (frequency[after] - frequency[after - 1])
+        squares.append(math.log(2.0) / (2.0 * (math.pi * half * model.ifov) ** 2))
+    return math.sqrt(sum(squares) / len(squares))
 
 
 def budget(model: SensorModel, radiance: float) -> Budget:

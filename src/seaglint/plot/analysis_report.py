@@ -87,6 +87,7 @@ def _facts(results: AnalysisSummary) -> str:
         f"{rate:g} Hz" if rate is not None else "frame rate not known",
         f"units {unit_of(results.units)}" if results.units else "units not known",
         f"filter {results.filter}",
+        "blur not known" if results.blur_px is None else f"blur {results.blur_px:.2g} px" if results.blur_px else "no blur",
         f"seaglint {__version__}",
     ]
     return " · ".join(facts)
@@ -221,7 +222,8 @@ def _memory(results: AnalysisSummary) -> str:
         row += ["not decidable" if verdict is None else number(verdict), number(still.p_mean, 2), number(still.p_variance, 2)]
         rows.append([*row, block, still.reason or ""])
     head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
-    return table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
+    blur = f"<p>Blur of the frames: {escape(results.blur)}.</p>"
+    return blur + table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
 
 
 def _methods(analysis: Analysis, results: AnalysisSummary) -> list[str]:

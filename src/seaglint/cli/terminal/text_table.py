@@ -18,11 +18,13 @@ def _number(value: Any) -> str:
 
 
 def table(rows: Mapping[str, ArticleRow]) -> list[str]:
-    """Lines of a table: what, article, ours, unit; the settings of each row under it."""
+    """Lines of a table: what, the numbers that all rows have, unit; the settings of each row under it."""
     width = max((len(key) for key in rows), default=4)
-    out = [f"{'what':{width}}  {'article':>12}  {'ours':>12}  unit"]
+    heads = next((list(row.numbers) for row in rows.values()), ["article", "ours"])
+    out = ["  ".join([f"{'what':{width}}", *(f"{head:>12}" for head in heads), "unit"])]
     for key, row in rows.items():
-        out.append(f"{key:{width}}  {_number(row.article):>12}  {_number(row.ours):>12}  {row.unit}".rstrip())
+        cells = (f"{_number(value):>12}" for value in row.numbers.values())
+        out.append("  ".join([f"{key:{width}}", *cells, row.unit]).rstrip())
         if row.settings:
             out.append(f"{'':{width}}  {'; '.join(f'{name} = {_number(value)}' for name, value in row.settings.items())}")
     return out

@@ -75,6 +75,8 @@ class ArrayFacts:
         Order of three axes where nothing says it.
     notes : tuple of str
         Sentences for the user.
+    blur_px : float or None
+        Blur of what made the images, 0 without a sensor; None where the file does not say [px].
     """
 
     frame_rate: float | None = None
@@ -86,6 +88,7 @@ class ArrayFacts:
     colours: bool = False
     order: str = "tyx"
     notes: tuple[str, ...] = ()
+    blur_px: float | None = None
 
 
 def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | None = None) -> Recording:
@@ -127,7 +130,8 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
         named = f" ({facts.channels[index]})" if facts.channels else ""
         notes = (*notes, f"channel {index + 1} of {channels}{named}")
     dtype = decoding.dtype(stored)
-    recording = Recording(source, frames, rows, columns, read, facts.frame_rate, facts.units, _saturation(facts, decoding, stored), notes)
+    saturation = _saturation(facts, decoding, stored)
+    recording = Recording(source, frames, rows, columns, read, facts.frame_rate, facts.units, saturation, notes, blur_px=facts.blur_px)
     return resolved(recording) if dtype.itemsize > 2 and dtype != np.float32 else recording
 
 

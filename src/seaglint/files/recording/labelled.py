@@ -179,6 +179,7 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
         None if full is None else float(full),
         channels=_channel_names(dataset, chosen),
         notes=(*notes, *rate_notes),
+        blur_px=_blur(dataset, name),
     )
     return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
 
@@ -208,6 +209,21 @@ def _channel_names(dataset: Any, images: Any) -> tuple[str, ...]:
     if along is None or along not in dataset.variables or dataset[along].dims != (along,) or dataset[along].size > MOST_NAMED:
         return ()
     return tuple(f"{value:g}" if isinstance(value, float) else str(value) for value in dataset[along].to_numpy().tolist())
+
+
+_OF_SENSOR: Final = ("signal", "electrons")
+"""Variables of our files that a sensor made; the others are its aperture's radiance averaged over pixels, and what follows from it."""
+
+
+def _blur(dataset: Any, name: str) -> float | None:
+    """Return the blur of images that seaglint made [px], 0 without a sensor; None for all others."""
+    stated = dataset[name].attrs.get("sensor_blur_px")
+    if stated is None and name in _OF_SENSOR:
+        stated = dataset.attrs.get("sensor_blur_px")
+    if stated is not None:
+        return float(stated)
+    # Of all our files those of a rendered scene state its air; a texture has the blur of what it was made from.
+    return 0.0 if name not in _OF_SENSOR and "atmosphere_table" in dataset.attrs else None
 
 
 class _Lazy:

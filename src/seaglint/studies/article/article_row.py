@@ -26,6 +26,29 @@ class ArticleRow:
     unit: str
     settings: JsonObject = field(default_factory=dict)
 
+    @property
+    def numbers(self) -> dict[str, float | None]:
+        """Return the values by the heads of their columns."""
+        return {"article": self.article, "ours": self.ours}
+
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""
         return asdict(self)
+
+
+@dataclass(frozen=True)
+class SensedRow(ArticleRow):
+    """Number of the source article beside ours of pictures as rendered (``ours``) and of the same pictures through a detector.
+
+    Attributes
+    ----------
+    through_detector : float or None
+        Value of the pictures through the detector; None where it does not exist.
+    """
+
+    through_detector: float | None = None
+
+    @property
+    def numbers(self) -> dict[str, float | None]:
+        """Return the values by the heads of their columns."""
+        return {"article": self.article, "as rendered": self.ours, "detector": self.through_detector}

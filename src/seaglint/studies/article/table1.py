@@ -3,6 +3,10 @@
 The article does not describe the scene of its recording. Ours is that of its Fig. 4 (sensor at 100 m, 5 m/s of wind from 45 degrees
 beside the Sun), seen at the depressions of its Fig. 5 (1.5 to 6 degrees) with the Sun 30 degrees high and waves down to half a metre.
 The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` says how.
+
+The article's pictures are those of a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
+Correlation times need one: blur joins a glint with those beside it, and lets it last longer. So the same frames are counted twice, as
+rendered and through a detector (:data:`BLUR_PX`), and beside it with other blurs (:data:`BLURS_PX`).
 """
 
 from __future__ import annotations
@@ -17,16 +21,22 @@ from numpy.typing import NDArray
 from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
 from seaglint.analysis.summary import AlarmSummary
 from seaglint.base.conventions import FloatArray, Progress
-from seaglint.base.free_form import JsonObject
+from seaglint.base.free_form import JsonObject, TomlTables
+from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
+from seaglint.clutter.filters import Laplacian
+from seaglint.clutter.thresholds import standardise
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.scene import Scene, image
+from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.figures_of_merit import blur_px as beyond_pixel
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.studies.article.article_row import ArticleRow
+from seaglint.studies.article.article_row import ArticleRow, SensedRow
 from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.sensor_model import sensor_model
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 FRAME_RATE: Final = 25.0
@@ -50,6 +60,32 @@ SHORTEST_WAVE: Final = 0.5
 CORRIDOR_SHARE: Final = 0.5
 """Mean mirrored Sun, as a share of its row's largest, from which a pixel belongs to the corridor."""
 
+BLUR_PX: Final = 1.2
+"""Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
+
+Assumed: the article does not state that of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
+twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of resolution,
+at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
+"""
+
+BLURS_PX: Final = (0.8, 1.0, 1.2, 1.5)
+"""Blurs with which rates and correlation times are given too [px]: how much they hang on the assumed one."""
+
+APERTURE: Final = 0.0508
+"""Aperture [m]: the 2 in. of the seeker to whose noise the article compares its clutter."""
+
+PITCH_UM: Final = 60.0
+"""Pitch of the pixels [um]: assumed, it makes F/2.1 of the aperture, as cooled InSb cameras have."""
+
+FILL_FACTOR: Final = 0.9
+"""Sensitive share of a pixel's area: assumed, as in the ready sensors."""
+
+INTEGRATION_TIME: Final = 1e-3
+"""Integration time [s]: assumed, short against the frame of 0.04 s, as the waves stand still in it."""
+
+MARGIN: Final = 6
+"""Pixels that are rendered beyond each border of the picture, five blurs of 1.2: what lies there blurs into it."""
+
 ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
     "glint": {3.0: (0.0096, 0.270), 3.5: (0.0050, 0.202)},
     "background": {3.0: (0.014, 0.292), 3.5: (None, None)},
@@ -61,7 +97,13 @@ def _silent(done: int, total: int) -> None:
     """Ignore progress."""
 
 
-def scene(wind_speed: float = IMAGE_WINDS[1], solar_zenith_deg: float = SUN, frames: int = FRAMES) -> Scenario:
+def scene(
+    wind_speed: float = IMAGE_WINDS[1],
+    solar_zenith_deg: float = SUN,
+    frames: int = FRAMES,
+    margin: int = 0,
+    sensor: TomlTables | None = None,
+) -> Scenario:
     """Scenario of the sequence, at another wind or Sun too.
 
     Parameters
@@ -72,13 +114,18 @@ def scene(wind_speed: float = IMAGE_WINDS[1], solar_zenith_deg: float = SUN, fra
         Zenith angle of the Sun [deg].
     frames : int
         Number of frames.
+    margin : int
+        Pixels beyond each border of the picture.
+    sensor : dict, optional
+        Further keys of ``[sensor]``: its optics and detector.
 
     Returns
     -------
     Scenario
     """
     low, high = DEPRESSIONS_DEG
-    height_deg = high - low
+    step = (high - low) / PIXELS[1]
+    pixels = [size + 2 * margin for size in PIXELS]
     south = 180.0
     return parse_scenario(
         {
@@ -87,10 +134,11 @@ def scene(wind_speed: float = IMAGE_WINDS[1], solar_zenith_deg: float = SUN, fra
                 "height_m": GLINT_HEIGHT,
                 "azimuth_deg": south,
                 "elevation_deg": -0.5 * (low + high),
-                "fov_deg": [height_deg * PIXELS[0] / PIXELS[1], height_deg],
-                "pixels": list(PIXELS),
+                "fov_deg": [step * size for size in pixels],
+                "pixels": pixels,
                 "frame_rate_hz": FRAME_RATE,
                 "frames": frames,
+                **(sensor or {}),
             },
             "band": {"min_um": GLINT_BAND[0], "max_um": GLINT_BAND[1]},
             "wind": {"speed_m_s": wind_speed, "from_deg": south + IMAGE_WIND_DIRECTIONS[1]},
@@ -118,49 +166,112 @@ def corridor(view: SeaView, camera: Camera) -> NDArray[np.bool_]:
     return np.asarray((sun > 0.0) & (sun >= CORRIDOR_SHARE * sun.max(axis=1, keepdims=True)))
 
 
+def detector(blur_px: float = BLUR_PX) -> SensorModel:
+    """Return the detector through which the pictures are seen, without noise: of cooled ones it is a thousandth of this clutter.
+
+    Parameters
+    ----------
+    blur_px : float
+        Blur beyond the pixel, a standard deviation [px]; it is given to the sensor as jitter, whose transfer is a Gaussian.
+
+    Returns
+    -------
+    SensorModel
+    """
+    ifov = np.radians((DEPRESSIONS_DEG[1] - DEPRESSIONS_DEG[0]) / PIXELS[1])
+    tables: TomlTables = {
+        "optics": {"aperture_m": APERTURE, "jitter_urad": 1e6 * blur_px * float(ifov)},
+        "detector": {"pitch_um": PITCH_UM, "fill_factor": FILL_FACTOR, "integration_time_s": INTEGRATION_TIME},
+    }
+    return sensor_model(scene(sensor=tables))
+
+
+Rates = dict[str, list[FalseAlarmRate]]
+"""Rates at the article's thresholds by region."""
+
+
+def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates:
+    """Rates in the corridor and beside it as the analysis counts them, without its fits and without the pixels at the border.
+
+    Parameters
+    ----------
+    frames : ndarray
+        Pictures, (frames, rows, columns).
+    mask : ndarray of bool
+        The corridor, (rows, columns).
+    """
+    laplacian = Laplacian()
+    edge = laplacian.margin
+    filtered = laplacian.apply(frames)[:, edge:-edge, edge:-edge]
+    inner = mask[edge:-edge, edge:-edge]
+    out: Rates = {}
+    for region, pixels in (("glint", inner), ("background", ~inner)):
+        alarms = FalseAlarms(tuple(sorted(ARTICLE["glint"])))
+        alarms.add(standardise(filtered, pixels))
+        out[region] = alarms.rates()
+    return out
+
+
 @dataclass(frozen=True)
 class Table1:
-    """The analysis of a rendered sequence beside the article's numbers."""
+    """The analyses of a rendered sequence, as it is and through the detector, beside the article's numbers."""
 
     scenario: Scenario
     analysis: Analysis
+    through_detector: Analysis
+    by_blur: dict[float, Rates]
 
     def rows(self) -> dict[str, ArticleRow]:
         """Article's value and ours by region, threshold and quantity; absent ones are None."""
         out: dict[str, ArticleRow] = {}
-        for region, threshold, alarm in self._alarms():
+        sensed = _alarms(self.through_detector)
+        for (region, threshold), alarm in _alarms(self.analysis).items():
             rate, time = ARTICLE[region][threshold]
             ratio = None if rate is None else rate / alarm.gaussian_rate
-            name = f"{region}_{threshold:g}_sigma"
-            known = alarm.rate_low is not None
-            interval = {"interval_95": [alarm.rate_low, alarm.rate_high] if known else None, "note": alarm.note}
-            out[f"rate_{name}"] = ArticleRow(rate, alarm.rate, "1", interval)
-            out[f"times_gaussian_{name}"] = ArticleRow(ratio, alarm.ratio, "1")
-            out[f"correlation_time_{name}"] = ArticleRow(time, alarm.correlation_time_s, "s")
+            name, seen = f"{region}_{threshold:g}_sigma", sensed[region, threshold]
+            interval = {
+                "interval_95": _interval(alarm), "note": alarm.note, "detector_interval_95": _interval(seen), "detector_note": seen.note,
+            }  # fmt: skip
+            blurred = self._of_blurs(region, threshold)
+            times = {f"blur_{blur:g}_px": _seconds(value) for blur, value in blurred.items()}
+            ratios = {f"blur_{blur:g}_px": value.ratio for blur, value in blurred.items()}
+            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, seen.rate)
+            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, seen.ratio)
+            out[f"correlation_time_{name}"] = SensedRow(time, alarm.correlation_time_s, "s", times, seen.correlation_time_s)
         return out
 
     def columns(self) -> dict[str, FloatArray]:
-        """Return the rows as columns of a CSV file, one row for each threshold."""
+        """Return the rows as columns of a CSV file, one row for each threshold: as rendered, through the detector, with other blurs."""
         thresholds = sorted(ARTICLE["glint"])
-        alarms = {(region, threshold): alarm for region, threshold, alarm in self._alarms()}
+        alarms, sensed = _alarms(self.analysis), _alarms(self.through_detector)
+        keys = ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s")
         columns: dict[str, Sequence[float | None]]
         columns = {"threshold_sigma": thresholds, "gaussian_rate": [alarms["glint", m].gaussian_rate for m in thresholds]}
         for region, article in ARTICLE.items():
             columns[f"{region}_article_rate"] = [article[m][0] for m in thresholds]
             columns[f"{region}_article_correlation_time_s"] = [article[m][1] for m in thresholds]
-            for key in ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s"):
-                columns[f"{region}_{key}"] = [getattr(alarms[region, m], key) for m in thresholds]
+            columns |= {f"{region}_{key}": [getattr(alarms[region, m], key) for m in thresholds] for key in keys}
+        columns["detector_blur_px"] = [BLUR_PX for _ in thresholds]
+        for region in ARTICLE:
+            columns |= {f"{region}_detector_{key}": [getattr(sensed[region, m], key) for m in thresholds] for key in keys}
+        for blur in self.by_blur:
+            for region in ARTICLE:
+                values = [self._of_blurs(region, m)[blur] for m in thresholds]
+                name = f"{region}_blur_{blur:g}_px"
+                columns[f"{name}_rate"] = [value.rate for value in values]
+                columns[f"{name}_correlation_time_s"] = [_seconds(value) for value in values]
         return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}  # None becomes NaN
 
     def settings(self) -> JsonObject:
         """Return the settings that all rows share."""
         s, sun = self.scenario, self.scenario.sun
         recording = self.analysis.recording
+        ifov = round(float(1e3 * np.radians(s.sensor.ifov_deg[0])), 4)
         return {
             "frames": recording.frames,
             "frame_rate_hz": recording.frame_rate,
             "pixels": list(s.sensor.pixels),
-            "ifov_mrad": round(float(1e3 * np.radians(s.sensor.ifov_deg[0])), 4),
+            "ifov_mrad": ifov,
             "sensor_height_m": s.sensor.height_m,
             "elevation_deg": s.sensor.elevation_deg,
             "band_um": [s.band.min_um, s.band.max_um],
@@ -170,20 +281,40 @@ class Table1:
             "filter": self.analysis.options.filter.name,
             "sigma_of": "the region in each frame",
             "regions": f"glint: mean mirrored Sun at least {CORRIDOR_SHARE:g} of its row's largest; background: the rest of the sea",
+            "detector": "assumed, as the article states neither pixels nor blur of its sensor; without noise",
+            "detector_blur_px": BLUR_PX,
+            "detector_blur_mrad": round(BLUR_PX * ifov, 3),
+            "detector_aperture_m": APERTURE,
+            "detector_fill_factor": FILL_FACTOR,
+            "detector_integration_time_s": INTEGRATION_TIME,
         }
 
-    def _alarms(self) -> list[tuple[str, float, AlarmSummary]]:
-        regions = self.analysis.summary().present
-        return [
-            (name, alarm.threshold_sigma, alarm)
-            for name in ARTICLE
-            for alarm in regions[name].false_alarms
-            if alarm.threshold_sigma in ARTICLE[name]
-        ]
+    def _of_blurs(self, region: str, threshold: float) -> dict[float, FalseAlarmRate]:
+        """Return what each blur makes of a region at a threshold."""
+        return {blur: next(rate for rate in rates[region] if rate.threshold_sigma == threshold) for blur, rates in self.by_blur.items()}
+
+
+def _seconds(rate: FalseAlarmRate) -> float | None:
+    return None if rate.correlation_time is None else rate.correlation_time / FRAME_RATE
+
+
+def _interval(alarm: AlarmSummary) -> list[float | None] | None:
+    return [alarm.rate_low, alarm.rate_high] if alarm.rate_low is not None else None
+
+
+def _alarms(analysis: Analysis) -> dict[tuple[str, float], AlarmSummary]:
+    """Alarms by region and threshold, those that the article has."""
+    regions = analysis.summary().present
+    return {
+        (name, alarm.threshold_sigma): alarm
+        for name in ARTICLE
+        for alarm in regions[name].false_alarms
+        if alarm.threshold_sigma in ARTICLE[name]
+    }
 
 
 def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
-    """Render the sequence and count its false alarms.
+    """Render the sequence and count its false alarms, as rendered and through the detector.
 
     Parameters
     ----------
@@ -199,23 +330,36 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
     Notes
     -----
     Of the sea's glints those of waves longer than half a metre are in the picture; shorter ones are a mean brightness of each facet.
-    The sensor is perfect: no blur, no noise.
+    The detector blurs pictures of its own pixels, not finer ones: what their sampling folds to low frequencies stays.
 
     References
     ----------
-    Source article, Table 1 and Figs. 6 and 7.
+    Source article, Table 1 and Figs. 4, 6 and 7.
     """
-    scenario = scene(frames=frames)
-    prepared = prepare_sequence(scenario).scene
+    wide = scene(frames=frames, margin=MARGIN)
+    prepared = prepare_sequence(wide).scene
     images = sequence(prepared, np.arange(frames) / FRAME_RATE, report)
+    inner = np.s_[..., MARGIN:-MARGIN, MARGIN:-MARGIN]
+    mask = corridor(prepared.view, prepare.camera(wide))[inner]
+    options = AnalysisOptions(mask=mask)
+    blurred = {blur: detector(blur).focal_plane(images)[inner] for blur in {BLUR_PX, *BLURS_PX}}
+    return Table1(
+        scene(frames=frames),
+        analyze(_recording("rendered glint sequence", images[inner], 0.0), options),
+        analyze(_recording("glint sequence through a detector", blurred[BLUR_PX], beyond_pixel(detector())), options),
+        {blur: blurred_rates(blurred[blur], mask) for blur in BLURS_PX},
+    )
+
+
+def _recording(name: str, images: NDArray[np.float32], blur_px: float) -> Recording:
     count, rows, columns = images.shape
-    recording = Recording(
-        "rendered glint sequence",
+    return Recording(
+        name,
         count,
         rows,
         columns,
         lambda start, stop: images[start:stop],
         frame_rate=FRAME_RATE,
         units="W m-2 sr-1",
+        blur_px=blur_px,
     )
-    return Table1(scenario, analyze(recording, AnalysisOptions(mask=corridor(prepared.view, prepare.camera(scenario)))))

@@ -13,6 +13,7 @@ from seaglint.imaging.camera.pose import Track
 from seaglint.instrument.bolometer import ThermalPixels
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
+from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
@@ -192,5 +193,6 @@ def sensor_attributes(model: SensorModel, oversampling: int) -> Attributes:
         "oversampling": oversampling,
         "oversampling_needed": model.oversampling,
         "sensor_ifov_mrad": 1e3 * model.ifov,
+        "sensor_blur_px": blur_px(model),
         "sensor_seed": model.seed,
     }

@@ -27,6 +27,7 @@ from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
 from seaglint.instrument.detector import PhotonPixels
+from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.transfer import require_divides
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
@@ -277,6 +278,7 @@ def signal_attributes(model: SensorModel) -> Attributes:
         "radiance_scale": line.radiance_scale,
         "radiance_offset": line.radiance_offset,
         "saturation_counts": float(line.counts(line.full_scale)),
+        "sensor_blur_px": blur_px(model),
     }
 
 
