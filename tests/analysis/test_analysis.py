@@ -229,6 +229,21 @@ def test_without_a_frame_rate_times_are_in_frames_only() -> None:
 
 
 @quick
+@pytest.mark.parametrize(
+    ("blur", "says"), [(None, "not known"), (0.0, "correlation times of a real sensor are longer"), (0.42, "0.42 px (standard deviation")]
+)
+def test_times_come_with_the_blur_of_what_made_the_frames(blur: float | None, says: str) -> None:
+    from seaglint.cli.analyze import lines
+
+    analysis = analyze(recording(SMALL, blur_px=blur))
+    assert analysis.as_dict()["blur_px"] == blur
+    assert says in analysis.as_dict()["blur"]
+    told = lines(analysis.summary())
+    assert told[1] == f"blur of the frames: {analysis.recording.blur}"
+    assert not any(line.startswith("blur") for line in lines(analyze(recording(SMALL[:1], blur_px=blur)).summary()))
+
+
+@quick
 def test_repeated_frames_betray_a_wrong_rate() -> None:
     found = result(np.repeat(SMALL[:10], 2, axis=0))
     assert any("10 frames repeat" in note for note in found["notes"])

@@ -12,7 +12,7 @@ import pytest
 from seaglint.base.errors import DomainError
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
-from seaglint.instrument.figures_of_merit import mtf
+from seaglint.instrument.figures_of_merit import blur_px, mtf
 from seaglint.instrument.optics import Blur, SensorOptics, cone, distorted_places, jitter_mtf, motion_mtf, pupil_mtf, wavefront_mtf
 from seaglint.instrument.photons import Photons
 from seaglint.optics.band import Band
@@ -177,3 +177,21 @@ def test_a_cold_shield_too_wide_lets_in_the_housing_around_the_optics(law):
     assert optics.housing_solid_angle + cone(2.0, law) == pytest.approx(cone(1.4, law))
     assert SensorOptics(0.05, 0.1, cold_shield_f_number=2.0, solid_angle_law=law).housing_solid_angle == 0.0
     assert SensorOptics(0.05, 0.1, cold_shield_f_number=3.0, solid_angle_law=law).housing_solid_angle == 0.0
+
+
+def shaken(**optics: float) -> SensorModel:
+    """Sensor of pixels of 0.1 mrad."""
+    given = {"aperture": 0.5, "focal_length": 0.15} | optics
+    return SensorModel(Photons(Band.rectangular(3.99, 4.01)), SensorOptics(**given), PhotonPixels(15e-6, integration_time=1e-3))
+
+
+def test_blur_beyond_the_pixel_is_that_of_closed_forms() -> None:
+    """Jitter is a Gaussian itself; the transfer of a clear circle falls to a half at 0.4040 of its cut-off; axes are averaged."""
+    gaussian = np.sqrt(np.log(2.0) / 2.0) / np.pi
+    assert blur_px(shaken(jitter=8e-5)) == pytest.approx(0.8, rel=0.02)  # and a little diffraction
+    assert blur_px(shaken(aperture=0.02)) == pytest.approx(gaussian / 0.4040 * 4e-6 / 0.02 / 1e-4, rel=0.002)
+    moved = SensorOptics(0.5, 0.15, drift=(0.3, 0.0))
+    model = SensorModel(Photons(Band.rectangular(3.99, 4.01)), moved, PhotonPixels(15e-6, integration_time=1e-3))
+    # three pixels in the exposure, along rows alone: sinc is a half at 0.6034 of the inverse
+    assert blur_px(model) == pytest.approx(np.sqrt(0.5 * (gaussian / 0.6034 * 3.0) ** 2), rel=0.02)
+    assert blur_px(shaken()) < 0.04

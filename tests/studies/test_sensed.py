@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import seaglint as sg
+from seaglint.api.inputs import recording_of
 from seaglint.base.errors import DataError, DomainError, ScenarioError
+from seaglint.files.recording import open_recording
 from seaglint.files.store.store import open_sequence
+from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
@@ -63,6 +66,21 @@ def test_counts_lead_back_to_the_radiance(tmp_path) -> None:
     np.testing.assert_allclose(kelvin, expected, rtol=1e-6)
     # half a count in temperature and back
     assert found.attrs["oversampling"] == 3
+
+
+def test_a_recording_has_the_blur_of_what_made_it(tmp_path) -> None:
+    """Counts that of their sensor, the radiance at its aperture none, and what lost its file's attributes an unknown one."""
+    path = tmp_path / "run.zarr"
+    found = sg.render(small(), path, frames=range(1), radiance=True)
+    expected = blur_px(prepare_sensed(small()).sensed.model)
+    assert 0.1 < expected < 1.0
+    for name, blur in (("signal", expected), ("radiance", 0.0)):
+        assert open_recording(path, variable=name).blur_px == pytest.approx(blur, rel=1e-12)
+        assert recording_of(found, None, None, name).blur_px == pytest.approx(blur, rel=1e-12)
+    assert recording_of(found.signal.to_numpy(), 25.0, None, None).blur_px is None
+    exported = tmp_path / "run.nc"
+    sg.export(path, exported)
+    assert open_recording(exported).blur_px == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_radiance_beside_counts_is_the_mean_over_pixels() -> None:

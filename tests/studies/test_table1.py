@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,28 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
-from scipy.stats import binom, norm
+from scipy.optimize import brentq
+from scipy.stats import binom, multivariate_normal, norm
 
 from seaglint.analysis import AnalysisOptions, analyze
+from seaglint.clutter.false_alarms import FalseAlarms
+from seaglint.clutter.filters import Laplacian
+from seaglint.clutter.thresholds import standardise
 from seaglint.files.recording import open_recording
+from seaglint.instrument.figures_of_merit import blur_px, mtf
 from seaglint.studies.article import table1 as table1_module
-from seaglint.studies.article.table1 import ARTICLE, Table1, corridor, scene, sequence, table1
+from seaglint.studies.article.table1 import (
+    ARTICLE,
+    BLUR_PX,
+    BLURS_PX,
+    MARGIN,
+    Table1,
+    corridor,
+    detector,
+    scene,
+    sequence,
+    table1,
+)
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
@@ -32,6 +49,7 @@ def test_every_number_of_the_article_has_ours_beside_it(small: Table1) -> None:
     rows = small.rows()
     json.dumps([row.as_dict() for row in rows.values()], allow_nan=False)
     assert len(rows) == 3 * 2 * 2  # rate, ratio and time; two regions; two thresholds
+    assert all(list(row.numbers) == ["article", "as rendered", "detector"] for row in rows.values())
     assert rows["rate_glint_3.5_sigma"].article == 0.0050
     assert rows["times_gaussian_glint_3.5_sigma"].article == pytest.approx(21.0, abs=0.6)  # the article: 21 times
     assert rows["rate_background_3.5_sigma"].article is None  # not measured
@@ -39,6 +57,8 @@ def test_every_number_of_the_article_has_ours_beside_it(small: Table1) -> None:
         for m in thresholds:
             ratio, rate = rows[f"times_gaussian_{region}_{m:g}_sigma"].ours, rows[f"rate_{region}_{m:g}_sigma"].ours
             assert ratio == pytest.approx(rate / norm.sf(m), rel=1e-9)
+            seen = [rows[f"{what}_{region}_{m:g}_sigma"].as_dict()["through_detector"] for what in ("times_gaussian", "rate")]
+            assert seen[0] == pytest.approx(seen[1] / norm.sf(m), rel=1e-9)
 
 
 def test_columns_hold_the_rows(small: Table1) -> None:
@@ -46,6 +66,42 @@ def test_columns_hold_the_rows(small: Table1) -> None:
     assert columns["threshold_sigma"].tolist() == [3.0, 3.5]
     assert columns["glint_rate"].tolist() == [rows[f"rate_glint_{m}_sigma"].ours for m in ("3", "3.5")]
     assert np.isnan(columns["background_article_rate"][1])
+    for what in ("rate", "correlation_time"):
+        row = [rows[f"{what}_glint_{m}_sigma"].as_dict()["through_detector"] for m in ("3", "3.5")]
+        unit = "_s" if what == "correlation_time" else ""
+        assert columns[f"glint_detector_{what}{unit}"].tolist() == [np.nan if v is None else v for v in row] or row == [None, None]
+    assert list(columns)[:2] == ["threshold_sigma", "gaussian_rate"]
+    assert list(columns).index("detector_blur_px") == 2 + 2 * 7  # what was there before comes first
+
+
+def test_the_detector_is_one_of_the_blurs_beside_it(small: Table1) -> None:
+    """Counted twice: by the whole analysis, and without its fits."""
+    regions = small.through_detector.summary().present
+    for region, rates in small.by_blur[BLUR_PX].items():
+        alarms = {alarm.threshold_sigma: alarm for alarm in regions[region].false_alarms}
+        assert len(rates) == 2
+        for rate in rates:
+            assert rate.rate == pytest.approx(alarms[rate.threshold_sigma].rate, rel=1e-12)
+            assert rate.exceedances == alarms[rate.threshold_sigma].exceedances
+
+
+def test_the_sensor_resolves_what_the_articles_detectors_do() -> None:
+    """A tenth of the contrast is left at the Nyquist frequency of detectors of 1.0 mrad; the blur is nearly all that of the Gaussian."""
+    model = detector()
+    for way in mtf(model, [500.0]).values():
+        assert way["total"][0] == pytest.approx(0.1, abs=0.02)
+    assert blur_px(model) == pytest.approx(BLUR_PX, rel=0.03)
+    assert 1e3 * model.ifov == pytest.approx(0.561, abs=5e-4)
+    assert model.optics.aperture == pytest.approx(2 * 0.0254, rel=0.01)
+
+
+def test_what_lies_beyond_the_border_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The picture is the inner part of the wider one: same directions, same waves."""
+    monkeypatch.setattr(table1_module, "PIXELS", (48, 16))
+    plain, wide = prepare.camera(scene()), prepare.camera(scene(margin=MARGIN))
+    inner = slice(MARGIN, -MARGIN)
+    np.testing.assert_allclose(wide.azimuths[inner], plain.azimuths, rtol=1e-12)
+    np.testing.assert_allclose(wide.elevations[inner], plain.elevations, rtol=1e-12)
 
 
 def test_scene_is_what_it_says() -> None:
@@ -77,6 +133,71 @@ def test_frames_come_at_their_times(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_array_equal(images[0], run.at(0.4).radiance)
     np.testing.assert_array_equal(images[1], run.at(0.0).radiance)
     assert told == [(0, 2), (1, 2), (2, 2)]
+
+
+def drifting(frames: int, side: int, sigma: float, speed: float, seed: int) -> np.ndarray:
+    """White noise smoothed by ``sigma`` px that drifts along rows by ``speed`` px a frame: covariance exp(-d^2 / 4 sigma^2)."""
+    white = np.fft.rfft2(np.random.default_rng(seed).standard_normal((side, side)))
+    kx, ky = 2.0 * np.pi * np.fft.rfftfreq(side), 2.0 * np.pi * np.fft.fftfreq(side)[:, None]
+    smooth = 2.0 * np.sqrt(np.pi) * sigma * np.exp(-0.5 * sigma**2 * (kx**2 + ky**2)) * white
+    return np.stack([np.fft.irfft2(smooth * np.exp(-1j * kx * speed * t), (side, side)) for t in range(frames)]).astype(np.float32)
+
+
+def closed_time(sigma: float, speed: float, threshold: float) -> float:
+    """Time [frames] in which exceedances of that noise behind the Laplacian have lost all but 1/e of their correlation.
+
+    The Laplacian's covariance is that of the field summed over pairs of its five weights; both values exceed with the probability of a
+    bivariate normal distribution.
+    """
+    weights = {(0, 0): 4.0, (1, 0): -1.0, (-1, 0): -1.0, (0, 1): -1.0, (0, -1): -1.0}
+
+    def covariance(d: float) -> float:
+        pairs = itertools.product(weights.items(), repeat=2)
+        return sum(a * b * np.exp(-((d + x[0] - y[0]) ** 2 + (x[1] - y[1]) ** 2) / (4.0 * sigma**2)) for (x, a), (y, b) in pairs)
+
+    p = norm.sf(threshold)
+
+    def above(d: float) -> float:
+        r = covariance(d) / covariance(0.0)
+        both = multivariate_normal.cdf([-threshold, -threshold], cov=[[1.0, r], [r, 1.0]])
+        return (both - p * p) / (p - p * p) - np.exp(-1.0)
+
+    return float(brentq(above, 0.05, 2.0 * sigma)) / speed
+
+
+@pytest.mark.parametrize("blur", [0.0, 1.2])
+def test_blur_lengthens_correlation_times_as_it_widens_a_gaussian(blur: float) -> None:
+    """Squares of widths add; some thousand spots above 1.5 sigma in each frame, of which times err by 2 %."""
+    sigma, speed, border = 0.9, 0.12, 8
+    frames = 20.0 + drifting(30, 400, sigma, speed, seed=3)
+    model = detector(blur) if blur else None
+    seen = frames if model is None else model.focal_plane(frames)
+    filtered = Laplacian().apply(seen)[:, border:-border, border:-border]
+    alarms = FalseAlarms((1.5, 2.0))
+    alarms.add(standardise(filtered, np.ones(filtered.shape[1:], bool)))
+    width = np.hypot(sigma, 0.0 if model is None else blur_px(model))
+    for rate in alarms.rates():
+        assert rate.correlation_time == pytest.approx(closed_time(width, speed, rate.threshold_sigma), rel=0.05)
+        assert rate.rate == pytest.approx(norm.sf(rate.threshold_sigma), rel=0.05)
+
+
+@pytest.mark.validation
+def test_correlation_times_through_the_detector_are_those_of_the_article() -> None:
+    """Twelve frames, half a second, in a third of the picture: times as rendered are half of the article's, through the detector alike.
+
+    Blurs order them: a wider one makes them longer.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(table1_module, "PIXELS", (256, 80))
+        patch.setattr(table1_module, "DEPRESSIONS_DEG", (2.0, 2.0 + 80 * 4.5 / 140))
+        found = table1(frames=25).rows()
+    for name in ("glint_3_sigma", "background_3_sigma"):
+        row = found[f"correlation_time_{name}"].as_dict()
+        assert row["ours"] < 0.65 * row["article"]
+        assert row["through_detector"] == pytest.approx(row["article"], rel=0.25)
+        of_blurs = list(row["settings"].values())
+        assert of_blurs == sorted(of_blurs)
+        assert of_blurs[BLURS_PX.index(BLUR_PX)] == pytest.approx(row["through_detector"], rel=1e-9)
 
 
 @pytest.mark.validation

@@ -71,11 +71,11 @@ at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
 BLURS_PX: Final = (0.8, 1.0, 1.2, 1.5)
 """Blurs with which rates and correlation times are given too [px]: how much they hang on the assumed one."""
 
-APERTURE: Final = 0.0508
-"""Aperture [m]: the 2 in. of the seeker to whose noise the article compares its clutter."""
+F_NUMBER: Final = 2.1
+"""F-number of the optics: that of cooled cameras."""
 
 PITCH_UM: Final = 60.0
-"""Pitch of the pixels [um]: assumed, it makes F/2.1 of the aperture, as cooled InSb cameras have."""
+"""Pitch of the pixels [um]: assumed; at F/2.1 the aperture is the 2 in. of the seeker to whose noise the article compares its clutter."""
 
 FILL_FACTOR: Final = 0.9
 """Sensitive share of a pixel's area: assumed, as in the ready sensors."""
@@ -180,7 +180,7 @@ def detector(blur_px: float = BLUR_PX) -> SensorModel:
     """
     ifov = np.radians((DEPRESSIONS_DEG[1] - DEPRESSIONS_DEG[0]) / PIXELS[1])
     tables: TomlTables = {
-        "optics": {"aperture_m": APERTURE, "jitter_urad": 1e6 * blur_px * float(ifov)},
+        "optics": {"f_number": F_NUMBER, "jitter_urad": 1e6 * blur_px * float(ifov)},
         "detector": {"pitch_um": PITCH_UM, "fill_factor": FILL_FACTOR, "integration_time_s": INTEGRATION_TIME},
     }
     return sensor_model(scene(sensor=tables))
@@ -284,7 +284,8 @@ class Table1:
             "detector": "assumed, as the article states neither pixels nor blur of its sensor; without noise",
             "detector_blur_px": BLUR_PX,
             "detector_blur_mrad": round(BLUR_PX * ifov, 3),
-            "detector_aperture_m": APERTURE,
+            "detector_f_number": F_NUMBER,
+            "detector_pitch_um": PITCH_UM,
             "detector_fill_factor": FILL_FACTOR,
             "detector_integration_time_s": INTEGRATION_TIME,
         }
