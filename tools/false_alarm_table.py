@@ -2,6 +2,7 @@
 
     python tools/false_alarm_table.py            4 frames of each sea, some minutes on two cores
     python tools/false_alarm_table.py 12         more frames, narrower intervals
+    python tools/false_alarm_table.py table1     Table 1 alone
 
 First Table 1 itself, then the rates against wind, Sun and range. The scene is that of ``seaglint reproduce table1`` at other winds and
 Suns; its frames lie a second apart. Rates are those of the corridor in three bands of rows, each with its own standard deviation.
@@ -23,7 +24,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.files.tables.columns import write_columns
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.studies.article.article_row import ArticleRow
-from seaglint.studies.article.table1 import corridor, scene, sequence, table1
+from seaglint.studies.article.table1 import BLURS_PX, corridor, scene, sequence, table1
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from validation_tables import PAGE, replace, table
@@ -89,34 +90,43 @@ def cell(rows: list[Row]) -> str:
     return " / ".join(f"{row['times_gaussian']:.2g}" for row in rows)
 
 
-def main(frames: int = 4) -> None:
+def main(frames: str = "4") -> None:
     """Compute, write the file and the table."""
     write_table1(table1().rows())
+    if frames == "table1":
+        return
     rows: list[Row] = []
     for wind in WINDS:
         for sun in SUNS:
-            rows += rates(wind, sun, frames)
+            rows += rates(wind, sun, int(frames))
             print(f"{wind:g} m/s, Sun {sun:g} deg:", [round(row["times_gaussian"], 2) for row in rows[-2 * BANDS :]], flush=True)
     write_columns({key: np.array([row[key] for row in rows]) for key in rows[0]}, OUTPUT, overwrite=True)
     write_table(rows)
 
 
 def write_table1(rows: dict[str, ArticleRow]) -> None:
-    """Put Table 1 between its markers: the article's number / ours."""
+    """Put Table 1 between its markers, the article's number / as rendered / through the detector, and what other blurs make of it."""
 
-    def both(key: str, style: str) -> str:
-        return " / ".join("-" if value is None else f"{value:{style}}" for value in (rows[key].article, rows[key].ours))
+    def all_of(key: str, style: str) -> str:
+        return " / ".join("-" if value is None else f"{value:{style}}" for value in rows[key].numbers.values())
 
-    head = ("article / here", "false-alarm rate", "95 % interval", "times Gaussian", "correlation time [s]")
-    body = []
+    def ends(key: str, which: str) -> str:
+        found = rows[key].settings[which]
+        return "cannot be told" if found is None else " to ".join(f"{end:.2g}" for end in found)
+
+    head = ("article / as rendered / through the detector", "false-alarm rate", "95 % intervals", "times Gaussian", "correlation time [s]")
+    body, blurs = [], []
     for region in ("glint", "background"):
         for sigma in ("3", "3.5"):
             name = f"{region}_{sigma}_sigma"
-            ends = rows[f"rate_{name}"].settings["interval_95"]
-            interval = "cannot be told" if ends is None else " to ".join(f"{end:.2g}" for end in ends)
-            cells = both(f"rate_{name}", ".2g"), interval, both(f"times_gaussian_{name}", ".2g"), both(f"correlation_time_{name}", ".2f")
-            body.append((f"{region}, {sigma} sigma", *cells))
+            rate, ratio, time = (f"{what}_{name}" for what in ("rate", "times_gaussian", "correlation_time"))
+            intervals = "; ".join(ends(rate, which) for which in ("interval_95", "detector_interval_95"))
+            body.append((f"{region}, {sigma} sigma", all_of(rate, ".2g"), intervals, all_of(ratio, ".2g"), all_of(time, ".2f")))
+            pairs = zip(rows[ratio].settings.values(), rows[time].settings.values(), strict=True)
+            sharp = f"{rows[ratio].ours:.2g} / {rows[time].ours:.2f}"
+            blurs.append((f"{region}, {sigma} sigma", sharp, *(f"{times:.2g} / {seconds:.2f}" for times, seconds in pairs)))
     put("table1", list(table(head, body)))
+    put("table1-blur", list(table(("times Gaussian / correlation time [s]", "none", *(f"{blur:g} px" for blur in BLURS_PX)), blurs)))
 
 
 def put(name: str, lines: list[str]) -> None:
@@ -139,4 +149,4 @@ def write_table(rows: list[Row]) -> None:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main(*sys.argv[1:])

@@ -58,9 +58,9 @@ class Recording(PlainFrames):
     def blur(self) -> str:
         """Return what is known of the blur, in a sentence for readers of correlation times."""
         if self.blur_px is None:
-            return "not known: correlation times and lengths are those of what made these frames, blur included"
+            return "not known; correlation times and lengths are those of what made these frames, its blur included"
         if self.blur_px == 0.0:
-            return "none, rendered without a sensor: correlation times of a real sensor are longer"
+            return "none (rendered without a sensor); correlation times of a real sensor are longer"
         return f"{self.blur_px:.2g} px (standard deviation, beyond the pixel itself), that of the sensor in the file"
 
     def read(self, start: int, stop: int) -> FrameArray:

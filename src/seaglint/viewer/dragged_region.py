@@ -127,7 +127,8 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
         raise DataError(f"the region has too few pixels with values ({'; '.join(analysis.notes)}); drag another one")
     out = analysis.regions["glint"].as_dict(recording.frame_rate)
     region = {"left": where.left, "top": where.top, "width": where.width, "height": where.height}
-    return {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region, **out}
+    known = {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region}
+    return {**known, "blur_px": recording.blur_px, "blur": recording.blur, **out}
 
 
 def exceedances(

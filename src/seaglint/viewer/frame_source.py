@@ -203,6 +203,7 @@ class ViewerSource:
             opened.frame_rate,
             chosen.unit or None,
             chosen.saturation,
+            blur_px=chosen.blur_px,
         )
 
 

@@ -21,7 +21,7 @@ from seaglint.files.netcdf import open_netcdf
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording import open_recording
 from seaglint.files.recording.decoding import PLAIN
-from seaglint.files.recording.labelled import range_of_decoded, stored_frame_rate
+from seaglint.files.recording.labelled import range_of_decoded, stored_blur, stored_frame_rate
 from seaglint.files.store.manifest import DONE
 from seaglint.files.store.store import is_sequence
 from seaglint.files.store.stored_truth import GROUP
@@ -42,6 +42,8 @@ class Layer:
         ``read(index)`` gives the image (rows, columns).
     saturation : float or None
         Value at which the format or the detector saturates.
+    blur_px : float or None
+        Blur of what made the images, as :class:`seaglint.analysis.Recording` has it [px].
     """
 
     name: str
@@ -49,6 +51,7 @@ class Layer:
     unit: str
     read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)
     saturation: float | None = None
+    blur_px: float | None = None
 
 
 @dataclass(frozen=True)
@@ -197,7 +200,8 @@ def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
         unit = (known.symbol or known.units).strip() if known else str(about.get("units", ""))
         label = str(about.get("long_name") or (known.long_name if known else name))
         full = about.get("saturation_counts")
-        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), None if full is None else float(full))
+        full = None if full is None else float(full)
+        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), full, stored_blur(dataset, name))
     _derive(dataset, layers)
     return layers
 
@@ -209,17 +213,17 @@ def _derive(dataset: Any, layers: dict[str, Layer]) -> None:
             scale, offset = count_line(dataset["signal"])
         except SeaglintError:
             return
-        counts = layers["signal"].read
-        layers["radiance"] = Layer("radiance", about.long_name, about.symbol, lambda index: counts(index) * scale + offset)
+        counts, blur = layers["signal"].read, layers["signal"].blur_px
+        layers["radiance"] = Layer("radiance", about.long_name, about.symbol, lambda index: counts(index) * scale + offset, blur_px=blur)
     if "radiance" not in layers or "apparent_temperature" in layers:
         return
     try:
         band = stored_band(dataset.attrs)
     except (KeyError, ValueError):
         return
-    radiance = layers["radiance"].read
+    radiance, blur = layers["radiance"].read, layers["radiance"].blur_px
     warm = VARIABLES["apparent_temperature"]
-    layers[warm.name] = Layer(warm.name, warm.long_name, warm.units, lambda index: to_temperature(radiance(index), band))
+    layers[warm.name] = Layer(warm.name, warm.long_name, warm.units, lambda index: to_temperature(radiance(index), band), blur_px=blur)
 
 
 def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:

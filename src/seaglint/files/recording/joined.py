@@ -48,6 +48,7 @@ def joined(recordings: Sequence[Recording], source: str) -> Recording:
     rates = {recording.frame_rate for recording in recordings}
     limits = {None if r.saturation is None else r.saturation + r.offset for r in recordings}
     limit = limits.pop() if len(limits) == 1 else None
+    blurs = {recording.blur_px for recording in recordings}
     notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
     return replace(
         first,
@@ -57,4 +58,5 @@ def joined(recordings: Sequence[Recording], source: str) -> Recording:
         frame_rate=rates.pop() if len(rates) == 1 else None,
         saturation=None if limit is None else limit - first.offset,
         notes=notes,
+        blur_px=blurs.pop() if len(blurs) == 1 else None,
     )

@@ -179,7 +179,7 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
         None if full is None else float(full),
         channels=_channel_names(dataset, chosen),
         notes=(*notes, *rate_notes),
-        blur_px=_blur(dataset, name),
+        blur_px=stored_blur(dataset, name),
     )
     return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
 
@@ -215,7 +215,7 @@ _OF_SENSOR: Final = ("signal", "electrons")
 """Variables of our files that a sensor made; the others are its aperture's radiance averaged over pixels, and what follows from it."""
 
 
-def _blur(dataset: Any, name: str) -> float | None:
+def stored_blur(dataset: Any, name: str) -> float | None:
     """Return the blur of images that seaglint made [px], 0 without a sensor; None for all others."""
     stated = dataset[name].attrs.get("sensor_blur_px")
     if stated is None and name in _OF_SENSOR:
