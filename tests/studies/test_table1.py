@@ -182,10 +182,10 @@ def test_blur_lengthens_correlation_times_as_it_widens_a_gaussian(blur: float) -
 
 
 @pytest.mark.validation
-def test_correlation_times_through_the_detector_are_those_of_the_article() -> None:
-    """Twelve frames, half a second, in a third of the picture: times as rendered are half of the article's, through the detector alike.
+def test_blur_brings_correlation_times_to_those_of_the_article() -> None:
+    """One second in 256 x 80 pixels: half of the article's times as rendered, between 0.6 and 1.4 of them through the detector.
 
-    Blurs order them: a wider one makes them longer.
+    Halves of the whole picture scatter by a fifth about its own times; blurs order them.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(table1_module, "PIXELS", (256, 80))
@@ -194,7 +194,8 @@ def test_correlation_times_through_the_detector_are_those_of_the_article() -> No
     for name in ("glint_3_sigma", "background_3_sigma"):
         row = found[f"correlation_time_{name}"].as_dict()
         assert row["ours"] < 0.65 * row["article"]
-        assert row["through_detector"] == pytest.approx(row["article"], rel=0.25)
+        assert row["through_detector"] > 1.5 * row["ours"]
+        assert 0.6 * row["article"] < row["through_detector"] < 1.4 * row["article"]
         of_blurs = list(row["settings"].values())
         assert of_blurs == sorted(of_blurs)
         assert of_blurs[BLURS_PX.index(BLUR_PX)] == pytest.approx(row["through_detector"], rel=1e-9)

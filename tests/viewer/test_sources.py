@@ -73,6 +73,7 @@ def test_region_is_what_analyze_tells(store, only):
     expected = analyze(recording, AnalysisOptions(mask=mask)).regions["glint"].as_dict(recording.frame_rate)
     found = whole(open_source(store), where, "radiance", only, lambda done, total: None)
     assert {key: found[key] for key in expected} == expected
+    assert (found["blur_px"], found["blur"]) == (recording.blur_px, recording.blur)
     if only is not None:
         at_once = quick(open_source(store), only, where)
         same = ("pixels", "values", "mean", "std", "skewness", "excess_kurtosis", "minimum", "maximum")

@@ -146,10 +146,7 @@ class Analysis:
         rows = [(name, *(getattr(region, key) for key in names)) for name, region in values.present.items()]
         size = f"{values.frames} frames of {values.columns} x {values.rows} pixels, {values.units}, filter {values.filter}"
         known = notes([size, f"blur of the frames: {values.blur}"])
-        return card(
-            f"Analysis of {values.source}",
-            known + table(("region", *names), rows) + notes(self.notes),
-        )
+        return card(f"Analysis of {values.source}", known + table(("region", *names), rows) + notes(self.notes))
 
 
 @single_threaded_algebra()
