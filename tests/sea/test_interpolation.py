@@ -17,7 +17,7 @@ SEA = ElfouhailySpectrum(10.0, np.radians(60.0))
 def test_kept_share_is_the_variance_of_a_wave_that_is_read_at_random(reading):
     turn, place = np.linspace(0.0, np.pi, 9), np.linspace(0.0, 1.0, 400, endpoint=False)[:, None]
     points = np.arange(-2, 4)
-    basis = CUBIC(np.clip(place - points, -3.0, 3.0)) if reading == "cubic" else np.maximum(1.0 - np.abs(place - points), 0.0)
+    basis = CUBIC(np.clip(place - points, -2.0, 2.0)) if reading == "cubic" else np.maximum(1.0 - np.abs(place - points), 0.0)
     read = np.abs(basis @ np.exp(1j * points[:, None] * turn)) ** 2
     assert read.mean(axis=0) == pytest.approx(kept_share(turn, reading), abs=1e-5)
     assert gain(turn, reading) ** 2 * kept_share(turn, reading) == pytest.approx(np.ones(9), rel=1e-12)
@@ -60,7 +60,7 @@ def _place_variance(waves, tile, reading, places):
 
 def test_the_variance_of_heights_and_slopes_is_the_spectrums_at_every_place_of_a_cell():
     """Of drawn seas, of their coarser levels too: 1 % on average, 3 % at nodes, edges and centres."""
-    side = np.arange(4) / 4.0
+    side = np.arange(8) / 8.0
     places = [(u, v) for u in side for v in side]
     checked = 0
     for wind, sea in _systems():
@@ -85,7 +85,7 @@ def test_the_variance_of_heights_and_slopes_is_the_spectrums_at_every_place_of_a
 
 def test_heights_and_slopes_read_from_splines_are_the_sea_itself():
     """Between the points, against the same waves on a lattice of four times as many: all but the shortest waves' last few per cent."""
-    field = WaveField.create(SEA, plan_tiles(SEA, 0.5, 128)[:1], 4)
+    field = WaveField.create(SEA, plan_tiles(SEA, 2.0, 128)[:1], 4)
     tile, fine = field.tiles[0], field.refined(4).surfaces(3.0)[0].astype(float)
     places = np.arange(4 * tile.n) * 0.25 * tile.spacing
     u, v = np.meshgrid(places, places)

@@ -260,20 +260,23 @@ def _gains(tile: Tile, reading: Reading) -> ComplexArray:
     return np.stack([np.outer(gain(q, one), gain(p, one)) for one in used], axis=-1).astype(np.complex64)
 
 
-def _excess(tile: Tile, waves: _Lattice, reading: Reading) -> float:
-    """Height variance that readers get at lattice points less that of the waves [m²]."""
-    q, p = _turns(tile)
-    at_points = 1.0 if reading == "linear" else np.outer(*((2.0 + np.cos(turn)) / 3.0 for turn in (q, p))) ** 2
-    share = np.outer(kept_share(q, reading), kept_share(p, reading))
-    return float(np.sum((waves.variance + waves.opposite) * (at_points / share - 1.0)))
+def _excess(tile: Tile, waves: _Lattice, reading: Reading, coarser: int = 1) -> float:
+    """Height variance that readers get at lattice points less that of the waves [m²], on the tile or one of ``coarser`` points."""
+    turns = [coarser * turn for turn in _turns(tile)]
+    energy = (waves.variance + waves.opposite) * (np.hypot(waves.k_east, waves.k_north) < tile.k_max / coarser)
+    at_points = 1.0 if reading == "linear" else np.outer(*((2.0 + np.cos(turn)) / 3.0 for turn in turns)) ** 2
+    return float(np.sum(energy * (at_points / np.outer(*(kept_share(turn, reading) for turn in turns)) - 1.0)))
 
 
 def _readings(tiles: Sequence[Tile], lattices: Sequence[_Lattice]) -> tuple[Reading, ...]:
-    """How the heights of each tile are read: linearly from the finest on, as long as their variance stays even within a cell."""
+    """How the heights of each tile are read: linearly from the finest on, as long as their variance stays even within a cell.
+
+    That of the lattices of half, a quarter, ... of its points too, whose shortest waves have four cells as well.
+    """
     left = UNEVEN * sum(float(waves.variance.sum() + waves.opposite.sum()) for waves in lattices)
     out: list[Reading] = ["cubic"] * len(tiles)
     for i in sorted(range(len(tiles)), key=lambda i: -tiles[i].k_max):
-        left -= _excess(tiles[i], lattices[i], "linear")
+        left -= max(_excess(tiles[i], lattices[i], "linear", coarser) for coarser in (1, 2, 4, 8))
         if left < 0.0:
             break
         out[i] = "linear"
