@@ -65,7 +65,7 @@ def spline_value(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g:
     at += row
     total += b2 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three])
     at += row
-    return total + b3 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three])
+    return np.float32(total + b3 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three]))
 
 
 @kernel
