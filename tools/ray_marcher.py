@@ -2,9 +2,10 @@
 
 A ray goes in fixed small steps where it is near the water; higher up the step is what it can go without meeting a surface that is nowhere
 steeper than the tiles' steepest slopes together. The crossing is then halved until it is known to a tenth of a millimetre. Heights and
-slopes are read bilinearly. The Earth is a sphere of a given radius: the sea's coordinates are arcs along the ray's azimuth, its height is
-the distance from the sphere, and what a facet does is worked out in the frame of its own vertical, which is turned against the Sun by the
-arc over the true radius: the given one stands for refraction of the line of sight.
+slopes are read linearly from lattices of four times as many points as the sweep's, which know nothing of its splines. The Earth is a
+sphere of a given radius: the sea's coordinates are arcs along the ray's azimuth, its height is the distance from the sphere, and what a
+facet does is worked out in the frame of its own vertical, which is turned against the Sun by the arc over the true radius: the given one
+stands for refraction of the line of sight.
 
 The facet: Gaussian unresolved slopes of a given covariance about the slope that is read, their visible area ``A+``, their own two-leg
 shadowing, and where it is wanted the density of nested bands. The Sun's disc is sampled: one point of it for each ray, used for the
@@ -30,6 +31,9 @@ REFRACTION = 7.0 / 6.0
 """Radius of the sphere over that of the Earth."""
 
 EARTH = REFRACTION * 6.371e6
+FINER = 4
+"""Points of a lattice for one of the sea's: linear reading of 16 on the shortest wave loses 5 % of its variance, 0.3 % of all."""
+
 SLOPE_END, EDGE_END, NODES = 6.5, 6.0, (481, 1041)
 """Nested table: edges 0 to EDGE_END in rows, slopes -SLOPE_END to SLOPE_END in columns, in rms slopes."""
 
@@ -62,11 +66,12 @@ class Facets(NamedTuple):
 
 def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: float = EARTH) -> Sea:
     """The sea of a field; rays near the water step by a ``part`` of the finest lattice's spacing."""
-    lattice = np.stack([np.asarray(tile, dtype=np.float32) for tile in waves.surfaces(time)])
-    grid = np.array([(t.spacing, math.cos(t.rotation), math.sin(t.rotation)) for t in waves.tiles])
+    fine = waves.refined(FINER)
+    lattice = np.stack([np.asarray(tile, dtype=np.float32) for tile in fine.surfaces(time)])
+    grid = np.array([(t.spacing, math.cos(t.rotation), math.sin(t.rotation)) for t in fine.tiles])
     # The bilinear surface is as steep as its lattice's differences at most
     steepest = 0.0
-    for z, tile in zip(lattice[..., 0].astype(float), waves.tiles, strict=True):
+    for z, tile in zip(lattice[..., 0].astype(float), fine.tiles, strict=True):
         u, v = (np.abs(np.roll(z, -1, axis) - z) for axis in (1, 0))
         both = np.hypot(np.maximum(u, np.roll(u, -1, 0)), np.maximum(v, np.roll(v, -1, 1)))
         steepest += float(both.max()) / tile.spacing

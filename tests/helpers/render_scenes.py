@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import slant_range
@@ -28,6 +29,8 @@ from seaglint.studies.prepare.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA_TEMPERATURE = 288.15
+CUBIC = BSpline(np.arange(-5.0, 6.0), np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]), 3)
+SLOPE = CUBIC.derivative()
 
 
 class Furnace(IsothermalAtmosphere):
@@ -139,3 +142,26 @@ def bilinear(tile, spacing, turn, x, y):
     low = (1 - fu) * tile[j % n, i % n] + fu * tile[j % n, (i + 1) % n]
     high = (1 - fu) * tile[(j + 1) % n, i % n] + fu * tile[(j + 1) % n, (i + 1) % n]
     return (1 - fv) * low + fv * high
+
+
+def spline(coefficients, spacing, turn, x, y):
+    """Height and slopes towards east and north of a cubic B-spline on one periodic tile at points (x, y), by SciPy's basis functions."""
+    n = coefficients.shape[0]
+    c, s = np.cos(turn) / spacing, np.sin(turn) / spacing
+    u, v = c * x + s * y, c * y - s * x
+    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
+    out = np.zeros((3, *np.shape(u)))
+    for m in range(-1, 3):
+        for k in range(-1, 3):
+            z = coefficients[(j + m) % n, (i + k) % n]
+            a, b = u - i - k, v - j - m
+            out += z * np.stack([CUBIC(a) * CUBIC(b), SLOPE(a) * CUBIC(b), CUBIC(a) * SLOPE(b)])
+    return np.stack([out[0], c * out[1] - s * out[2], s * out[1] + c * out[2]], axis=-1)
+
+
+def read(lattice, spacing, turn, x, y):
+    """Height and slopes of one tile as the renderer reads a lattice of its ``coefficients``."""
+    found = spline(lattice[..., -1], spacing, turn, x, y)
+    if lattice.shape[2] == 2:
+        found[..., 0] = bilinear(lattice, spacing, turn, x, y)[..., 0]
+    return found

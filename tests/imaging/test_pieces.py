@@ -95,7 +95,7 @@ def test_the_glint_of_a_merged_piece_is_that_of_its_parts(sun_zenith, depression
 def test_slopes_of_pieces_are_those_of_single_reads():
     """Near and far apart, over tiles of noise."""
     rng = np.random.default_rng(8)
-    tiles = tuple(rng.normal(size=(n, n, 3)).astype(np.float32) for n in (16, 32))
+    tiles = tuple(rng.normal(size=(n, n, k)).astype(np.float32) for n, k in ((16, 1), (32, 2)))
     sea = surface_of(tiles, np.array([2.0, 0.7]), np.array([0.3, 1.1]))
     line = surface.course(sea, 0, np.sin(0.4), np.cos(0.4), (0.0, 0.0))
     arcs = 50.0 + np.cumsum(np.concatenate([rng.uniform(0.1, 1.0, 100), rng.uniform(10.0, 3e3, 30), rng.uniform(0.1, 1.0, 20)]))
@@ -112,7 +112,7 @@ def test_slopes_of_pieces_are_those_of_single_reads():
 def test_pieces_are_read_in_their_middle():
     """Half way between both ends of each."""
     rng = np.random.default_rng(9)
-    sea = surface_of((rng.normal(size=(16, 16, 3)).astype(np.float32),), np.array([2.0]), np.array([0.3]))
+    sea = surface_of((rng.normal(size=(16, 16, 1)).astype(np.float32),), np.array([2.0]), np.array([0.3]))
     line = surface.course(sea, 0, np.sin(0.4), np.cos(0.4), (0.0, 0.0))
     near = 50.0 + np.cumsum(rng.uniform(0.5, 1.0, 20))
     far = near + rng.uniform(0.1, 0.5, 20)

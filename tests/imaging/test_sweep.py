@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from render_scenes import BAND, RangeFog, bilinear, black_water, camera, elfouhaily, furnace, one_tile, sea_view, shown, swept_scene
+from render_scenes import BAND, RangeFog, black_water, camera, elfouhaily, furnace, one_tile, read, sea_view, shown, swept_scene
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_depression, surface_range
@@ -36,12 +36,12 @@ def test_calm_ranges_and_horizon_are_those_of_the_conventions(height):
 
 def _march(waves, time, height, azimuth, elevations, step, last):
     """Arc of the first sea point on each ray over a sphere; NaN for the sky. Rays are tested at every step, then bisected."""
-    tiles = waves.surfaces(time)
+    tiles = waves.coefficients(time)
     spacing, turn = [t.spacing for t in waves.tiles], [t.rotation for t in waves.tiles]
 
     def sea(arc):
         x, y = arc * np.sin(azimuth), arc * np.cos(azimuth)
-        return sum(bilinear(t, d, a, x, y)[..., 0] for t, d, a in zip(tiles, spacing, turn, strict=True))
+        return sum(read(t, d, a, x, y)[..., 0] for t, d, a in zip(tiles, spacing, turn, strict=True))
 
     def above(elevation, arc, level=None):
         """Height of the ray over the sea (of ``level``, where known) where it stands above the sea point at ``arc``."""
@@ -102,9 +102,9 @@ def test_most_of_a_row_shows_the_near_side_of_waves():
     height = 3.0
     waves = one_tile()
     arcs = _march(waves, 0.0, height, 0.7, np.radians(np.linspace(-1.0, -5.0, 400)), 0.05, 500.0)
-    tile = waves.surfaces(0.0)[0]
+    tile = waves.coefficients(0.0)[0]
     x, y = arcs * np.sin(0.7), arcs * np.cos(0.7)
-    found = bilinear(tile, waves.tiles[0].spacing, waves.tiles[0].rotation, x, y)
+    found = read(tile, waves.tiles[0].spacing, waves.tiles[0].rotation, x, y)
     assert np.mean(found[:, 1] * np.sin(0.7) + found[:, 2] * np.cos(0.7)) > 0.02
 
 

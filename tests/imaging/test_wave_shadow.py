@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from render_scenes import bilinear, camera, elfouhaily, one_tile, sea_view, shown, swept_scene
+from render_scenes import camera, elfouhaily, one_tile, read, sea_view, shown, swept_scene
 
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.air.vacuum import VacuumAtmosphere
@@ -43,20 +43,20 @@ def test_a_raised_sun_is_one_of_a_smaller_zenith_angle(zenith_deg):
 @pytest.mark.parametrize("sun_zenith_deg", [84.0, 86.0, 88.0])
 def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     waves = one_tile(wind=12.0)
-    lattices, tile = waves.surfaces(0.0), waves.tiles[0]
+    lattices, tile = waves.coefficients(0.0), waves.tiles[0]
     sea = surface_of(lattices, np.array([tile.spacing]), np.array([tile.rotation]))
     azimuth, step = 0.8, 0.25 * tile.spacing
     sun = sunlight(np.radians(sun_zenith_deg), azimuth, True)
     view = (np.sin(0.3), np.cos(0.3))
     line, sunward = course(sea, 0, *view, (0.0, 0.0)), course(sea, 0, np.sin(azimuth), np.cos(azimuth), (0.0, 0.0))
-    march = (step, float(np.hypot(lattices[0][..., 1], lattices[0][..., 2]).max()))
+    march = (step, float(np.hypot(*waves.surfaces(0.0)[0][..., 1:].T).max()))
     found, expected = [], []
     for r in np.linspace(5.0, 400.0, 150):
         found.append(sun_over_waves(sea, 0, line, sunward, float(r), march, sun)[0])
         d = np.concatenate([[0.25, 0.5], np.arange(1, 4000)]) * step
         x, y = r * view[0] + d * np.sin(azimuth), r * view[1] + d * np.cos(azimuth)
-        z = bilinear(lattices[0], tile.spacing, tile.rotation, x, y)[..., 0]
-        own = bilinear(lattices[0], tile.spacing, tile.rotation, np.array([r * view[0]]), np.array([r * view[1]]))[0, 0]
+        z = read(lattices[0], tile.spacing, tile.rotation, x, y)[..., 0]
+        own = read(lattices[0], tile.spacing, tile.rotation, np.array([r * view[0]]), np.array([r * view[1]]))[0, 0]
         skyline = np.arctan(((z - own) / d).max())
         height = np.radians(90.0 - sun_zenith_deg) - skyline
         expected.append(visible_part_kernel(float(height))[0])

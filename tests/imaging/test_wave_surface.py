@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from render_scenes import bilinear, elfouhaily, one_tile
+from render_scenes import elfouhaily, one_tile, read
 
 from seaglint.base.errors import DomainError
 from seaglint.imaging import wave_surface as surface_module
 from seaglint.imaging.launch import surface_of
-from seaglint.imaging.wave_surface import corners
+from seaglint.sea.detail import Detail
+from seaglint.sea.interpolation import kept_share
 from seaglint.sea.tiles import Tile
 from seaglint.sea.wander import Wander
 
@@ -32,39 +33,30 @@ def _slopes(sea, x, y):
 
 
 def _tiles(n=16):
-    """Lattices of noise: every corner and every component counts."""
-    return tuple(np.random.default_rng(5).normal(size=(2, n, n, 3)).astype(np.float32))
+    """Lattices of noise, one read as a spline and one with heights to be read linearly: every point around a place counts."""
+    noise = np.random.default_rng(5).normal(size=(3, n, n)).astype(np.float32)
+    return noise[0, ..., None].copy(), np.stack([noise[1], noise[2]], axis=-1)
 
 
 @pytest.mark.kernel
 @pytest.mark.parametrize("point", [(0.0, 0.0), (3.3, -1.7), (-40.2, 55.1), (1e5 + 0.3, -2e5 - 0.1), (31.999, 32.001)])
-def test_points_are_bilinear_sums_over_tiles(point):
+def test_points_are_sums_over_tiles_read_between_lattice_points(point):
     tiles = _tiles()
     sea = surface_of(tiles, SPACING, TURN)
-    z, east, north = sum(bilinear(t, d, a, *map(np.asarray, point)) for t, d, a in zip(tiles, SPACING, TURN, strict=True))
+    z, east, north = sum(read(t, d, a, *map(np.asarray, point)) for t, d, a in zip(tiles, SPACING, TURN, strict=True))
     # lattices are float32; at 1e5 m the fractions keep 10 digits
     assert _height(sea, *point) == pytest.approx(z, abs=2e-6)
     assert _slopes(sea, *point) == pytest.approx((east, north), abs=2e-6)
 
 
 @pytest.mark.kernel
-def test_lattice_points_are_met_exactly_and_tiles_are_periodic():
-    tiles = _tiles()[:1]
+def test_points_of_a_linear_lattice_are_met_exactly_and_tiles_are_periodic():
+    tiles = _tiles()[1:]
     sea = surface_of(tiles, SPACING[:1], np.zeros(1))
     for row, column in ((0, 0), (3, 9), (15, 15), (4, 3)):
         for wrap in (0.0, 32.0, -64.0):
             x, y = 2.0 * column + wrap, 2.0 * row - wrap
             assert _height(sea, x, y) == pytest.approx(float(tiles[0][row, column, 0]), abs=1e-9)
-
-
-@pytest.mark.kernel
-def test_addresses_of_the_squares_are_a_permutation():
-    found = set()
-    for row in range(16):
-        for column in range(16):
-            y0, _, x0, _, _, _ = corners(16, column + 0.5, row + 0.5)
-            found.add(y0 + x0)
-    assert found == set(range(256))
 
 
 @pytest.mark.kernel
@@ -127,8 +119,8 @@ def test_lines_read_tiles_where_they_have_wandered_to(origin):
 
 @pytest.mark.kernel
 def test_heights_and_slopes_are_read_at_one_place():
-    """Of tiles whose slopes are their heights, along a line that wanders, and in strips with uneven steps."""
-    tiles = tuple(np.repeat(t[..., :1], 3, axis=2) for t in _tiles())
+    """Along a line that wanders, and in strips with uneven steps: slopes are those of the heights beside it, both ways."""
+    tiles = tuple(t[..., :1].copy() for t in _tiles())
     sea = surface_of(tiles, SPACING, TURN, wander=_wander())
     arcs = 90.0 + np.cumsum(np.random.default_rng(2).uniform(0.1, 1.4, 900))
     line = surface_module.course(sea, 0, np.sin(1.3), np.cos(1.3), (float(arcs[0]), float(arcs[-1])))
@@ -140,8 +132,13 @@ def test_heights_and_slopes_are_read_at_one_place():
             surface_module.add_heights(sea, line, j, arcs, first, count, strip)
         single = [surface_module.height(sea, line, 0, 2, r) for r in arcs[first : first + count]]
         np.testing.assert_allclose(strip.height[:count], single, atol=3e-4)  # as above
-        for r, z in zip(arcs[first : first + count], single, strict=True):
-            assert surface_module.slopes(sea, line, r) == pytest.approx((z, z), abs=2e-6)
+        for r in arcs[first : first + count : 7]:
+            east, north = np.zeros(2), np.zeros(2)
+            for j, (d, a) in enumerate(zip(SPACING, TURN, strict=True)):
+                u, v = surface_module.position(line, j, r)
+                x, y = d * (np.cos(a) * u - np.sin(a) * v), d * (np.sin(a) * u + np.cos(a) * v)
+                _, east[j], north[j] = read(tiles[j], d, a, np.asarray(x), np.asarray(y))
+            assert surface_module.slopes(sea, line, r) == pytest.approx((east.sum(), north.sum()), abs=2e-6)
         first += count
 
 
@@ -177,21 +174,22 @@ def test_tiles_that_are_no_power_of_two_are_refused(n):
         surface_of((np.zeros((n, n, 3), np.float32),), np.ones(1), np.zeros(1))
 
 
-def test_sampled_slopes_have_the_variance_that_the_facets_are_told():
-    """``resolved_mss`` against slopes read at random points: 12 seas, one number per direction."""
-    waves = elfouhaily(8.0, travel_deg=50.0)
-    rng = np.random.default_rng(11)
-    spacing, turn = np.array([t.spacing for t in waves.tiles]), np.array([t.rotation for t in waves.tiles])
-    to = waves.spectrum.wind_to_azimuth
-    squares = []
-    for seed in range(12):
-        tiles = waves.reseeded(seed).surfaces(0.0)
-        x, y = rng.uniform(-2e4, 2e4, (2, 40_000))
-        _, east, north = sum(bilinear(t, d, a, x, y) for t, d, a in zip(tiles, spacing, turn, strict=True)).T
-        squares.append([np.mean((east * np.sin(to) + north * np.cos(to)) ** 2), np.mean((east * np.cos(to) - north * np.sin(to)) ** 2)])
-    mean, error = np.mean(squares, axis=0), np.std(squares, axis=0) / np.sqrt(len(squares))
-    assert np.all(error < 0.015 * mean)  # so that a wrong share of interpolation, 5 % of the variance, is seen
-    np.testing.assert_array_less(np.abs(mean - waves.resolved_mss()), 4.0 * error)  # four standard errors of 12 seas
+@pytest.mark.parametrize("wind", [3.0, 8.0])
+def test_heights_and_slopes_that_are_read_have_the_variance_of_the_spectrum(wind):
+    """Read at random points of 16 seas, whole and of a coarser level: the spectrum's height, and the slopes that facets are told."""
+    waves = elfouhaily(wind, travel_deg=50.0)
+    rng, to = np.random.default_rng(11), waves.spectrum.wind_to_azimuth
+    for level in Detail.of(waves).levels[:3:2]:
+        squares = []
+        for seed in range(16):
+            parts = [Detail.of(waves.reseeded(seed)).parts[p] for p in level.parts]
+            x, y = rng.uniform(-2e4, 2e4, (2, 10_000))
+            z, east, north = sum(read(part.coefficients(0.0)[0], part.tiles[0].spacing, part.tiles[0].rotation, x, y) for part in parts).T
+            squares.append([np.mean(s**2) for s in (z, east * np.sin(to) + north * np.cos(to), east * np.cos(to) - north * np.sin(to))])
+        mean, error = np.mean(squares, axis=0), np.std(squares, axis=0) / np.sqrt(len(squares))
+        assert np.all(error[1:] < 0.02 * mean[1:])  # so that a wrong share of interpolation, 5 % of the variance, is seen
+        expected = (sum(part.height_variance for part in parts), *level.mss)
+        np.testing.assert_array_less(np.abs(mean - expected), 4.0 * error)  # four standard errors
 
 
 def test_one_tile_is_steep_enough_to_hide_parts_of_itself():
@@ -200,12 +198,12 @@ def test_one_tile_is_steep_enough_to_hide_parts_of_itself():
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize(("step", "worst"), [(0.02, 2e-3), (0.09, 2e-3), (0.3, 2e-6)])
-def test_smooth_lattices_are_read_at_some_samples(step, worst):
-    """A long wave read at every sixteenth, fourth and every sample: linear between the readings, the same beyond a strip's end."""
+@pytest.mark.parametrize(("step", "bits", "worst"), [(0.02, 4, 3e-6), (0.06, 3, 3e-6), (0.12, 2, 3e-6), (0.25, 1, 3e-6), (0.5, 0, 1e-6)])
+def test_smooth_lattices_are_read_at_some_samples(step, bits, worst):
+    """A long wave read at every sixteenth to every sample: cubic between the readings, the same beyond a strip's end."""
     n, spacing = 64, 1.0
     phase = 2.0 * np.pi * np.arange(n) / n
-    tile = np.zeros((n, n, 3), np.float32)
+    tile = np.zeros((n, n, 1), np.float32)
     tile[..., 0] = np.sin(phase)[None, :] + 0.5 * np.cos(phase)[:, None]
     sea = surface_of((tile,), np.array([spacing]), np.zeros(1))
     line = surface_module.course(sea, 0, np.sin(0.7), np.cos(0.7), (0.0, 0.0))
@@ -216,5 +214,25 @@ def test_smooth_lattices_are_read_at_some_samples(step, worst):
         surface_module.add_heights(sea, line, 0, arcs, first, count, strip)
         expected = [surface_module.height(sea, line, 0, 1, r) for r in arcs[first : first + count]]
         np.testing.assert_allclose(strip.height - 0.25, expected, atol=worst + 3e-6)
-    moved = (arcs[count - 1] - arcs[0]) / spacing
-    assert surface_module.stride(line, 0, arcs[count - 1] - arcs[0], count) == {0.02: 4, 0.09: 2, 0.3: 0}[step], moved
+    span = (arcs[count - 1] - arcs[0], step, step)
+    assert surface_module.stride(line, 0, span, count) == bits
+    assert surface_module.stride(line, 0, (span[0], step, 1.6 * step), count) == 0
+
+
+@pytest.mark.kernel
+def test_strips_keep_the_variance_of_the_shortest_waves():
+    """Four cells long, along the line and read as seldom as it may be: cubic between readings keeps what is promised."""
+    n = 64
+    wave = np.cos(0.5 * np.pi * np.arange(n)) / float(kept_share(np.array(0.5 * np.pi), "cubic")) ** 0.5
+    sea = surface_of((np.ascontiguousarray(np.tile(wave, (n, 1))[..., None].astype(np.float32)),), np.ones(1), np.zeros(1))
+    line = surface_module.course(sea, 0, 1.0, 0.0, (0.0, 0.0))
+    strip, count = surface_module.new_strip(), surface_module.STRIP
+    step = 1.0 / (2.0 * surface_module.READS_PER_CELL) * (count - 1) / count
+    arcs = np.arange(0.0, 5e3, step)
+    found = []
+    for first in range(0, arcs.size - count, count):
+        strip.height[:] = 0.0
+        surface_module.add_heights(sea, line, 0, arcs, first, count, strip)
+        found.append(strip.height.copy())
+    assert surface_module.stride(line, 0, ((count - 1) * step, step, step), count) == 1
+    assert 2.0 * np.mean(np.square(found)) == pytest.approx(1.0, abs=0.02)

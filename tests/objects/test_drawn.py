@@ -195,7 +195,7 @@ class _Sea:
 def _swell(amplitude: float, length: float):
     """Waves whose crests lie across the line of sight, the first a quarter of a wave away from the sensor."""
     size, spacing = 64, length / 64
-    lattice = np.zeros((size, size, 3), np.float32)
+    lattice = np.zeros((size, size, 2), np.float32)
     lattice[..., 0] = (amplitude * np.sin(2.0 * np.pi * np.arange(size) / size))[:, None]
     return surface_of((lattice,), np.array([spacing]), np.zeros(1))
 

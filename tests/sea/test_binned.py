@@ -109,4 +109,4 @@ def test_the_sea_has_the_height_and_slopes_of_its_spectrum() -> None:
     tiles = plan_tiles(sea, 0.5, 256)
     field = WaveField.create(sea, tiles, 0)
     assert field.significant_height == pytest.approx(sea.significant_height(), rel=0.01)
-    assert field.resolved_mss("none") == pytest.approx(sea.mss(tiles[-1].k_max), rel=0.02)
+    assert field.resolved_mss() == pytest.approx(sea.mss(tiles[-1].k_max), rel=0.02)

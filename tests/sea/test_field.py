@@ -39,7 +39,7 @@ def test_energy_on_the_lattice_is_that_of_the_spectrum(sea, n):
     field = WaveField.create(sea, tiles, 1)
     top = tiles[-1].k_max
     assert field.significant_height == pytest.approx(4 * np.sqrt(sea.height_variance(top)), rel=2e-3)  # midpoint sums over cells
-    assert field.resolved_mss("none") == pytest.approx(sea.mss(top), rel=3e-3)
+    assert field.resolved_mss() == pytest.approx(sea.mss(top), rel=3e-3)
 
 
 @pytest.mark.parametrize(("n", "seeds"), [(256, 60), *(pytest.param(*p, marks=pytest.mark.validation) for p in ((512, 16), (1024, 5)))])
@@ -165,25 +165,6 @@ def test_tiles_of_one_sea_are_independent():
     surfaces = WaveField.create(SEA, tiles, 0).surfaces(0.0)
     normal = [s[..., 0].ravel() / s[..., 0].std() for s in surfaces]
     assert abs(np.mean(normal[1] * normal[2])) < 0.1  # the same seed given to every tile would correlate their lattices
-
-
-def test_bilinear_share_is_what_a_sampler_measures():
-    tile = plan_tiles(SEA, SHORTEST, 256)[2]
-    field = WaveField.create(SEA, [tile], 4)
-    rng = np.random.default_rng(8)
-    measured, at_points = np.zeros(2), np.zeros(2)
-    for seed in range(12):
-        surface = field.reseeded(seed).surfaces(0.0)[0].astype(float)
-        u, v = rng.uniform(0.0, tile.n, (2, 60_000))
-        i, j = u.astype(int), v.astype(int)
-        fu, fv = (u - i)[:, None], (v - j)[:, None]
-        i1, j1 = (i + 1) % tile.n, (j + 1) % tile.n
-        slopes = (1 - fv) * ((1 - fu) * surface[j, i] + fu * surface[j, i1]) + fv * ((1 - fu) * surface[j1, i] + fu * surface[j1, i1])
-        measured += up_and_cross([slopes], WIND_TO)
-        at_points += up_and_cross([surface], WIND_TO)
-    expected = np.divide(field.resolved_mss("bilinear"), field.resolved_mss("none"))
-    assert measured / at_points == pytest.approx(expected, rel=0.01)
-    assert np.all(expected < 0.97)
 
 
 def test_tiles_cover_the_spectrum_once_and_do_not_line_up():

@@ -68,7 +68,7 @@ def test_the_sea_has_the_height_and_slopes_of_its_spectrum(time, _, n):
     tiles = plan_tiles(sea, 0.5, n)
     field = WaveField.create(sea, tiles, 0)
     assert field.significant_height == pytest.approx(sea.significant_height(), rel=0.03)  # promised; measured 0.1 %
-    assert field.resolved_mss("none") == pytest.approx(sea.mss(tiles[-1].k_max), rel=0.02)
+    assert field.resolved_mss() == pytest.approx(sea.mss(tiles[-1].k_max), rel=0.02)
 
 
 def test_realisations_have_the_height_of_the_buoy():

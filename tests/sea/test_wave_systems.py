@@ -85,7 +85,7 @@ def test_the_field_has_the_height_and_slopes_of_all_systems(n: int) -> None:
     tiles = plan_tiles(SEA, 0.5, n)
     field = WaveField.create(SEA, tiles, 0)
     assert field.significant_height == pytest.approx(SEA.significant_height(), rel=0.005)
-    assert field.resolved_mss("none") == pytest.approx(SEA.mss(tiles[-1].k_max), rel=0.01)
+    assert field.resolved_mss() == pytest.approx(SEA.mss(tiles[-1].k_max), rel=0.01)
     variances = [sum(np.mean(s[..., 0].astype(float) ** 2) for s in field.reseeded(seed).surfaces(0.0)) for seed in range(30)]
     assert np.std(variances, ddof=1) / np.sqrt(30) < 0.03 * np.mean(variances)
     assert np.mean(variances) == pytest.approx(SEA.height_variance(tiles[-1].k_max), rel=0.09)  # three standard errors

@@ -2,8 +2,8 @@
 
 Mitsuba finds what is seen and what is lit: primary rays through random points of every pixel against a triangle mesh of the tile, repeated
 as instances, and from each hit a ray to a random point of the solar disc. The facet is ours, evaluated at the hit for the sampled point of
-the disc: Gaussian roughness about the lattice's slope, read bilinearly as our renderer reads it, over the visible area A+ and with the
-roughness' own shadowing of both legs, by the law of nested bands off the Sun's plane as in it. Mitsuba's own microfacet models are other
+the disc: Gaussian roughness about the sea's slope, read linearly from the mesh's lattice, over the visible area A+ and with the roughness'
+own shadowing of both legs, by the law of nested bands off the Sun's plane as in it. Mitsuba's own microfacet models are other
 functions.
 
 The Earth is bent as in our renderer: each instance is sheared so that its corners lie on the parabola of the effective Earth, and the mesh
@@ -106,8 +106,8 @@ class MitsubaSea:
     nested_bands : float, optional
         Bands of the facets' nested shadowing; those that the renderer compared has, where none are given, and 1 for Smith's.
     subdivision : int
-        Parts of a lattice cell's side in the mesh. A cell is a curved bilinear patch to the sweep; two flat triangles in its place
-        move what is seen at a grazing view, and more of them come closer to the patch.
+        Parts of a lattice cell's side in the mesh, which holds the sea itself at their corners. A cell is a curved patch of a spline to
+        the sweep; two flat triangles in its place move what is seen at a grazing view, and more of them come closer to the patch.
     """
 
     def __init__(
@@ -125,8 +125,8 @@ class MitsubaSea:
             self.dr.set_thread_count(threads)
         if len(waves.tiles) != 1 or waves.tiles[0].rotation != 0.0:
             raise ValueError("one tile without turn is wanted")
-        self.camera, self.waves, self.tile = camera, waves, waves.tiles[0]
-        self.parts = subdivision
+        self.camera, self.waves = camera, waves.refined(subdivision)
+        self.tile = self.waves.tiles[0]
         self.roughness, bands = facets_left(view, waves)
         bands = bands if nested_bands is None else nested_bands
         self.nested = self._nested_table(bands)
@@ -154,7 +154,7 @@ class MitsubaSea:
         return self.mi.Float(logarithm.astype(np.float32).ravel())
 
     def _build(self) -> Any:
-        mi, n = self.mi, self.tile.n * self.parts
+        mi, n = self.mi, self.tile.n
         mesh = mi.Mesh("tile", (n + 1) ** 2, 2 * n * n, has_vertex_normals=False, has_vertex_texcoords=False)
         parameters = mi.traverse(mesh)
         corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).astype(np.uint32)
@@ -196,17 +196,9 @@ class MitsubaSea:
         return matrix
 
     def _positions(self, height: NDArray[np.float32]) -> NDArray[np.float32]:
-        n, parts = self.tile.n * self.parts, self.parts
-        if parts > 1:
-            for axis in (0, 1):
-                share = (np.arange(parts, dtype=np.float32) / parts)[(None, slice(None), None) if axis == 0 else (None, None, slice(None))]
-                following = np.roll(height, -1, axis)
-                low, high = np.expand_dims(height, axis + 1), np.expand_dims(following, axis + 1)
-                height = (
-                    ((1.0 - share) * low + share * high).reshape(n, -1) if axis == 0 else ((1.0 - share) * low + share * high).reshape(n, n)
-                )
+        n = self.tile.n
         out = np.empty((n + 1, n + 1, 3), np.float32)
-        axis = np.arange(n + 1, dtype=np.float32) * np.float32(self.tile.spacing / parts)
+        axis = np.arange(n + 1, dtype=np.float32) * np.float32(self.tile.spacing)
         out[..., 0], out[..., 1] = axis, axis[:, None]
         out[:n, :n, 2] = height
         out[n, :n, 2], out[:n, n, 2], out[n, n, 2] = height[0], height[:, 0], height[0, 0]

@@ -17,8 +17,9 @@ from seaglint.imaging.camera.imager import Quads, Resampling, SweepGrid, apply_w
 from seaglint.imaging.layers import BLOCK, CHANNELS, upright
 from seaglint.imaging.rays import RayTables, walk_pixels
 from seaglint.imaging.sparkle import SparkleRows, sparkle_columns
+from seaglint.imaging.spline import lay_rows
 from seaglint.imaging.sweep.sweep import Rows, Swept, skies_alone, sweep_columns
-from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, lay_squares, wander_rows
+from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, wander_rows
 from seaglint.sea.wander import Wander
 
 
@@ -35,7 +36,7 @@ def surface_of(
     Parameters
     ----------
     lattices : tuple of ndarray
-        Each (n, n, 3): height [m], slopes towards east and north; n a power of two, 4 or more.
+        Each (n, n, 1) or (n, n, 2) as of :meth:`~seaglint.sea.field.WaveField.coefficients` [m]; n a power of two, 4 or more.
     spacing, turn : ndarray
         Distance of lattice points [m] and turn from east [rad] of each.
     levels : tuple of tuples of int, optional
@@ -50,11 +51,14 @@ def surface_of(
         if n < 4 or n & (n - 1) or n > LONGEST_STRIP:
             raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
-    first = np.concatenate([[0], np.cumsum(sizes**2)]).astype(np.int64)
-    bits = np.array([int(n).bit_length() - 1 for n in sizes], dtype=np.int64)
-    heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
-    for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
-        lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
+    count = np.array([z.shape[2] for z in lattices], dtype=np.int64)
+    first = np.concatenate([[0], np.cumsum(count * (sizes + 3) ** 2)]).astype(np.int64)
+    rows = np.empty(first[-1], np.float32)
+    for lattice, begin, n in zip(lattices, first, sizes, strict=False):
+        for k in range(lattice.shape[2]):
+            lay_rows(lattice, k, rows[begin + k * (n + 3) ** 2 : begin + (k + 1) * (n + 3) ** 2])
+    # linear reading begins at the second of a spline's four points along either axis
+    spline, linear = first[:-1] + (count - 1) * (sizes + 3) ** 2, first[:-1] + (count - 1) * (sizes + 4)
     c, s = np.cos(turn), np.sin(turn)
     # positions are periodic: small numbers have more digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
@@ -65,9 +69,8 @@ def surface_of(
         level[i, : len(parts)] = parts
         crest[i, : len(parts)] = np.cumsum([highest[p] for p in reversed(parts)])[::-1]
     return Surface(
-        heights,
-        both_slopes,
-        np.stack([first[:-1], sizes, bits], axis=1),
+        rows,
+        np.stack([linear, sizes, spline, (count == 1).astype(np.int64)], axis=1),
         np.stack([1.0 / spacing, c, s, u, v], axis=1),
         level,
         crest,

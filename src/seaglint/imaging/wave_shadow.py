@@ -7,7 +7,7 @@ import math
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.jit import kernel
 from seaglint.facet.sunlight import Sunlight
-from seaglint.imaging.wave_surface import Surface, SurfaceLine, bilinear, height, position
+from seaglint.imaging.wave_surface import Surface, SurfaceLine, height, point_height, position
 
 FARTHEST = 4000
 """Number of steps after which a Sun at the very horizon counts as visible."""
@@ -37,7 +37,7 @@ def sun_over_waves(
         for j in range(tiles):
             u, v = position(line, j, r)
             u, v = u + d * sunward.step[j, 0, 0], v + d * sunward.step[j, 0, 1]
-            z += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
+            z += point_height(surface, line, j, u, v)
         skyline = max(skyline, (z - own) / d)
         if skyline >= sun.upper_tangent:
             return 0.0, 0.0

@@ -34,7 +34,7 @@ class Level:
     shortest_wave : float
         Length of the shortest wave kept [m].
     mss : (float, float)
-        Slope variance (up, cross) that a sampler of the lattices gets [1].
+        Slope variance (up, cross) of its waves [1].
     covariance : float
         Covariance of its slopes along the wind and to the right of it [1].
     """
@@ -94,8 +94,8 @@ class Detail:
         return Detail(tuple(self.parts[p] for p in used_parts), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
 
     def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
-        """Height [m] and slopes [1] of every part at one time [s], as :meth:`WaveField.surfaces`."""
-        return tuple(part.surfaces(time, workers)[0] for part in self.parts)
+        """Lattices of every part at one time [s], from which heights and slopes are read (:meth:`WaveField.coefficients`)."""
+        return tuple(part.coefficients(time, workers)[0] for part in self.parts)
 
 
 def _level(parts: list[WaveField], level: tuple[int, ...]) -> Level:

@@ -16,7 +16,7 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 
 SAMPLES_PER_WAVE: Final = 4
-"""Lattice points per shortest wave of a tile: bilinear interpolation keeps 75-100 % of such a wave's slope variance."""
+"""Lattice points per shortest wave of a tile: read from a cubic spline its variance changes by 2.5 % at most within a cell."""
 
 SHORTEST_SPAN: Final = 6.0
 """Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's periodicity shows."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.roughness import Roughness
+from seaglint.imaging.spline import gradient
 from seaglint.imaging.sweep.walk import elevation
 from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Strip, Surface, SurfaceLine, address
 
@@ -72,7 +73,6 @@ def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces
     Strip by strip, within the range of positions in one.
     """
     v, u = strip.fraction
-    p00, p01, p10, p11 = strip.corner
     for n in range(count):
         j = np.uint64(n)
         pieces.arc[j] = range_m[np.uint64(pieces.sample[j])] - 0.5 * pieces.extent[j, 0]
@@ -93,14 +93,13 @@ def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces
             done = 0
             while done < some:
                 done = address(line, i, begin, (done, some), strip)
-            origin = np.uint64(line.part[i, 0])
+            origin, row = np.uint64(line.part[i, 2]), np.uint64(line.part[i, 1] + 3)
+            c, s = np.float32(line.turn[i, 0]), np.float32(line.turn[i, 1])
             for n in range(some):
                 k, j = np.uint64(n), np.uint64(first + n)
-                a, b, c, d = origin + np.uint64(p00[k]), origin + np.uint64(p01[k]), origin + np.uint64(p10[k]), origin + np.uint64(p11[k])
-                for axis in range(2):
-                    near = surface.slope[a, axis] + u[k] * (surface.slope[b, axis] - surface.slope[a, axis])
-                    far = surface.slope[c, axis] + u[k] * (surface.slope[d, axis] - surface.slope[c, axis])
-                    pieces.slope[j, axis] += near + v[k] * (far - near)
+                along, across = gradient(surface.lattice, origin + np.uint64(strip.cell[k]), row, u[k], v[k])
+                pieces.slope[j, 0] += c * along - s * across
+                pieces.slope[j, 1] += s * along + c * across
         first += some
 
 

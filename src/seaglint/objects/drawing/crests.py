@@ -1,7 +1,7 @@
 """Sea in front of a body: its height along the lines of sight to the body, and what it hides.
 
-Along a few azimuths the resolved waves are walked from where a crest could first touch the lowest line of sight to behind the body, as
-finely as the picture has them there. At every place of the body the greatest elevation of the sea before it and the sea's own height are
+Along a few azimuths the resolved waves are walked, all of them at any distance, from where a crest could first touch the lowest line of
+sight to behind the body. At every place of the body the greatest elevation of the sea before it and the sea's own height are
 then known. Without resolved waves the mean sea hides what is under it and what is behind its horizon.
 """
 

@@ -34,7 +34,7 @@ from seaglint.objects.drawing.sample_sums import (
 )
 
 LINES_PER_WAVE = 4.0
-"""Number of azimuth lines across the shortest resolved wave."""
+"""Number of azimuth lines across the shortest wave that the picture has at a body."""
 
 MOST_LINES = 256
 """Largest number of azimuth lines of a body."""
@@ -146,8 +146,8 @@ def sea_before(levels: Levels, surface: Surface, eye: float, span: Span) -> Cres
         return mean
     top = float(surface.crest[0].max())
     near, far = max(span.arc[0], 0.0), span.arc[1]
-    level = int(np.searchsorted(levels.begins, near, side="right")) - 1
-    step = float(levels.steps[level]) if levels.steps[level] > 0.0 else 0.25 * float(levels.shortest[level])
+    # all waves of the sea, also where pixels are too wide to show the shortest: a few centimetres decide about a low object
+    step = float(levels.steps[0]) if levels.steps[0] > 0.0 else 0.25 * float(levels.shortest[0])
     first = _first_arc(eye, span.lowest, near, top)
     ahead = np.arange(first, near, max(step, (near - first) / MOST_ARCS))
     inside = np.linspace(near, max(far, near + step), max(ARCS_ACROSS, math.ceil((far - near) / step)) + 1)
@@ -155,11 +155,10 @@ def sea_before(levels: Levels, surface: Surface, eye: float, span: Span) -> Cres
     keep = ahead.size
     left, right = span.azimuth
     wide = (right - left) * max(far, 1e-3)
-    lines = min(max(math.ceil(wide * LINES_PER_WAVE / float(levels.shortest[level])) + 1, 3), MOST_LINES)
+    coarse = float(levels.shortest[int(np.searchsorted(levels.begins, near, side="right")) - 1])
+    lines = min(max(math.ceil(wide * LINES_PER_WAVE / coarse) + 1, 3), MOST_LINES)
     azimuths = np.linspace(left, right, lines)
-    at = np.searchsorted(levels.begins, arcs, side="right") - 1
-    starts = np.flatnonzero(np.concatenate([[True], np.diff(at) != 0]))
-    stage = np.stack([at[starts], starts, np.append(starts[1:], arcs.size)], axis=1).astype(np.int64)
+    stage = np.array([[0, 0, arcs.size]], np.int64)
     out = np.empty((lines, 2, arcs.size - keep))
     walk_crests(surface, stage, np.stack([arcs, *sight_lines(arcs, eye)]), azimuths, keep, out)
     per_radian = (lines - 1) / (right - left) if right > left else 0.0

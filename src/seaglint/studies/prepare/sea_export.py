@@ -87,8 +87,8 @@ class SeaPatch:
 class ExportedSea:
     """The sea of one instant.
 
-    ``lattices[i]`` (n, n, 3) and ``patch_surface`` (rows, columns, 3) hold height [m] and slopes towards east and north [1]; ``facets``
-    are the slopes left to roughness. ``wander[i]`` is by how much each tile is read aside.
+    ``lattices[i]`` (n, n, 3) and ``patch_surface`` (rows, columns, 3) hold height [m] and slopes towards east and north [1], samples of
+    one sea at their points; ``facets`` are the slopes left to roughness. ``wander[i]`` is by how much each tile is read aside.
     """
 
     time: float
@@ -204,7 +204,7 @@ def export_sea(
     wind_to = waves.spectrum.wind_to_azimuth
     facets = gaussian_slopes(statistics.mss_up - up, statistics.mss_cross - cross, -waves.resolved_covariance(), wind_to)
     attributes = provenance("Sea surface", scenario.model_dump_json(exclude_none=True), scenario.seed, time_s=time, **sea.report)
-    return ExportedSea(time, waves.tiles, waves.wander, lattices, patch, _sampled(waves, lattices, patch), facets, attributes)
+    return ExportedSea(time, waves.tiles, waves.wander, lattices, patch, _sampled(waves, time, patch), facets, attributes)
 
 
 def _require_room(patch: SeaPatch) -> None:
@@ -219,26 +219,40 @@ def _require_room(patch: SeaPatch) -> None:
         )
 
 
-def _sampled(waves: WaveField, lattices: tuple[NDArray[np.float32], ...], patch: SeaPatch) -> NDArray[np.float32]:
-    """Sum of the tiles, each read bilinearly where it has wandered to, at the points of a patch (rows, columns, 3)."""
+def _sampled(waves: WaveField, time: float, patch: SeaPatch) -> NDArray[np.float32]:
+    """Sum of the tiles, each read from its spline where it has wandered to, at the points of a patch (rows, columns, 3)."""
     rows, columns = patch.shape
     x, y = patch.axes
+    splines = waves.splines(time)
     out = np.zeros((rows, columns, 3), np.float32)
     step = max(1, _BLOCK // columns)
     for first in range(0, rows, step):
         part = slice(first, min(first + step, rows))
-        for tile, wander, lattice in zip(waves.tiles, waves.wander, lattices, strict=True):
+        for tile, wander, spline in zip(waves.tiles, waves.wander, splines, strict=True):
             east, north = wander(x, y[part, None])
-            out[part] += _bilinear(tile, lattice, x + east, y[part, None] + north)
+            out[part] += _read(tile, spline, x + east, y[part, None] + north)
     return out
 
 
-def _bilinear(tile: Tile, lattice: NDArray[np.float32], x: FloatArray, y: FloatArray) -> NDArray[np.float64]:
+def _read(tile: Tile, spline: NDArray[np.float32], x: FloatArray, y: FloatArray) -> NDArray[np.float64]:
+    """Height [m] and slopes [1] of a tile's cubic B-spline at points."""
     c, s = math.cos(tile.rotation) / tile.spacing, math.sin(tile.rotation) / tile.spacing
     u, v = c * x + s * y, c * y - s * x
     i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
-    f, g = (u - i)[..., None], (v - j)[..., None]
-    i0, j0, i1, j1 = i % tile.n, j % tile.n, (i + 1) % tile.n, (j + 1) % tile.n
-    low = (1.0 - f) * lattice[j0, i0] + f * lattice[j0, i1]
-    high = (1.0 - f) * lattice[j1, i0] + f * lattice[j1, i1]
-    return np.asarray((1.0 - g) * low + g * high, dtype=np.float64)
+    (a, da), (b, db) = _weights(u - i), _weights(v - j)
+    height, along, across = np.zeros((3, *u.shape))
+    for m in range(4):
+        for k in range(4):
+            z = spline[(j + m - 1) % tile.n, (i + k - 1) % tile.n]
+            height += b[m] * a[k] * z
+            along += b[m] * da[k] * z
+            across += db[m] * a[k] * z
+    return np.stack([height, c * along - s * across, s * along + c * across], axis=-1)
+
+
+def _weights(f: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+    """Weights of four points on a cubic B-spline, and their derivatives [1/cell], ``f`` cells beyond the second of them."""
+    e = 1.0 - f
+    first, second, last = e**3 / 6.0, f * f * (0.5 * f - 1.0) + 2.0 / 3.0, f**3 / 6.0
+    begin, middle, end = -0.5 * e * e, f * (1.5 * f - 2.0), 0.5 * f * f
+    return (first, second, 1.0 - first - second - last, last), (begin, middle, -begin - middle - end, end)
