@@ -21,7 +21,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import scipy.fft
 from numba import njit
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
@@ -79,6 +79,19 @@ class CutSpectrum(DirectionalSpectrum):
         return self.whole.second_harmonic(wavenumber)
 
 
+@dataclass(frozen=True)
+class RoundSpectrum(CutSpectrum):
+    """A cut spectrum whose waves run evenly in all directions."""
+
+    def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+        """The same for all azimuths."""
+        return np.full(np.broadcast_shapes(np.shape(wavenumber), np.shape(azimuth)), 0.5 / math.pi)
+
+    def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
+        """Nothing."""
+        return np.zeros(np.shape(wavenumber))
+
+
 class MirrorSea(NamedTuple):
     """Lattices of an instant: long waves first, then the two tiles of ripples.
 
@@ -105,7 +118,7 @@ def ripple_tiles(longest: float, shortest: float, samples: int = SAMPLES) -> tup
     )
 
 
-def lattice(waves: WaveField, which: int, time: float) -> tuple[FloatArray, FloatArray]:
+def lattice(waves: WaveField, which: int, time: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Height (n, n) and slopes (n, n, 2) of a tile of a field, from its plane waves alone."""
     tile, n = waves.tiles[which], POINTS
     east, north, frequency, real, imaginary = waves.plane_waves()[which].T
@@ -118,7 +131,7 @@ def lattice(waves: WaveField, which: int, time: float) -> tuple[FloatArray, Floa
         coefficients = np.zeros((n, n), np.complex64)
         np.add.at(coefficients, (q % n, p % n), factor * amplitude)
         out.append(scipy.fft.ifft2(coefficients, norm="forward", overwrite_x=True).real.astype(np.float32))
-    return out[0], np.stack(out[1:], axis=-1)
+    return np.asarray(out[0]), np.stack(out[1:], axis=-1)
 
 
 def mirror_sea(waves: WaveField, ripples: WaveField, time: float = 0.0) -> MirrorSea:
@@ -129,9 +142,9 @@ def mirror_sea(waves: WaveField, ripples: WaveField, time: float = 0.0) -> Mirro
     highest = [float(z.max()) for z, _ in parts]
     variance = np.cumsum([np.linalg.eigvalsh(np.cov(s.reshape(-1, 2).T))[-1] for _, s in parts])
     crest = (sum(highest), sum(highest[-2:]), highest[-1])
-    steepest = tuple(STEEP * float(np.sqrt(v)) for v in variance[-3:])
+    long, longer, every = (STEEP * float(np.sqrt(v)) for v in variance[-3:])
     step = 2.0 * math.pi / ripples.tiles[1].k_max / SAMPLES
-    return MirrorSea(np.stack([z for z, _ in parts]), np.stack([s for _, s in parts]), np.array(grid), crest, steepest, step)
+    return MirrorSea(np.stack([z for z, _ in parts]), np.stack([s for _, s in parts]), np.array(grid), crest, (long, longer, every), step)
 
 
 @njit(cache=True, nogil=True)

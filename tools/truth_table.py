@@ -57,8 +57,12 @@ PLACES = 4
 WIDE = 3000.0
 """Patches lie anywhere in a square so wide [m]."""
 
-DISC = 0.7
-"""Radius of the Sun's disc, in deviations of the slopes across the wind as the mirror turns them."""
+DISC = 1.2
+"""Radius of the Sun's disc, in deviations of the slopes across the wind as the mirror turns them; four points on it then stand for the
+disc within half a per cent of the glint."""
+
+WIDEST = 0.35, math.radians(4.0)
+"""Largest radius of the disc over the Sun's elevation [1], and itself [rad]."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +121,8 @@ def camera_at(depression_deg: float) -> Camera:
 def disc_radius(view: SeaView, depression_deg: float) -> float:
     """Radius of the disc [rad]: a share of the glint's width."""
     rise = math.sin(math.radians(depression_deg)) + math.cos(view.solar_zenith)
-    return min(DISC * math.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross)) * rise, math.radians(2.5))
+    widest = min(WIDEST[0] * (0.5 * math.pi - view.solar_zenith), WIDEST[1])
+    return min(DISC * math.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross)) * rise, widest)
 
 
 def four_suns(view: SeaView, radius: float) -> list[SeaView]:
@@ -198,7 +203,7 @@ def compare(
             yield _row((wind, beside, depression, sun), truth[k, ..., j, :], drawn[k, j], maps, float(table[-1]))
 
 
-def _row(case: tuple[float, ...], truth: FloatArray, swept: FloatArray, maps: list[float], white: float) -> Compared:
+def _row(case: tuple[float, float, float, float], truth: FloatArray, swept: FloatArray, maps: list[float], white: float) -> Compared:
     """Figures of one case; ``truth`` (seas, places, rows, columns, halves, legs), ``swept`` (legs, seas, places, rows, columns)."""
     truth, swept = truth.reshape(len(truth), -1, *truth.shape[-2:]), swept.reshape(*swept.shape[:2], -1)
     lit, seen, drawn = truth[..., 1].mean(axis=-1), truth[..., 0].mean(axis=-1), swept[0]
