@@ -96,16 +96,12 @@ def test_lattices_carry_the_spectrum():
         height, slope = lattice(field, which, 0.0)
         east, north, _, real, imaginary = field.plane_waves()[which].T
         energy = 0.5 * (real**2 + imaginary**2)
-        for values, expected in (
-            (height, energy.sum()),
-            (slope[..., 0], (energy * east**2).sum()),
-            (slope[..., 1], (energy * north**2).sum()),
-        ):
+        for values, expected in ((height, energy), (slope[..., 0], energy * east**2), (slope[..., 1], energy * north**2)):
             half = [0.5 * (values + np.roll(values, 1, axis)) for axis in (0, 1)]
             middle = 0.5 * (half[0] + np.roll(half[0], 1, 1))
             # the mean square of a bilinear surface from nodes, edges' and cells' middles (Simpson's rule)
             mean = (4.0 * np.mean(values**2) + 8.0 * (np.mean(half[0] ** 2) + np.mean(half[1] ** 2)) + 16.0 * np.mean(middle**2)) / 36.0
-            assert mean == pytest.approx(parts.sum(), rel=2e-3)
+            assert mean == pytest.approx(expected.sum(), rel=2e-3)
 
 
 def test_ripples_and_waves_add_up_to_the_slopes_of_the_spectrum():
