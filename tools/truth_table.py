@@ -86,6 +86,7 @@ class Compared:
     slope: float
     slope_error: float
     mapped: float
+    mapped_error: float
     mapped_viewer: float
 
 
@@ -228,6 +229,7 @@ def _row(case: tuple[float, float, float, float], truth: FloatArray, swept: Floa
         slope=found[2],
         slope_error=float(errors[2]),
         mapped=maps[0] / whole,
+        mapped_error=maps[0] / whole**2 * float(lit.mean(axis=1).std(ddof=1)) / math.sqrt(n),
         mapped_viewer=float(one[1]),
     )
 
@@ -256,11 +258,19 @@ HEAD = (
 
 def line(row: Compared) -> str:
     """Row of Markdown."""
-    return (
-        f"| {row.wind:g} | {row.beside:g} | {row.depression:g} | {row.sun:g} | {row.glint:.3g} | {row.shade:.3f} | "
-        f"{row.mean:.3f} +- {row.mean_error:.3f} | {row.viewer:.3f} | {row.deviation:.3f} +- {row.deviation_error:.3f} | "
-        f"{row.truth_deviation:.2f} | {row.slope:.3f} +- {row.slope_error:.3f} | {row.mapped:.3f} | {row.mapped_viewer:.3f} |"
+    cells = (
+        *(f"{value:g}" for value in (row.wind, row.beside, row.depression, row.sun)),
+        f"{row.glint:.3g}",
+        f"{row.shade:.3f}",
+        f"{row.mean:.3f} ± {row.mean_error:.3f}",
+        f"{row.viewer:.3f}",
+        f"{row.deviation:.3f} ± {row.deviation_error:.3f}",
+        f"{row.truth_deviation:.2f}",
+        f"{row.slope:.3f} ± {row.slope_error:.3f}",
+        f"{row.mapped:.3f} ± {row.mapped_error:.3f}",
+        f"{row.mapped_viewer:.3f}",
     )
+    return "| " + " | ".join(cells) + " |"
 
 
 def main() -> None:
