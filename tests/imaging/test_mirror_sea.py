@@ -16,9 +16,11 @@ from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from truth_table import (
+    BESIDE,
     HEIGHT,
     LONGEST_RIPPLE,
     PIXELS,
+    WINDS,
     camera_at,
     compare,
     disc_radius,
@@ -187,3 +189,36 @@ def test_mirrors_and_convex_hulls_find_the_same_low_suns(reference_dir, wind):
             expected, own = table[d, e]
             print(f"{d:g} deg down, Sun {e:g} deg high: {mean[j] / smith:.4f} +- {error[j] / smith:.4f}, {expected:.4f} +- {own:.4f}")
             assert mean[j] / smith == pytest.approx(expected, abs=0.02 * expected + 3.0 * math.hypot(own, error[j] / smith))
+
+
+def allowed(row):
+    """Departures of the mean and of the pixels' contrast: 3 and 5 %, and what the law of facets misses under low Suns and in light winds.
+
+    Facets are hidden about the tilt of longer waves as on endless planes: those tilted away from a low Sun get no light, those towards it
+    too much, and places behind crests are seen too rarely. The sum is right where few of them count.
+    """
+    mean, contrast = 0.03, 0.05
+    if row.sun == 80.0:
+        mean, contrast = 0.06, 0.05 if row.depression > 2.0 else 0.2
+    elif row.sun == 85.0:
+        mean, contrast = 0.08, 0.35 if row.depression < 10.0 else 0.05
+    if row.depression <= 2.0 and (row.wind == 3.0 or row.sun == 85.0):
+        mean = {1.0: 0.22, 2.0: 0.16}[row.depression] if row.sun in (50.0, 85.0) else 0.1
+    return mean, contrast
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("beside", BESIDE)
+@pytest.mark.parametrize("wind", WINDS)
+def test_sweep_and_mirrors_agree(wind, beside):
+    """All of the table: the mean of the glint, and how pixels differ, ripples averaged out."""
+    missed = []
+    for row in compare(wind, beside, seas=12, rays=250, legs=False):
+        print(line(row))
+        mean, contrast = allowed(row)
+        if abs(row.mean - 1.0) > mean + 3.0 * row.mean_error:
+            missed.append(("mean", mean, line(row)))
+        # in pixels that hardly differ the errors of rays stand for their contrast
+        if row.slope_error < 0.06 and abs(row.slope - 1.0) > contrast + 3.0 * row.slope_error:
+            missed.append(("contrast", contrast, line(row)))
+    assert not missed
