@@ -1,6 +1,6 @@
 """The sweep and the mean map against a sea of mirrors, over wind, its azimuth, the Sun and the depression of the view.
 
-    python tools/truth_table.py [--seas N] [--rays N] [--shortest M] [--winds ...] [--csv FILE]
+    python tools/truth_table.py [--seas N] [--rays N] [--shortest M] [--winds ...] [--brief] [--csv FILE]
 
 The Sun is a wide disc, for rays to find it: the renderer's and the map's are averaged over four Suns with the same variance about its
 middle. No air. All have the slope variance of the same spectrum, cut at the shortest wave. Markdown goes to standard output.
@@ -273,6 +273,25 @@ def line(row: Compared) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def brief(rows: Sequence[Compared]) -> Iterator[str]:
+    """Markdown of a row for each wind and Sun, and for each depression sweep over truth: of the mean, and of the pixels' contrast.
+
+    The contrast is one over the truth's regression on the renderer, where rays know it to 6 %.
+    """
+    downs = sorted({row.depression for row in rows})
+    yield "| wind, beside | Sun | " + " | ".join(f"{down:g}° down" for down in downs) + " |"
+    yield "| --- | --- |" + " --- |" * len(downs)
+    cases: dict[tuple[float, float, float], dict[float, Compared]] = {}
+    for row in rows:
+        cases.setdefault((row.wind, row.beside, row.sun), {})[row.depression] = row
+    for (wind, beside, sun), found in cases.items():
+        cells = [
+            f"{row.mean:.3f} ± {row.mean_error:.3f}; " + (f"{1.0 / row.slope:.2f}" if row.slope_error < 0.06 * row.slope else "-")
+            for row in (found[down] for down in downs)
+        ]
+        yield f"| {wind:g} m/s, {beside:g}° | {sun:g}° | " + " | ".join(cells) + " |"
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -282,15 +301,21 @@ def main() -> None:
     parser.add_argument("--winds", type=float, nargs="+", default=WINDS)
     parser.add_argument("--beside", type=float, nargs="+", default=BESIDE)
     parser.add_argument("--legs", action="store_true", help="also without the Sun's leg")
+    parser.add_argument("--brief", action="store_true", help="a row for each wind and Sun")
     parser.add_argument("--csv")
     options = parser.parse_args()
-    print(HEAD)
-    begin, rows = time.perf_counter(), []
+    if not options.brief:
+        print(HEAD)
+    begin = time.perf_counter()
+    rows: list[Compared] = []
     for wind in options.winds:
         for beside in options.beside:
             for row in compare(wind, beside, seas=options.seas, rays=options.rays, shortest=options.shortest, legs=options.legs):
                 rows.append(row)
-                print(line(row), flush=True)
+                if not options.brief:
+                    print(line(row), flush=True)
+    if options.brief:
+        print("\n".join(brief(rows)))
     print(f"{time.perf_counter() - begin:.0f} s", file=sys.stderr)
     if options.csv:
         with open(options.csv, "w", newline="", encoding="utf-8") as file:
