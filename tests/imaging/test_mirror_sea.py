@@ -191,20 +191,38 @@ def test_mirrors_and_convex_hulls_find_the_same_low_suns(reference_dir, wind):
             assert mean[j] / smith == pytest.approx(expected, abs=0.02 * expected + 3.0 * math.hypot(own, error[j] / smith))
 
 
+DOWN = (1.0, 2.0, 3.0, 5.0, 10.0)
+MEAN = {50.0: (0.03,) * 5, 75.0: (0.03,) * 5, 80.0: (0.05,) * 5, 85.0: (0.18, 0.08, 0.08, 0.08, 0.07)}
+LIGHT = {50.0: (0.12, 0.05), 80.0: (0.08, 0.05), 85.0: (0.2, 0.11)}
+"""Departures of the mean at depressions ``DOWN`` by the Sun's zenith angle, and in a wind of 3 m/s at the first two."""
+
+CONTRAST = {
+    50.0: (0.1, 0.06, 0.05, 0.05, 0.05),
+    75.0: (0.1, 0.06, 0.05, 0.05, 0.05),
+    80.0: (0.15, 0.1, 0.05, 0.05, 0.05),
+    85.0: (0.35, 0.3, 0.25, 0.15, 0.05),
+}
+"""Departures of the pixels' contrast."""
+
+
 def allowed(row):
-    """Departures of the mean and of the pixels' contrast: 3 and 5 %, and what the law of facets misses under low Suns and in light winds.
+    """Departures of the mean and of the contrast: 3 and 5 %, and what the law of facets misses under low Suns and in light winds.
 
     Facets are hidden about the tilt of longer waves as on endless planes: those tilted away from a low Sun get no light, those towards it
     too much, and places behind crests are seen too rarely. The sum is right where few of them count.
     """
-    mean, contrast = 0.03, 0.05
-    if row.sun == 80.0:
-        mean, contrast = 0.06, 0.05 if row.depression > 2.0 else 0.2
-    elif row.sun == 85.0:
-        mean, contrast = 0.08, 0.35 if row.depression < 10.0 else 0.05
-    if row.depression <= 2.0 and (row.wind == 3.0 or row.sun == 85.0):
-        mean = {1.0: 0.22, 2.0: 0.16}[row.depression] if row.sun in (50.0, 85.0) else 0.1
-    return mean, contrast
+    k = DOWN.index(row.depression)
+    mean = LIGHT[row.sun][k] if row.wind == 3.0 and row.sun in LIGHT and k < 2 else MEAN[row.sun][k]
+    return mean, CONTRAST[row.sun][k]
+
+
+def beyond(row):
+    """Figures of a row beyond their bars by more than three standard errors."""
+    mean, contrast = allowed(row)
+    out = ["mean"] if abs(row.mean - 1.0) > mean + 3.0 * row.mean_error else []
+    # pixels that differ by less than a fifth of their mean have no contrast to speak of, and rays hardly know it
+    known = row.truth_deviation > 0.2 and row.slope_error < 0.06
+    return out + (["contrast"] if known and abs(row.slope - 1.0) > contrast + 3.0 * row.slope_error else [])
 
 
 @pytest.mark.validation
@@ -212,13 +230,7 @@ def allowed(row):
 @pytest.mark.parametrize("wind", WINDS)
 def test_sweep_and_mirrors_agree(wind, beside):
     """All of the table: the mean of the glint, and how pixels differ, ripples averaged out."""
-    missed = []
-    for row in compare(wind, beside, seas=12, rays=250, legs=False):
-        print(line(row))
-        mean, contrast = allowed(row)
-        if abs(row.mean - 1.0) > mean + 3.0 * row.mean_error:
-            missed.append(("mean", mean, line(row)))
-        # in pixels that hardly differ the errors of rays stand for their contrast
-        if row.slope_error < 0.06 and abs(row.slope - 1.0) > contrast + 3.0 * row.slope_error:
-            missed.append(("contrast", contrast, line(row)))
+    rows = list(compare(wind, beside, seas=12, rays=250, legs=False))
+    print("\n".join(line(row) for row in rows))
+    missed = [f"{', '.join(beyond(row))}: {line(row)}" for row in rows if beyond(row)]
     assert not missed
