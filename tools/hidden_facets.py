@@ -10,9 +10,9 @@ drawing a sea. A facet is seen where none of them stands above the line of sight
 hiding takes part. The sea has the shape of Elfouhaily's spectrum with waves down to 1 cm and Cox and Munk's total slope variance, as that
 of ``low_sun.csv``, whose rows it meets within 5 %.
 
-The points stand at distances that grow by :data:`STEP`. What stands between them leaves too many facets: by steps of 4, 2 and 1 % a share
-``P`` is told too large by ``-0.6 ln(STEP) ln P`` of itself, 5 % at 0.02, which is taken off. Where fewer than :data:`FEWEST` facets are left
-no number is told.
+The points stand at distances that grow by :data:`STEP`. What stands between them leaves too many facets: a share P comes out too large by
+``-0.6 ln(STEP) ln P`` of itself (from steps of 4, 2 and 1 %), 5 % at 0.02, which is taken off. Where fewer than :data:`FEWEST` facets are
+left no number is told.
 
 Markdown goes to standard output: the law's share over that of brute force. ``--low-sun``: isotropic slopes, the Sun ahead, with the share
 of brute force over Smith's behind it. ``--oblique``: wind beside the Sun's azimuth, the view beside it too, with and without the lean of
