@@ -22,8 +22,9 @@ from numba import njit
 from scipy.stats.qmc import Sobol
 
 from seaglint.base.conventions import FloatArray
+from seaglint.facet.legs import SMITHS, FacetLaw
 from seaglint.sea.field import WaveField
-from seaglint.sea.shadowing.nested import HIGHEST, nested_ratio
+from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
 
 SUN_RADIUS = 4.65e-3
@@ -53,7 +54,8 @@ class Sea(NamedTuple):
 
 class Facets(NamedTuple):
     """Covariance of the slopes on the facets (east-east, east-north, north-north), logarithms of the nested tables, of one leg and of
-    what two do together, empty for Smith, and the share of the deviation that stands in the Sun's way: 1 but for less than one band.
+    what two do together, empty for Smith, the share of the deviation that stands in the Sun's way, 1 but for less than one band, and the
+    shelter that geometry gives: share of the Sun's elevation that counts, its least in deviations, and excess of facets seen and lit.
     """
 
     east_east: float
@@ -62,6 +64,7 @@ class Facets(NamedTuple):
     nested: np.ndarray
     coupling: np.ndarray
     in_the_way: float
+    shelter: tuple[float, float, float]
 
 
 def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: float = EARTH) -> Sea:
@@ -79,13 +82,13 @@ def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: fl
     return Sea(lattice, grid, crest, steepest, part * min(t.spacing for t in waves.tiles), radius)
 
 
-def facets_of(covariance: tuple[float, float, float], nested_bands: float = 1.0) -> Facets:
-    """Roughness with Smith's shadowing (1 band, with less deviation towards the Sun for fewer) or nested."""
-    table = np.zeros((0, 0))
-    if nested_bands > 1:
+def facets_of(covariance: tuple[float, float, float], law: FacetLaw = SMITHS) -> Facets:
+    """Roughness with the shadowing of a law: Smith's (1 band, with less deviation towards the Sun for fewer) or nested."""
+    table, bands = np.zeros((0, 0)), max(law.bands, 1.0)
+    if bands > 1.0:
         edge, slope = np.linspace(0.0, EDGE_END, NODES[0])[:, None], np.linspace(-SLOPE_END, SLOPE_END, NODES[1])
-        table = np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, nested_bands), 1e-300))
-    return Facets(*covariance, table, coupling_table(nested_bands), min(nested_bands, 1.0))
+        table = np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, bands), 1e-300))
+    return Facets(*covariance, table, coupling_table(bands, law.deviation), min(law.bands, 1.0), tuple(law.shelter))
 
 
 @njit(cache=True)
@@ -202,6 +205,9 @@ def facet_glint(
     if sun_edge >= HIGHEST:
         both = seen
     else:
+        share, least, together = facets.shelter
+        sun_mean = math.hypot(share * sun_mean, least * sun_deviation)
+        sun_edge = sun_mean / sun_deviation
         lit, pair = nested_density(facets.nested, to_sun, sun_edge), 0.0
         if view_edge < HIGHEST:
             pair = lit_exponent_kernel(0.5 * (to_view - to_sun), view_edge, sun_edge, facets.coupling)
@@ -209,7 +215,8 @@ def facet_glint(
         upright = max(view_mean, 0.0) / area
         shadow = visible_area(sun_mean, sun_deviation) / sun_mean - 1.0
         one_side = min(seen, lit / max(upright * (1.0 + shadow), 1e-12))
-        apart = min(seen * lit * math.exp(pair) / (1.0 + upright * shadow), one_side)
+        more = 1.0 + together / (max(view_edge, LOWEST) * max(sun_edge, LOWEST))
+        apart = min(seen * lit * math.exp(pair) * more / (1.0 + upright * shadow), one_side)
         both = 1.0 / ((1.0 - passage) / one_side + passage / max(apart, 1e-300))
     return q * both * (1.0 + sx * sx + sy * sy) ** 2 / (4.0 * area), cosine
 

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from ray_marcher import facets_of, sea_of, seen_over_model
 from seaglint.base.conventions import FloatArray
+from seaglint.facet.legs import FacetLaw
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
@@ -102,7 +103,7 @@ def ratios(
     """
     up, cross = waves.resolved_mss()
     rest = SlopeStatistics(slopes.mss_up - up, slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth)
-    facets, means = facets_of(rest.covariance(), nested_bands), []
+    facets, means = facets_of(rest.covariance(), FacetLaw(nested_bands, 0.0)), []
     suns = np.radians(np.asarray(sun_zeniths_deg, dtype=np.float64))
     for seed in range(seas):
         sea = sea_of(waves.reseeded(seed), part=0.25, radius=FLAT_EARTH)

@@ -8,6 +8,7 @@ from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.facet import solar_disc, thermal
 from seaglint.facet.facet_sunlight import FacetOptics, FacetTables, sun_factor
 from seaglint.facet.facet_tables import sun_terms
+from seaglint.facet.legs import SMITHS
 from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.path_basis import TOGETHER, fewest_terms, path_basis
 from seaglint.facet.roughness import Sight, line_of_sight, roughness_of
@@ -24,7 +25,7 @@ SMALL = SlopeStatistics(0.004, 0.006, wind_to_azimuth=-0.4)
 
 
 def _roughness(slopes, sun_azimuth):
-    return roughness_of(slopes, sun_azimuth, 1)
+    return roughness_of(slopes, sun_azimuth, SMITHS)
 
 
 def _sight(slopes, azimuth, sun_azimuth):
@@ -230,7 +231,7 @@ ARCS = np.geomspace(20.0, 20_000.0, 50)
 
 def _optics(basis, view, sun, axes, shape):
     """Facets of a sea with Smith's shadowing and no sunlight on them, and the path's coefficients for their table."""
-    rough = roughness_of(view.slopes, sun.azimuth, 1)
+    rough = roughness_of(view.slopes, sun.azimuth, SMITHS)
     table, coefficients = fewest_terms(
         thermal_table(thermal_sources(basis, view), rough, axes, shape, basis.phi.shape[0]), basis.coefficients, TOGETHER
     )

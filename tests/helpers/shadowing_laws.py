@@ -30,11 +30,12 @@ def slope_lambda(view_zenith, view_azimuth, slopes):
     return np.where(cosine > 0.0, area / np.where(cosine > 0.0, cosine, 1.0) - 1.0, np.inf)
 
 
-def lit_of_seen(slope, view, sun, bands=BANDS):
-    """Share of the seen facets that is lit too, over that of Smith's law in one band: the Sun's leg alone, and the coupling of both."""
+def lit_of_seen(slope, view, sun, bands=BANDS, deviation=0.165):
+    """Share of the seen facets that is lit too, over that of Smith's law in one band: the Sun's leg alone, and the coupling of both,
+    for a sea of an rms slope of ``deviation`` along one direction."""
     tilt = float(np.clip(slope, -sun, view))
     alone = nested_ratio_kernel(-tilt, sun, 1.0, ratio_table(bands))
-    return alone * np.exp(lit_exponent_kernel(tilt, view, sun, coupling_table(bands)))
+    return alone * np.exp(lit_exponent_kernel(tilt, view, sun, coupling_table(bands, deviation)))
 
 
 def clipped_mass(slopes):

@@ -6,8 +6,8 @@ import pytest
 from seaglint.base.errors import DomainError
 from seaglint.imaging.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.shadowing.nested import bands_of_facets
-from seaglint.sea.shadowing.seen_and_lit import coupling_table
+from seaglint.sea.shadowing.seen_and_lit import coupled_bands
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 
@@ -30,9 +30,10 @@ def test_facets_with_little_more_than_one_band():
     bands, view = run.scene.tables.levels, run.scene.view
     assert not bands.smith
     assert bands.nested.shape[1] > 1
-    left = bands_of_facets(0.5, view.shadowing.bands_for(view.slopes))
-    assert left > 1.0
-    assert coupling_table(left).size == 0
+    facets = SlopeStatistics(0.5 * view.slopes.mss_up, 0.5 * view.slopes.mss_cross)
+    law = view.shadowing.facet_law(view.slopes, facets)
+    assert 1.0 < law.bands < 2.0
+    assert coupled_bands(np.array(0.1), np.array(0.1), law.bands, law.deviation) < 1.2
     image = run.at(0.0)
     assert np.isfinite(image.radiance).all()
     assert image.glint_radiance.mean() > 1e-3
@@ -49,8 +50,9 @@ def test_facets_of_next_to_no_slopes_shade_less_than_smiths():
     assert isinstance(run.scene, SweptScene)
     assert run.scene.tables is not None
     assert run.scene.tables.levels.smith
-    east, _, north, towards = run.scene.tables.levels.roughness[0]
+    east, _, north, towards, *shelter = run.scene.tables.levels.roughness[0]
     slopes = run.scene.view.slopes
-    share = bands_of_facets((east + north) / slopes.mss, run.scene.view.shadowing.bands_for(slopes))
-    assert share < 0.9
-    assert towards == pytest.approx(share * np.sqrt(north), rel=1e-6)
+    law = run.scene.view.shadowing.facet_law(slopes, SlopeStatistics(north, east))
+    assert law.bands < 0.9
+    assert towards == pytest.approx(law.bands * np.sqrt(north), rel=1e-6)
+    assert shelter == pytest.approx(law.shelter)

@@ -8,7 +8,7 @@ from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import EARTH_RADIUS
 from seaglint.facet import solar_disc
 from seaglint.facet.facet_sunlight import sun_factor
-from seaglint.facet.legs import Shadowing
+from seaglint.facet.legs import SMITHS, Shadowing
 from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.roughness import line_of_sight, roughness_of
 from seaglint.facet.sunlight import sunlight, sunlight_at
@@ -58,7 +58,7 @@ def test_the_sun_at_a_place_is_a_sun_made_for_it(zenith, relative):
 def test_the_discs_table_of_the_foot_serves_turned_places(aside, error):
     """Within the turn times the disc's share of the slopes, which is large far aside where next to nothing is mirrored."""
     psi, sun = 0.05, sunlight(np.radians(75.0), 0.3, True)
-    rough = roughness_of(SLOPES, 0.3, 1.0)
+    rough = roughness_of(SLOPES, 0.3, SMITHS)
     sight = line_of_sight(sun, rough, 0.3 + aside)
     line = solar_disc.disc_line(sun, rough, sight, (0.05, 0.9), np.empty(solar_disc.DISC_ROWS), psi)
     assert line.rows.size > 0

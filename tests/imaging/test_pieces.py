@@ -5,6 +5,7 @@ import pytest
 
 from seaglint.facet import facet_sunlight as facet
 from seaglint.facet import solar_disc
+from seaglint.facet.legs import SMITHS, FacetLaw
 from seaglint.facet.roughness import line_of_sight, roughness_of
 from seaglint.facet.sunlight import sunlight
 from seaglint.imaging import wave_surface as surface
@@ -33,7 +34,7 @@ def test_a_merged_piece_has_the_moments_of_its_parts():
     made, count = _found(5), 5
     weight = np.diff(made.extent[:count, 1])
     slope, arc, length, top = made.slope[1:count].copy(), made.arc[1:count].copy(), made.extent[1:count, 0].sum(), made.extent[4, 1]
-    left = pieces.merge(made, count, -0.05, roughness_of(SLOPES, 0.0, 1.0), (10.0, 1.0, np.inf, 0.5))
+    left = pieces.merge(made, count, -0.05, roughness_of(SLOPES, 0.0, SMITHS), (10.0, 1.0, np.inf, 0.5))
     assert left == 2
     assert (made.begin[0], made.sample[0], made.begin[1], made.sample[1]) == (7, 7, 8, 11)
     assert made.extent[1] == pytest.approx((length, top), rel=1e-12)
@@ -50,15 +51,15 @@ def test_a_merged_piece_has_the_moments_of_its_parts():
 )
 def test_limits_keep_pieces_apart(limits, left):
     """Of slope variance, extent and elevation."""
-    assert pieces.merge(_found(4), 4, -0.05, roughness_of(SLOPES, 0.0, 1.0), limits) == left
+    assert pieces.merge(_found(4), 4, -0.05, roughness_of(SLOPES, 0.0, SMITHS), limits) == left
 
 
 @pytest.mark.kernel
 def test_gaps_and_mirrors_are_not_merged():
     made = _found(4)
     made.sample[2:4] += 1
-    assert pieces.merge(made, 4, -0.05, roughness_of(SLOPES, 0.0, 1.0), (10.0, 1.0, np.inf, 0.5)) == 3
-    calm = roughness_of(gaussian_slopes(0.0, 0.0, 0.0, 0.0), 0.0, 1.0)
+    assert pieces.merge(made, 4, -0.05, roughness_of(SLOPES, 0.0, SMITHS), (10.0, 1.0, np.inf, 0.5)) == 3
+    calm = roughness_of(gaussian_slopes(0.0, 0.0, 0.0, 0.0), 0.0, SMITHS)
     assert pieces.merge(_found(4), 4, -0.05, calm, (10.0, 1.0, np.inf, 0.5)) == 4
 
 
@@ -68,7 +69,7 @@ def test_gaps_and_mirrors_are_not_merged():
 @pytest.mark.parametrize("turn", [0.0, 0.15])
 def test_the_glint_of_a_merged_piece_is_that_of_its_parts(sun_zenith, depression, worst, turn):
     """Gaussian slopes about a mean, by quadrature: of a tenth of the facets' variance, as the renderer allows by default."""
-    sun, rough = sunlight(sun_zenith, 0.3, True), roughness_of(SLOPES, 0.3, 4.0)
+    sun, rough = sunlight(sun_zenith, 0.3, True), roughness_of(SLOPES, 0.3, FacetLaw(4.0, 0.15))
     sight, none = line_of_sight(sun, rough, 0.3 + turn), solar_disc.no_disc_line()
     grazing, mean = (np.sin(depression), np.cos(depression)), np.array([-0.05, 0.02])
     q = np.array([[rough.east_east, rough.east_north], [rough.east_north, rough.north_north]])

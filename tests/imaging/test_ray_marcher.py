@@ -30,8 +30,8 @@ def reflected(view: SeaView, nodes: int = 1025):
 
 
 def facets(view, waves):
-    rest, bands = facets_left(view, waves)
-    return facets_of(rest.covariance(), bands)
+    rest, law = facets_left(view, waves)
+    return facets_of(rest.covariance(), law)
 
 
 def pixel(eye, row, column):

@@ -13,7 +13,7 @@ from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import surface_range, view_zenith_of_range
 from seaglint.facet.facet_sunlight import level_optics
 from seaglint.facet.facet_tables import FacetDomain, facet_tables
-from seaglint.facet.legs import NESTED, VIEWER
+from seaglint.facet.legs import NESTED, SMITHS, VIEWER
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import line_of_sight
 from seaglint.facet.thermal import azimuth_node, azimuth_of, facet_thermal, thermal_along, thermal_axes
@@ -132,7 +132,7 @@ def test_facets_on_waves_mirror_the_aureole_by_their_tilt(height, sun_zenith, ar
     resolved = (0.4 * slopes.mss_up, 0.4 * slopes.mss_cross)
     facets = gaussian_slopes(0.6 * slopes.mss_up, 0.6 * slopes.mss_cross, 0.0, slopes.wind_to_azimuth)
     sine = np.cos(view_zenith_of_range(height, arc))
-    domain = FacetDomain(facets, resolved, 1.0, (0.9 * float(sine.min()), float(sine.max())))
+    domain = FacetDomain(facets, resolved, SMITHS, (0.9 * float(sine.min()), float(sine.max())))
     views = [sea_view(hazy(7.0), slopes, height, sun_zenith, 10.0, scattering=light) for light in (True, False)]
     made = [
         facet_tables(v, path_basis(v.atmosphere, BAND, height, arc), arc, [domain], (np.radians(-20.0), np.radians(60.0))) for v in views

@@ -9,7 +9,7 @@ from seaglint.facet.emissivity import facet_nodes
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import NESTED_VIEWER, VIEWER, Shadowing
 from seaglint.sea.shadowing.nested import BANDS, nested_area, nested_exponent_kernel, nested_ratio, ratio_table
-from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
+from seaglint.sea.shadowing.seen_and_lit import coupled_bands, coupling_table, lit_exponent_kernel
 from seaglint.sea.shadowing.smith import projected_area, smith_lambda, smith_nu
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
@@ -141,9 +141,32 @@ def _two_bands_by_hand(slope, view, sun):
 
 @pytest.mark.parametrize(("slope", "view", "sun"), [(0.0, 0.4, 0.4), (-0.6, 0.4, 1.6), (0.3, 1.4, 0.8), (-1.0, 0.2, 3.0), (-0.2, 2.0, 2.4)])
 def test_facets_seen_and_lit_of_two_bands_by_quadrature(slope, view, sun):
+    """Legs so high over a sea so rough that the coupling has 0.55 of the bands beyond the first: just one more."""
+    assert coupled_bands(np.array(view), np.array(sun), 1.0 + 1.0 / 0.55, 0.2) == pytest.approx(2.0)
     alone = [float(nested_ratio(s, np.arctan(1.0 / edge), 1.0, 2)) for s, edge in ((slope, view), (-slope, sun))]
-    found = alone[0] * alone[1] * np.exp(lit_exponent_kernel(slope, view, sun, coupling_table(2.0 / 0.55)))
+    found = alone[0] * alone[1] * np.exp(lit_exponent_kernel(slope, view, sun, coupling_table(1.0 + 1.0 / 0.55, 0.2)))
     assert found == pytest.approx(_two_bands_by_hand(slope, view, sun), rel=5e-3)
+
+
+def test_low_legs_over_gentle_seas_have_one_band_together():
+    """Shadows of both fall on the same facets: bands grow with both elevations alike, and with the slopes, up to a bound."""
+    low, high = np.array([1e-3, 0.01, 0.1, 0.3]), np.array([0.5])
+    for deviation in (0.05, 0.12, 0.3):
+        bands = coupled_bands(low[:, None], low, 4.6, deviation)
+        np.testing.assert_array_equal(bands, bands.T)
+        assert np.all(np.diff(bands, axis=0) >= 0.0)
+    assert coupled_bands(low[:1], low[:1], 4.6, 0.14) < 1.1
+    assert coupled_bands(high, high, 4.6, 0.3) == pytest.approx(1.0 + 0.55 * 3.6)
+    np.testing.assert_array_equal(coupled_bands(high, high, 1.0, 0.3), 1.0)
+
+
+@pytest.mark.parametrize("slope", [-0.1, 0.0, 0.05])
+def test_the_coupling_is_symmetric_in_viewer_and_sun(slope):
+    table = coupling_table(4.3, 0.15)
+    for view, sun in ((0.15, 0.6), (0.3, 2.0), (0.02, 0.1)):
+        assert lit_exponent_kernel(slope, view, sun, table) == pytest.approx(
+            lit_exponent_kernel(-slope, sun, view, table), rel=0.01, abs=2e-3
+        )
 
 
 @pytest.mark.parametrize("bands", [2, 3, 5])
@@ -173,7 +196,7 @@ def test_facets_lit_of_those_seen_are_those_of_brute_force(depression):
 
 
 def test_one_band_is_smiths():
-    assert coupling_table(1.0).size == 0
+    assert coupling_table(1.0, 0.15).size == 0
     assert lit_of_seen(-0.3, 0.5, 0.7, 1) == 1.0
 
 

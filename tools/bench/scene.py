@@ -13,6 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.facet.facet_tables import facet_slopes
+from seaglint.facet.legs import FacetLaw
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
@@ -60,10 +61,10 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
     return SweptScene.prepare(view, camera, waves, accuracy=accuracy)
 
 
-def facets_left(view: SeaView, waves: WaveField) -> tuple[SlopeStatistics, float]:
-    """Slopes and bands of nested shadowing of the facets where all waves of the tile are geometry, as the renderer has them."""
+def facets_left(view: SeaView, waves: WaveField) -> tuple[SlopeStatistics, FacetLaw]:
+    """Slopes and law of hiding of the facets where all waves of the tile are geometry, as the renderer has them."""
     facets = facet_slopes(view.slopes, waves.resolved_mss(), waves.spectrum.wind_to_azimuth, waves.resolved_covariance())
-    return facets, view.shadowing.facet_bands(view.slopes, facets)
+    return facets, view.shadowing.facet_law(view.slopes, facets)
 
 
 def compared_rows(camera: Camera) -> slice:

@@ -25,7 +25,7 @@ from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.solar_disc import DiscLine, broadened, disc_at, disc_edge, disc_of, mirror_factor, sharp
 from seaglint.facet.sunlight import Sunlight
 from seaglint.facet.thermal import between
-from seaglint.sea.shadowing.nested import HIGHEST, nested_exponent_kernel
+from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, Shelter, nested_exponent_kernel
 from seaglint.sea.shadowing.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing.smith import quick_visible_area_kernel
 
@@ -58,9 +58,9 @@ class FacetOptics(NamedTuple):
 class FacetLevels(NamedTuple):
     """Facets of every level of detail, in arrays.
 
-    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith``
-    is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun``
-    as in :class:`FacetTables`.
+    ``roughness[l] = (ee, en, nn, towards the Sun, shelter)``, the shelter of three numbers; ``nested[l]`` and ``coupling[l]`` its tables,
+    unless all are Smith's and ``smith`` is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu, nchi,
+    na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
     """
 
     roughness: np.ndarray
@@ -90,7 +90,7 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
     nested, coupling = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.coupling[level]
     q = levels.roughness[level]
     tables = FacetTables(thermal, emitted, levels.axes[level], levels.sun)
-    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested, coupling), tables)
+    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], Shelter(q[4], q[5], q[6]), nested, coupling), tables)
 
 
 @kernel
@@ -208,14 +208,17 @@ def seen_and_lit(
     """
     view, sun = above
     area = quick_visible_area_kernel(view, deviation[0])
-    if area <= 0.0 or sun <= 0.0:
+    shaded = deviation[1] >= 0.0
+    if area <= 0.0 or (shaded and sun <= 0.0):
         return 0.0
     many = rough.nested.shape[0] > 0
     edge = view / max(deviation[0], 1e-12)
     seen = math.exp(nested_exponent_kernel(mirroring[0], edge, 1.0, rough.nested)) if many else 1.0
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
-    if sun >= (HIGHEST if many else 4.5) * deviation[1]:
+    if not shaded or sun >= (HIGHEST if many else 4.5) * deviation[1]:
         return seen / area
+    shelter = rough.shelter
+    sun = math.sqrt((shelter.tilt * sun) ** 2 + (shelter.least * deviation[1]) ** 2)
     hidden = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
     upright, lit, both = max(view, 0.0) / area, 1.0, seen
     if many:
@@ -224,6 +227,7 @@ def seen_and_lit(
         both = seen * lit
         if edge < HIGHEST:
             both *= math.exp(lit_exponent_kernel(0.5 * (mirroring[0] - mirroring[1]), edge, sun_edge, rough.coupling))
+    both *= 1.0 + shelter.together / (max(edge, LOWEST) * max(sun / deviation[1], LOWEST))
     same = max(1.0 / max(seen, 1e-300), upright * (1.0 + hidden) / max(lit, 1e-300))
     opposite = max((1.0 + upright * hidden) / max(both, 1e-300), same)
     return 1.0 / (same + passage * (opposite - same)) / area

@@ -16,6 +16,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.facet.facet_sunlight import FacetLevels
 from seaglint.facet.haze import SunlitPath, sunlit_path
+from seaglint.facet.legs import FacetLaw
 from seaglint.facet.mirrored_haze import HazyFacets, Lines, haze_table, hazy_facets, turns_of
 from seaglint.facet.path_basis import TOGETHER, PathBasis, fewest_terms
 from seaglint.facet.roughness import Roughness, roughness_of
@@ -50,15 +51,15 @@ class FacetDomain:
         Slopes that the facets carry.
     resolved : (float, float)
         Slope variance of the waves that tilt them, along and across the wind [1].
-    bands : float
-        Bands of nested shadowing (1: Smith's law; less: :func:`~seaglint.facet.roughness.roughness_of`).
+    law : FacetLaw
+        Law by which the facets hide each other.
     sines : (float, float)
         Least and greatest sine of the grazing angle [1].
     """
 
     slopes: SlopeStatistics
     resolved: tuple[float, float]
-    bands: float
+    law: FacetLaw
     sines: tuple[float, float]
 
 
@@ -127,7 +128,7 @@ def facet_tables(
     """
     sun, reflected_sun = sun_of(view, basis)
     sources, hazy = thermal_sources(basis, view), hazy_facets(view, basis)
-    roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, shade_sun=view.shadowing.sun) for d in domains]
+    roughs = [roughness_of(d.slopes, view.solar_azimuth, d.law, shade_sun=view.shadowing.sun) for d in domains]
     at_sun = None if hazy is None else (0.5 * np.pi - view.solar_zenith, view.solar_azimuth)
     axes_of = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
 
@@ -152,7 +153,7 @@ def facet_tables(
     shapes = np.array([shape for _, shape in axes_of])
     first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
     levels = FacetLevels(
-        np.array([rough[:4] for rough in roughs]),
+        np.array([(*rough[:4], *rough.shelter) for rough in roughs]),
         _stacked([rough.nested for rough in roughs]),
         _stacked([rough.coupling for rough in roughs]),
         all(rough.nested.size == 0 for rough in roughs),

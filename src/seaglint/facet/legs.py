@@ -15,13 +15,48 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
-from seaglint.sea.shadowing.nested import HIGHEST, bands_of, bands_of_facets, between_bands, nested_area, nested_ratio_kernel, ratio_table
+from seaglint.sea.shadowing.lean import gains_at, lean_gains, lean_kernel, lean_table
+from seaglint.sea.shadowing.nested import (
+    HIGHEST,
+    NO_SHELTER,
+    Shelter,
+    bands_of,
+    bands_of_facets,
+    between_bands,
+    nested_area,
+    nested_ratio_kernel,
+    ratio_table,
+    shelter_of_facets,
+)
 from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
 from seaglint.sea.shadowing.smith import leg_passage_kernel, visible_area_kernel
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 Law = Literal["smith", "nested"]
 """Shadowing law: Smith's (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.shadowing.nested`)."""
+
+
+@dataclass(frozen=True)
+class FacetLaw:
+    """Law by which the slopes that facets carry hide each other, on waves that are geometry. Made by :meth:`Shadowing.facet_law`.
+
+    Attributes
+    ----------
+    bands : float
+        Bands of equal slope variance; 1 is Smith's law, and less is less of it in the Sun's way.
+    deviation : float
+        Rms slope of the whole sea along one direction [1].
+    shelter : Shelter
+        Shelter that geometry gives.
+    """
+
+    bands: float
+    deviation: float
+    shelter: Shelter = NO_SHELTER
+
+
+SMITHS: Final = FacetLaw(1.0, 0.0)
+"""Smith's law."""
 
 
 @dataclass(frozen=True)
@@ -72,13 +107,15 @@ class Shadowing:
         """Number of bands of the law for a sea [1]: 1 for Smith's."""
         return self.bands_for(slopes) if self.law == "nested" else 1.0
 
-    def facet_bands(self, slopes: SlopeStatistics, facets: SlopeStatistics) -> float:
-        """Bands of the law on facets that carry what is left of a sea's slopes while longer waves are geometry [1].
+    def facet_law(self, slopes: SlopeStatistics, facets: SlopeStatistics) -> FacetLaw:
+        """Law of hiding for facets that carry what is left of a sea's slopes while longer waves are geometry.
 
-        Every renderer asks here, references too, so that all of them draw the same facets.
+        Every renderer takes it from here, references too, so that all of them draw the same facets.
         """
         share = facets.mss / slopes.mss if slopes.mss > 0.0 else 1.0
-        return bands_of_facets(share, self.law_bands(slopes))
+        bands = self.law_bands(slopes)
+        shelter = shelter_of_facets(share) if bands > 1.0 else NO_SHELTER
+        return FacetLaw(bands_of_facets(share, bands), math.sqrt(0.5 * slopes.mss), shelter)
 
     def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
         """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""
@@ -111,6 +148,12 @@ class Legs(NamedTuple):
     """Table of the nested law; empty for Smith's."""
     coupling: FloatArray
     """Table of facets seen and lit; empty for independent legs."""
+    lean: FloatArray
+    """Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.lean`); empty for Smith's law."""
+    gains: FloatArray
+    """Gains of the lean over azimuths from the wind's [(azimuths, 2)]."""
+    wind: float
+    """Azimuth the wind blows TO [rad]."""
 
 
 def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimuth: float, *, shining: bool) -> Legs:
@@ -130,7 +173,10 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
         deviation,
         (1.0 + hidden) / gaussian if with_sun else 1.0,
         between_bands(ratio_table, bands),
-        coupling_table(bands) if with_sun else np.zeros((0, 0, 0)),
+        coupling_table(bands, math.sqrt(0.5 * slopes.mss)) if with_sun else np.zeros((0, 0, 0)),
+        lean_table(bands) if bands > 1.0 else np.zeros((2, 0, 0)),
+        lean_gains(slopes),
+        slopes.wind_to_azimuth,
     )
 
 
@@ -171,3 +217,20 @@ def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: floa
     same = max(1.0 / seen, upright * (1.0 + legs.hidden) / lit)
     opposite = max((1.0 + upright * legs.hidden) / max(both, 1e-300), same)
     return 1.0 / (same + leg_passage_kernel(azimuth - legs.azimuth) * (opposite - same))
+
+
+@kernel
+def lean_of_legs(view: tuple[float, float, float], azimuth: float, sunward: float, legs: Legs) -> tuple[float, float]:
+    """Shift of the mean slope, east and north [1], of facets of one slope along the legs that are seen and lit; those of both legs add up.
+
+    ``view``: slope towards the viewer and cotangent of the view zenith in rms slopes along the view, and that rms slope; ``sunward``: slope
+    towards the Sun in rms slopes along its azimuth; ``azimuth`` is the viewer's [rad].
+    """
+    if legs.lean.shape[1] == 0:
+        return 0.0, 0.0
+    shift = view[2] * lean_kernel(view[0], view[1], gains_at(legs.gains, azimuth - legs.wind), legs.lean)
+    east, north = shift * math.cos(azimuth), -shift * math.sin(azimuth)
+    if legs.sun:
+        shift = legs.deviation * lean_kernel(sunward, legs.edge, gains_at(legs.gains, legs.azimuth - legs.wind), legs.lean)
+        east, north = east + shift * legs.cosine, north - shift * legs.sine
+    return east, north

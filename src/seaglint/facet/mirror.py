@@ -14,7 +14,7 @@ from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
-from seaglint.facet.legs import Legs, local_leg, seen_and_lit_kernel
+from seaglint.facet.legs import Legs, lean_of_legs, local_leg, seen_and_lit_kernel
 from seaglint.facet.local_sun import SunTable, strength_kernel, turned_kernel
 from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.shadowing.smith import visible_area_kernel
@@ -102,13 +102,17 @@ def aim_disc(points: FloatArray, solar_zenith: float, solar_azimuth: float) -> N
 
 
 @kernel
-def _facet_share(east: float, north: float, up: float, sea: FacetDensity) -> float:
-    """Share ``p(s) / (4 cos^4(beta))`` of the mirroring facet; ``(east, north, up)`` is the sum of both directions."""
+def _facet_share(east: float, north: float, up: float, lean: tuple[float, float], sea: FacetDensity) -> float:
+    """Share ``p(s) / (4 cos^4(beta))`` of the mirroring facet; ``(east, north, up)`` is the sum of both directions.
+
+    ``lean`` is the shift of the density's mean, east and north.
+    """
     # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
     fall = -1.0 / max(up, 1e-12)
     slope_east, slope_north = fall * east, fall * north
-    along = (slope_east * sea.wind_sine + slope_north * sea.wind_cosine) / sea.deviation_up
-    cross = (slope_east * sea.wind_cosine - slope_north * sea.wind_sine) / sea.deviation_cross
+    from_east, from_north = slope_east - lean[0], slope_north - lean[1]
+    along = (from_east * sea.wind_sine + from_north * sea.wind_cosine) / sea.deviation_up
+    cross = (from_east * sea.wind_cosine - from_north * sea.wind_sine) / sea.deviation_cross
     q = along * along + cross * cross
     if q > 1400.0:
         return 0.0
@@ -132,18 +136,18 @@ def place_kernel(away: tuple[float, float], turn: tuple[float, float], disc: Sun
 
 
 @kernel
-def _wide(east: float, north: float, up: float, disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
+def _wide(east: float, north: float, up: float, lean: tuple[float, float], disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
     """Integral over the whole disc of a density that varies little on it; the first arguments are the view's direction."""
     total = 0.0
     for i in range(disc.points.shape[0]):
         p = disc.points[i]
         sun = turned_kernel(p[0], p[1], p[2], place.away, place.turn)
-        total += p[3] * _facet_share(east + sun[0], north + sun[1], up + sun[2], sea)
+        total += p[3] * _facet_share(east + sun[0], north + sun[1], up + sun[2], lean, sea)
     return total
 
 
 @kernel
-def _narrow(east: float, north: float, up: float, disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
+def _narrow(east: float, north: float, up: float, lean: tuple[float, float], disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
     """Integral over the part of the disc that is above the horizon and where the density is not negligible.
 
     Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
@@ -184,7 +188,9 @@ def _narrow(east: float, north: float, up: float, disc: SunDisc, place: SunPlace
         for i in range(disc.rule.shape[1]):
             x = 0.5 * (left + right) + width * disc.rule[0, i]
             norm = 1.0 / math.sqrt(1.0 + x * x + y * y)
-            share = _facet_share(east + norm * (level * s + x * c), north + norm * (level * c - x * s), up + norm * (cz + y * sz), sea)
+            share = _facet_share(
+                east + norm * (level * s + x * c), north + norm * (level * c - x * s), up + norm * (cz + y * sz), lean, sea
+            )
             line += disc.rule[1, i] * share * norm**3
         total += disc.rule[1, j] * width * line
     return half * total
@@ -218,8 +224,6 @@ def chance_kernel(
     least, most = min(sea.deviation_up, sea.deviation_cross), max(sea.deviation_up, sea.deviation_cross)
     if place.share == 0.0 or slope - 2.0 * image >= _NEGLIGIBLE * most:
         return 0.0, cos_incidence, 0.0
-    wide = place.share == 1.0 and image < _BROAD * least
-    share = _wide(east, north, cosine, disc, place, sea) if wide else _narrow(east, north, cosine, disc, place, sea)
     to_wind = azimuth_sine * sea.wind_sine + azimuth_cosine * sea.wind_cosine
     off_wind = azimuth_sine * sea.wind_cosine - azimuth_cosine * sea.wind_sine
     deviation = math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
@@ -227,8 +231,14 @@ def chance_kernel(
         area = visible_area_kernel(cosine, sine * deviation)
     along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / (rise * deviation)
     hidden, leg_edge = local_leg(legs, sun[2])
-    there = Legs(legs.sun, hidden, legs.azimuth, legs.sine, legs.cosine, leg_edge, legs.deviation, legs.series, legs.ratio, legs.coupling)
+    there = Legs(
+        legs.sun, hidden, legs.azimuth, legs.sine, legs.cosine, leg_edge, legs.deviation, legs.series,
+        legs.ratio, legs.coupling, legs.lean, legs.gains, legs.wind,
+    )  # fmt: skip
     sunward = -((east + sun[0]) * legs.sine + (north + sun[1]) * legs.cosine) / (rise * legs.deviation)
     edge = cosine / (sine * deviation) if sine > 0.0 else HIGHEST
+    lean = lean_of_legs((along, edge, deviation), azimuth, sunward, there)
+    wide = place.share == 1.0 and image < _BROAD * least
+    share = _wide(east, north, cosine, lean, disc, place, sea) if wide else _narrow(east, north, cosine, lean, disc, place, sea)
     share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, there)
     return share / area, cos_incidence, strength_kernel(SunTable(disc.first, disc.per_step, disc.strength), sun[2])

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from seaglint.base.jit import kernel
+from seaglint.facet.legs import FacetLaw
 from seaglint.facet.sunlight import Sunlight
-from seaglint.sea.shadowing.nested import between_bands, ratio_table
+from seaglint.sea.shadowing.nested import Shelter, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import leg_passage_kernel
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -18,15 +19,16 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 class Roughness(NamedTuple):
     """Unresolved slopes of a facet: covariance towards east and north (zero means mirror facets), and shadowing tables.
 
-    Further fields are the deviation along the Sun's azimuth, and the tables of their nested shadowing: of either leg
-    (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`);
-    empty for Smith's.
+    Further fields are the deviation along the Sun's azimuth, the shelter that geometry gives, and the tables of their nested shadowing: of
+    either leg (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together
+    (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`); empty for Smith's.
     """
 
     east_east: float
     east_north: float
     north_north: float
     towards_sun: float
+    shelter: Shelter
     nested: np.ndarray
     coupling: np.ndarray
 
@@ -59,14 +61,14 @@ def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
     return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation)
 
 
-def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, shade_sun: bool = True) -> Roughness:
-    """Facet slopes as kernels read them, with nested shadowing in so many wave bands (1: Smith's), of both legs or of the viewer's alone.
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *, shade_sun: bool = True) -> Roughness:
+    """Facet slopes as kernels read them, with a law of hiding, of both legs or of the viewer's alone.
 
     Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than one
     band is Smith's law with as much less deviation in the Sun's way (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
     """
-    whole = max(bands, 1.0)
-    nested, coupling = between_bands(ratio_table, whole), coupling_table(whole) if shade_sun else np.zeros((0, 0, 0))
-    # without a deviation towards the Sun nothing shades
-    towards = min(bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
-    return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), coupling.astype(np.float32))
+    whole = max(law.bands, 1.0)
+    nested, coupling = between_bands(ratio_table, whole), coupling_table(whole, law.deviation) if shade_sun else np.zeros((0, 0, 0))
+    # a negative deviation towards the Sun: nothing shades, not even the facet's own tilt
+    towards = min(law.bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else -1.0
+    return Roughness(*slopes.covariance(), towards, law.shelter, nested.astype(np.float32), coupling.astype(np.float32))

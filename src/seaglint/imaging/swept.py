@@ -350,10 +350,10 @@ class SweptScene:
         out = []
         for level, begin, end in zip(levels.detail.levels, levels.begins, last, strict=True):
             facets = facet_slopes(view.slopes, level.mss, towards, level.covariance)
-            bands = view.shadowing.facet_bands(view.slopes, facets)
+            law = view.shadowing.facet_law(view.slopes, facets)
             ends = np.clip([begin, end], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
-            out.append(FacetDomain(facets, level.mss, bands, (max(float(low), floor), min(float(high), 1.0))))
+            out.append(FacetDomain(facets, level.mss, law, (max(float(low), floor), min(float(high), 1.0))))
         return out
 
     def _shadows(self, sun: Sunlight) -> tuple[FloatArray, FloatArray]:

@@ -137,7 +137,8 @@ class SeaState(NamedTuple):
     density: FacetDensity
     wind: float
     """Wind in steps of the table."""
-    band: float
+    law: float
+    """Coordinate of its rms slope among the tables of the law of hiding."""
     sun_deviation: float
     series: float
     wave_azimuth: float
@@ -178,7 +179,9 @@ def sea_at(sea: WindSlopes, row: FloatArray, coefficients: FloatArray) -> SeaSta
     turn = row[5] - azimuth
     deviation = math.sqrt(up * math.cos(turn) ** 2 + cross * math.sin(turn) ** 2)
     series = _area_ratio(sea, wind, 1.0 / max(math.tan(min(row[4], 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)) * deviation, 1e-9), turn)
-    return SeaState(density, wind, ((1.0 - f) * low[7] + f * high[7] - sea.first_band) / sea.band_step, deviation, series, azimuth)
+    return SeaState(
+        density, wind, ((1.0 - f) * low[7] + f * high[7] - sea.first_deviation) / sea.deviation_step, deviation, series, azimuth
+    )
 
 
 @njit
@@ -204,8 +207,8 @@ def direction(
         deviation = math.sqrt(state.density.mss_up * math.cos(beside) ** 2 + state.density.mss_cross * math.sin(beside) ** 2)
         edge = view[1] / max(view[0] * deviation, 1e-12)
         edge_area = visible_area_kernel(view[1], view[0] * deviation) * _area_ratio(sea, state.wind, edge, beside)
-    band = min(int(state.band), max(sea.ratio.shape[0] - 2, 0))
-    more = state.band - band
+    at = min(int(state.law), max(sea.ratio.shape[0] - 2, 0))
+    more = state.law - at
     chance, cosine = 0.0, 0.0
     for k in range(2):
         share = more if k == 1 else 1.0 - more
@@ -213,7 +216,8 @@ def direction(
             continue
         legs = Legs(
             sea.sun_leg, 0.0, row[5], math.sin(row[5]), math.cos(row[5]), 0.0, state.sun_deviation, state.series,
-            sea.ratio[band + k], sea.coupling[band + k],
+            sea.ratio[at + k], sea.coupling[at + k], sea.lean[at + k], sea.gains[min(int(state.wind + 0.5), sea.gains.shape[0] - 1)],
+            state.wave_azimuth,
         )  # fmt: skip
         part, cosine, _ = chance_kernel(view, away, turn, edge_area, state.density, disc, legs)
         chance += share * part

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.glint import floored
 from seaglint.facet.legs import Shadowing
+from seaglint.sea.shadowing.lean import lean_gains, lean_table
 from seaglint.sea.shadowing.nested import HIGHEST, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import projected_area
@@ -21,8 +23,8 @@ SlopesAt = Callable[[float], SlopeStatistics]
 _STEP: Final = 0.2
 """Step of winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it."""
 
-_BANDS: Final = 0.25
-"""Steps of the number of bands of the nested law; shares of facets are interpolated linearly between them, within 1e-3."""
+_DEVIATIONS: Final = 0.006
+"""Steps of the rms slope, which the law of hiding depends on; shares of facets are interpolated linearly between them, within 1e-3."""
 
 _AREA_WIND: Final = 2.0
 _EDGES: Final = 31
@@ -38,17 +40,21 @@ class WindSlopes(NamedTuple):
     slopes: FloatArray
     """Slope parameters of each wind [(winds, 9)].
 
-    These are variances along and across the waves, series (c21, c03, c40, c22, c04), bands of the law, azimuth of the waves from the wind's
+    These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves from the wind's
     [rad].
     """
     is_gaussian: bool
     sun_leg: bool
-    first_band: float
-    band_step: float
+    first_deviation: float
+    deviation_step: float
     ratio: FloatArray
-    """Tables of the nested law [(bands, rows, columns)]; empty ones for Smith's."""
+    """Tables of the nested law [(rms slopes, rows, columns)]; empty ones for Smith's."""
     coupling: FloatArray
-    """Tables of facets seen and lit [(bands, view, Sun, slope)]."""
+    """Tables of facets seen and lit [(rms slopes, view, Sun, slope)]."""
+    lean: FloatArray
+    """Tables of the lean of facets [(rms slopes, 2, views, slopes)]."""
+    gains: FloatArray
+    """Gains of the lean at each wind [(winds, azimuths, 2)]."""
     area: FloatArray
     """Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
 
@@ -59,21 +65,24 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
     nodes = np.linspace(low, max(high, low + 1e-6), count)
     statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
-    bands = np.array([shadowing.law_bands(s) for s in statistics])
+    deviations = np.array([math.sqrt(0.5 * s.mss) for s in statistics])
     table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
-    first = float(bands.min())
-    steps = 1 if bands.max() == first else max(int(np.ceil((bands.max() - first) / _BANDS)) + 1, 2)
-    grid = np.linspace(first, float(bands.max()), steps)
+    first, last = float(deviations.min()), float(deviations.max())
+    steps = 1 if last == first else max(int(np.ceil((last - first) / _DEVIATIONS)) + 1, 2)
+    grid = np.linspace(first, last, steps)
+    bands = [shadowing.law_bands(SlopeStatistics(d * d, d * d)) for d in grid]
     return WindSlopes(
         low,
         float(nodes[1] - nodes[0]),
-        np.column_stack([table, bands, [s.wind_to_azimuth for s in statistics]]),
+        np.column_stack([table, deviations, [s.wind_to_azimuth for s in statistics]]),
         all(s.is_gaussian for s in statistics),
         shadowing.sun,
         first,
         float(grid[1] - grid[0]) if steps > 1 else 1.0,
-        np.stack([between_bands(ratio_table, float(b)) for b in grid]),
-        np.stack([coupling_table(float(b)) for b in grid]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
+        np.stack([between_bands(ratio_table, b) for b in bands]),
+        np.stack([coupling_table(b, float(d)) for b, d in zip(bands, grid, strict=True)]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
+        np.stack([lean_table(b) if b > 1.0 else np.zeros((2, 0, 0)) for b in bands]),
+        np.stack([lean_gains(s) for s in statistics]),
         np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
     )
 

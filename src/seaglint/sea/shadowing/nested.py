@@ -35,7 +35,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -76,8 +76,23 @@ def _area(x: FloatArray) -> FloatArray:
     return np.asarray(0.5 * x * (1.0 + erf(x / math.sqrt(2.0))) + _density(x))
 
 
-def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
-    """Logarithm of visible density over Smith's, by quadrature, at slopes ``t`` and one view ``mu`` (both in rms slopes)."""
+class _Quadrature(NamedTuple):
+    """Quadrature over the slope of the longer waves: its nodes, the first band's visible density there and the factors of the next ones.
+
+    ``projection`` is the projected area of the nodes, ``onward`` their weights over the visible area of one band about them, ``step[i, j]``
+    the density of a band that leads from node j to node i, with ``onward``, and ``width`` the rms slope of one band.
+    """
+
+    slope: FloatArray
+    seen: FloatArray
+    projection: FloatArray
+    onward: FloatArray
+    step: FloatArray
+    width: float
+
+
+def _quadrature(mu: float, bands: int) -> _Quadrature:
+    """Return the quadrature of a view ``mu`` rms slopes high."""
     high = min(mu, REACH + 0.5)
     half = 0.5 * (high + REACH + 0.5)
     slope, weight = high - half * (1.0 - _GAUSS_X), half * _GAUSS_W
@@ -87,11 +102,39 @@ def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
     seen = _density(slope / width) * projection / (width * width * _area(np.asarray(mu / width)))
     onward = weight / (width * _area(projection / width))
     step = _density((slope[:, None] - slope) / width) / width * onward
+    return _Quadrature(slope, seen, projection, onward, step, width)
+
+
+def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
+    """Logarithm of visible density over Smith's, by quadrature, at slopes ``t`` and one view ``mu`` (both in rms slopes)."""
+    rule = _quadrature(mu, bands)
+    seen = rule.seen
     for _ in range(bands - 2):
-        seen = (step @ seen) * projection
-    last = (_density((t[:, None] - slope) / width) / width * onward) @ seen
+        seen = (rule.step @ seen) * rule.projection
+    last = (_density((t[:, None] - rule.slope) / rule.width) / rule.width * rule.onward) @ seen
     # far beyond the edge, where nothing is visible, many narrow bands give 0
     return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
+
+
+def nested_chain(t: FloatArray, mu: float, bands: int) -> list[FloatArray]:
+    """Mean slopes of the longest 1, 2, ... ``bands - 1`` bands together, of visible facets with the slopes ``t``.
+
+    Slopes along the view, and its elevation ``mu``, are in rms slopes; two or more bands.
+    """
+    rule = _quadrature(mu, bands)
+    forward, seen = [rule.seen], rule.seen
+    for _ in range(bands - 2):
+        seen = (rule.step @ seen) * rule.projection
+        forward.append(seen)
+    back = _density((t[:, None] - rule.slope) / rule.width) / rule.width * rule.onward
+    out: list[FloatArray] = []
+    for seen in reversed(forward):
+        weight = back @ seen
+        out.insert(
+            0, np.where(weight > 1e-200, back @ (seen * rule.slope) / np.maximum(weight, 1e-200), (len(forward) - len(out)) / bands * t)
+        )
+        back = (back * rule.projection) @ rule.step
+    return out
 
 
 def bands_of(mss: float) -> float:
@@ -105,11 +148,11 @@ def bands_of(mss: float) -> float:
     >>> round(bands_of(0.0286), 1)
     3.7
     """
-    return min(max(0.55 + 110.0 * mss, 2.6), 5.3)
+    return min(1.3 + 98.0 * mss, 4.6)
 
 
 def bands_of_facets(share: float, bands: float) -> float:
-    """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.08 (1 - share)^0.55]``.
+    """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.05 (1 - share)^0.5]``.
 
     Geometry hides in more ways than its share of ``bands`` says, most of all the longest waves. Below 1 the facets hide less than Smith's
     law has it: the waves that they ride on fall away from where they are seen. 0 where they hide nothing of each other.
@@ -122,8 +165,41 @@ def bands_of_facets(share: float, bands: float) -> float:
     1.9
     """
     # fewer bands than any sea has approach Smith's law, whose facets stay Smith's
-    lost = 1.08 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
-    return float(max(bands * (1.0 - lost * (1.0 - min(share, 1.0)) ** 0.55), 0.0))
+    lost = 1.05 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
+    return float(max(bands * (1.0 - lost * math.sqrt(1.0 - min(share, 1.0))), 0.0))
+
+
+class Shelter(NamedTuple):
+    """Shelter that geometry gives to the facets on it: of :func:`shelter_of_facets`."""
+
+    tilt: float
+    """Share of a facet's tilt and elevation that counts for its Sun."""
+    least: float
+    """Least elevation of the Sun that counts, in rms slopes of the facets."""
+    together: float
+    """Excess of facets that are both seen and lit, times both elevations in rms slopes."""
+
+
+NO_SHELTER: Final = Shelter(1.0, 0.0, 0.0)
+"""Shelter of facets that carry all slopes."""
+
+LOWEST: Final = 0.1
+"""Elevation in rms slopes of facets below which :attr:`Shelter.together` grows no more."""
+
+
+def shelter_of_facets(share: float) -> Shelter:
+    r"""Shelter of facets with a ``share`` of the slope variance, longer waves being geometry.
+
+    Where geometry shows a facet the sea falls away on that side, so that ripples hide less than Smith's law about the facet's tilt has it.
+    The elevation :math:`\mu` of the Sun over the facet counts as :math:`\sqrt{(t\mu)^2 + m^2}`, and the share that is seen and lit is
+    :math:`1 + b/(\mu_v \mu_s)` times that of the law, with :math:`t = 1 - 0.39\,u`, :math:`m = 0.245\,u`, :math:`u = (1 - share)^{1/3}` and
+    :math:`b = 0.049\,(1 - share)^{1/2}`.
+
+    Fitted as :func:`bands_of_facets` is.
+    """
+    left = max(1.0 - share, 0.0)
+    grown = left ** (1.0 / 3.0)
+    return Shelter(1.0 - 0.39 * grown, 0.245 * grown, 0.049 * math.sqrt(left))
 
 
 @lru_cache(maxsize=8)

@@ -14,16 +14,16 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
 from seaglint.base.kept_tables import kept
-from seaglint.sea.shadowing.nested import HIGHEST, REACH, between_bands, nested_ratio_kernel, ratio_table
-
-_COUPLING: Final = 0.55
-"""Ratio of the number of bands of the coupling of both legs to that of each leg alone."""
+from seaglint.sea.shadowing.nested import HIGHEST, REACH, nested_ratio_kernel, ratio_table
 
 _ONE: Final = np.uint64(1)
 _PAIR_NODES: Final = 31
 _PAIR_TOP: Final = HIGHEST
 _PAIR_SHARES: Final = 33
-"""Sizes of tables of two legs: elevations of viewer and Sun in rms slopes, and position of the slope between the two edges."""
+"""Sizes of tables of two legs: square roots of the elevations of viewer and Sun in rms slopes, and position of the slope between both.
+
+Where both are low the law's logarithm has no bound; over the square root straight lines between nodes follow it within 1 %.
+"""
 
 
 @kernel
@@ -42,7 +42,7 @@ def _onward(view: float, sun: float, width: float) -> float:
 @kernel
 def _pair_elevation(node: int) -> float:
     """Elevation at a node in rms slopes, at least 1e-3, as nothing is visible at an elevation of 0."""
-    return max(_PAIR_TOP * node / (_PAIR_NODES - 1), 1e-3)
+    return max(_PAIR_TOP * (node / (_PAIR_NODES - 1)) ** 2, 1e-3)
 
 
 @njit
@@ -105,7 +105,21 @@ def _pair_table(bands: int) -> FloatArray:
     return out
 
 
-def coupling_table(bands: float) -> FloatArray:
+def coupled_bands(view: FloatArray, sun: FloatArray, bands: float, deviation: float) -> FloatArray:
+    r"""Number of bands of the coupling of both legs: :math:`1 + (N - 1) \min[0.72\, c\, (\mu_v \mu_s)^{0.27}, 0.55]`.
+
+    With :math:`c = \min[(\sigma/0.14)^{1.44}, 1.6]`, N the ``bands`` of each leg, ``view`` and ``sun`` the elevations :math:`\mu` of viewer
+    and Sun in rms slopes and ``deviation`` the rms slope :math:`\sigma` of the whole sea along one direction [1].
+
+    The lower both are the more often shadows of both fall on the same facets: then the legs are those of a sea of one band. Fitted to
+    brute force in the vertical plane of the Sun; see :func:`coupling_table`.
+    """
+    steep = min((deviation / 0.14) ** 1.44, 1.6)
+    return np.asarray(1.0 + max(bands - 1.0, 0.0) * np.minimum(0.72 * steep * (view * sun) ** 0.27, 0.55))
+
+
+@lru_cache(maxsize=16)
+def coupling_table(bands: float, deviation: float) -> FloatArray:
     r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets seen and lit over the product of the two legs alone.
 
     .. math::
@@ -115,9 +129,16 @@ def coupling_table(bands: float) -> FloatArray:
 
     for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
     The table holds the logarithm of the ratio of :math:`p_N` to Smith's law for two legs, over the product of the ratios of either leg
-    alone, N being 0.55 of ``bands``; 1 band has an empty table.
+    alone, N being :func:`coupled_bands`; 1 band has an empty table. Between whole numbers logarithms are mixed.
     """
-    return between_bands(_pair_table, max(_COUPLING * bands, 1.0))
+    if bands <= 1.0:
+        return np.zeros((0, 0, 0))
+    elevation = np.array([_pair_elevation(i) for i in range(_PAIR_NODES)])
+    many = coupled_bands(elevation[:, None], elevation, bands, deviation)[..., None]
+    out = np.zeros((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
+    for whole in range(2, int(np.ceil(many.max())) + 1):
+        out += np.maximum(1.0 - np.abs(many - whole), 0.0) * _pair_table(whole)
+    return out
 
 
 @kernel
@@ -131,7 +152,7 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
     if table.shape[0] < _PAIR_NODES:
         return 0.0
     a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
-    x, y = a * ((_PAIR_NODES - 1) / _PAIR_TOP), b * ((_PAIR_NODES - 1) / _PAIR_TOP)
+    x, y = (_PAIR_NODES - 1) * math.sqrt(a / _PAIR_TOP), (_PAIR_NODES - 1) * math.sqrt(b / _PAIR_TOP)
     z = min(max((slope + b) / max(a + b, 2e-3), 0.0), 1.0) * (_PAIR_SHARES - 1)
     i, j = np.uint64(min(int(x), _PAIR_NODES - 2)), np.uint64(min(int(y), _PAIR_NODES - 2))
     k = np.uint64(min(int(z), _PAIR_SHARES - 2))

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.tiles import resolve_limit
+
+_LENGTHS: Final = 24
+"""Number of wavelengths at which covariances are taken."""
 
 
 def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
@@ -35,3 +44,40 @@ def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
     """
     up, cross = spectrum.mss()
     return SlopeStatistics(up, cross, spectrum.wind_to_azimuth)
+
+
+def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeStatistics:
+    """Return slopes with the covariances of a spectrum's longer waves.
+
+    They are :attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.nesting`, up to where they reach 0.8 of the slopes' variances; shorter
+    waves are taken to add evenly to what is left.
+
+    Parameters
+    ----------
+    slopes : SlopeStatistics
+        Slopes of all waves, by any law.
+    spectrum : DirectionalSpectrum
+        Waves of the same sea.
+
+    Returns
+    -------
+    SlopeStatistics
+        The same slopes; flat ones as they are.
+    """
+    limit = resolve_limit(spectrum, slopes)
+    low = spectrum.wavenumber_range[0]
+    if limit <= low:
+        return slopes
+    turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
+    c, s = float(np.cos(turn)), float(np.sin(turn))
+    edges = np.geomspace(low, limit, _LENGTHS + 1)
+    up = cross = both = 0.0
+    nesting = []
+    for least, most in zip(edges[:-1], edges[1:], strict=True):
+        along, beside = spectrum.mss(float(most), float(least))
+        mixed = spectrum.slope_covariance(float(most), float(least))
+        up += along * c * c - 2.0 * mixed * c * s + beside * s * s
+        cross += along * s * s + 2.0 * mixed * c * s + beside * c * c
+        both += (along - beside) * c * s + mixed * (c * c - s * s)
+        nesting.append((up, cross, both))
+    return replace(slopes, nesting=tuple(nesting))

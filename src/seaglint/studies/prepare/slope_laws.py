@@ -13,7 +13,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_slopes as wanted_slopes
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
-from seaglint.sea.slopes.from_spectrum import spectrum_slopes
+from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.studies.prepare.wave_spectra import spectrum
 
@@ -24,7 +24,13 @@ FEW_SLOPES: Final = 0.6
 
 
 def slopes(scenario: Scenario) -> SlopeStatistics:
-    """Slope statistics of the whole sea."""
+    """Slope statistics of the whole sea, with the covariances of the scenario's longer waves."""
+    made, waves = _law(scenario), spectrum(scenario)
+    return made if waves is None or made.is_flat else nested_in(made, waves)
+
+
+def _law(scenario: Scenario) -> SlopeStatistics:
+    """Slope statistics by the scenario's slope law."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.slopes:
         case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
