@@ -3,8 +3,8 @@
     python tools/validation_tables.py               all tables
     python tools/validation_tables.py headline sea  some of them
 
-The tables ``lowtran``, ``scattered``, ``emissivity``, ``low-suns`` and ``other-seas`` need the reference tables, ``buoy`` needs the measured waves of
-``data_folders.py``; without them they stay as they are.
+The tables ``lowtran``, ``scattered``, ``emissivity``, ``low-suns`` and ``other-seas`` need the reference tables, ``buoy`` the measured
+waves of ``data_folders.py``; without them they stay as they are.
 """
 
 from __future__ import annotations
