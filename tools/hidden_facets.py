@@ -16,7 +16,8 @@ left no number is told.
 
 Markdown goes to standard output: the law's share over that of brute force. ``--low-sun``: isotropic slopes, the Sun ahead, with the share
 of brute force over Smith's behind it. ``--oblique``: wind beside the Sun's azimuth, the view beside it too, with and without the lean of
-facets (:mod:`seaglint.sea.shadowing.lean`). ``--facets``: waves down to a cut as geometry and the renderer's facets on them.
+facets (:mod:`seaglint.sea.shadowing.lean`). ``--facets``: waves down to a cut as geometry and the renderer's facets on them, a dash where
+no waves are so long.
 """
 
 from __future__ import annotations
@@ -305,6 +306,9 @@ def facets(wind: float, draws: int) -> Iterator[str]:
     kept = found[:, 1] > error[:, 1] * math.sqrt(FEWEST)
     cells = []
     for cut in CUTS:
+        if sea.longer_than(cut).variance.size == 0:
+            cells.append("—")
+            continue
         ratio = on_geometry(sea, cut, [look for look, keep in zip(looks, kept, strict=True) if keep], draws // 4) / found[kept, 1] - 1.0
         cells.append(f"{ratio[np.argmax(np.abs(ratio))]:+.2f}, {np.sqrt(np.mean(ratio**2)):.3f}")
     yield "| wind | " + " | ".join(f"{'waves to ' if cut == CUTS[0] else ''}{cut:g} m" for cut in CUTS) + " |"

@@ -134,6 +134,20 @@ def means_and_images() -> Pairs:
     yield glint, f"{apart:+.3f} ± {error:.3f} at {row['depression_deg']:g}°"
 
 
+def low_suns() -> Pairs:
+    """The law over Smith's under low Suns, all of it."""
+    from validation_tables import low_suns
+
+    yield from whole("low-suns", low_suns())
+
+
+def other_seas() -> Pairs:
+    """What cannot be known, by the reference alone."""
+    from validation_tables import other_seas
+
+    yield from whole("other-seas", other_seas())
+
+
 def nested() -> Pairs:
     """The law of nested bands over Smith's."""
     from nested_bands import law

@@ -3,14 +3,15 @@
     python tools/validation_tables.py               all tables
     python tools/validation_tables.py headline sea  some of them
 
-The tables ``lowtran``, ``scattered`` and ``emissivity`` need the reference tables, ``buoy`` needs the measured waves of
-``data_folders.py``; without them they stay as they are.
+The tables ``lowtran``, ``scattered``, ``emissivity``, ``low-suns`` and ``other-seas`` need the reference tables, ``buoy`` the measured
+waves of ``data_folders.py``; without them they stay as they are.
 """
 
 from __future__ import annotations
 
 import csv
 import json
+import math
 import re
 import subprocess
 import sys
@@ -148,6 +149,53 @@ def wu_smith() -> Lines:
     yield from table(head, [(f"{wavelength:g} µm", f"{value:.5f}") for wavelength, value in sorted(worst.items())])
 
 
+LOW_SUNS = ("1", "2", "3", "5", "10")
+LOW_VIEWS = ("0.5", "1", "2", "5", "10")
+
+
+def low_sun_rows(case: str) -> dict[tuple[str, str], float]:
+    """Shares seen and lit over Smith's of a case of the table of low Suns, by depression and elevation [1]."""
+    with (folder("SEAGLINT_REFERENCE_DIR") / "low_sun.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["case"] == case]
+    return {(row["view_depression_deg"], row["sun_elevation_deg"]): float(row["lit_and_seen_over_smith"]) for row in rows}
+
+
+def low_suns() -> Lines:
+    """Facets seen and lit over Smith's law under low Suns: ours and brute force."""
+    from hidden_facets import SunLook, of_law, of_smith
+
+    rows = []
+    for wind in (2, 5, 7):
+        wanted, slopes = low_sun_rows(f"U{wind} elf iso 1cm"), cox_munk_isotropic(float(wind))
+        for view in LOW_VIEWS:
+            looks = [SunLook(math.radians(float(view)), math.radians(float(sun))) for sun in LOW_SUNS]
+            ours = [of_law(look, slopes) / of_smith(look, slopes) for look in looks]
+            pairs = [f"{share:#.2g} / {wanted[view, sun]:#.2g}" for share, sun in zip(ours, LOW_SUNS, strict=True)]
+            rows.append((f"{wind} m/s, {view}°", *pairs))
+    yield from table(("wind, view below the horizon", "Sun 1° high", *(f"{sun}°" for sun in LOW_SUNS[1:])), rows)
+
+
+OTHER_SEAS = {
+    "waves to 10 cm": "U7 elf iso 10cm",
+    "to 3 cm": "U7 elf iso 3cm",
+    "to 3 mm": "U7 elf iso 3mm",
+    "waves spread by cos²": "U7 elf cos2 1cm",
+    "sharper crests": "U7 elf iso 1cm choppy>0.5m",
+    "Phillips' spectrum": "U7 phil iso 1cm",
+}
+
+
+def other_seas() -> Lines:
+    """Brute force for other seas of the same slope variance over that for Elfouhaily's down to 1 cm, 7 m/s."""
+    places = (("1", "1"), ("1", "2"), ("2", "2"), ("2", "5"), ("5", "5"), ("5", "10"))
+    base = low_sun_rows("U7 elf iso 1cm")
+    rows = []
+    for name, case in OTHER_SEAS.items():
+        found = low_sun_rows(case)
+        rows.append((name, *(f"{found[place] / base[place]:.2f}" for place in places)))
+    yield from table(("sea", *(f"view {view}°, Sun {sun}°" for view, sun in places)), rows)
+
+
 def sea() -> Lines:
     """Integrals of the spectra against published values, and synthesised seas against their integrals."""
     head = ("spectrum: here (independent integration)", "Hs [m]", "slope variance", "of waves above 1 m")
@@ -275,6 +323,8 @@ TABLES: dict[str, Callable[[], Lines]] = {
     "lowtran": lowtran,
     "scattered": scattered,
     "emissivity": wu_smith,
+    "low-suns": low_suns,
+    "other-seas": other_seas,
     "sea": sea,
     "buoy": buoy,
     "scenes": scenes,

@@ -235,4 +235,4 @@ def test_strips_keep_the_variance_of_the_shortest_waves():
         surface_module.add_heights(sea, line, 0, arcs, first, count, strip)
         found.append(strip.height.copy())
     assert surface_module.stride(line, 0, ((count - 1) * step, step, step), count) == 1
-    assert 2.0 * np.mean(np.square(found)) == pytest.approx(1.0, abs=0.02)
+    assert 2.0 * np.mean(np.square(found)) == pytest.approx(1.0, abs=0.03)

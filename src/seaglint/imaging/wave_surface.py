@@ -34,10 +34,10 @@ LONGEST_STRIP = 1 << 14
 WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
 """Offset that keeps positions positive; a whole number of periods of any lattice."""
 
-READS_PER_CELL = 1.6
+READS_PER_CELL = 1.5
 """Least number of lattice readings in a cell where samples lie closer.
 
-Heights are cubic between them: of the lattice's shortest waves, four cells long, 98 % of the variance remain in the worst case. Slopes are
+Heights are cubic between them: of the lattice's shortest waves, four cells long, 97 % of the variance remain in the worst case. Slopes are
 read wherever they are needed.
 """
 
