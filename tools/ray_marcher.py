@@ -55,7 +55,8 @@ class Sea(NamedTuple):
 class Facets(NamedTuple):
     """Covariance of the slopes on the facets (east-east, east-north, north-north), logarithms of the nested tables, of one leg and of
     what two do together, empty for Smith, the share of the deviation that stands in the Sun's way, 1 but for less than one band, and the
-    shelter that geometry gives: share of the Sun's elevation that counts, its least in deviations, and excess of facets seen and lit.
+    shelter that geometry gives: share of the square of a low Sun's elevation that does not count, the least that does, in deviations, and
+    excess of facets seen and lit.
     """
 
     east_east: float
@@ -205,8 +206,9 @@ def facet_glint(
     if sun_edge >= HIGHEST:
         both = seen
     else:
-        share, least, together = facets.shelter
-        sun_mean = math.hypot(share * sun_mean, least * sun_deviation)
+        slack, least, together = facets.shelter
+        counts = 1.0 - slack / (1.0 + (sun_edge / 1.22) ** 2)
+        sun_mean = math.hypot(math.sqrt(counts) * sun_mean, least * sun_deviation)
         sun_edge = sun_mean / sun_deviation
         lit, pair = nested_density(facets.nested, to_sun, sun_edge), 0.0
         if view_edge < HIGHEST:

@@ -33,7 +33,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.optics.fresnel import reflectance
 from seaglint.sea.field import WaveField
-from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, NO_SHELTER, nested_ratio
+from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, NO_SHELTER, SLACK_ENDS, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 
 INCIDENCE_NODES = 1025
@@ -387,7 +387,8 @@ class MitsubaSea:
         view_area = area(view_mean, view_deviation)
         sun_mean, sun_deviation = spread(sun, self.in_the_way)
         high = sun_mean >= HIGHEST * sun_deviation
-        counted = dr.sqrt(dr.square(self.shelter.tilt * sun_mean) + dr.square(self.shelter.least * sun_deviation))
+        counts = 1.0 - self.shelter.slack / (1.0 + dr.square(sun_mean / (SLACK_ENDS * sun_deviation)))
+        counted = dr.sqrt(counts * dr.square(sun_mean) + dr.square(self.shelter.least * sun_deviation))
         angle = dr.abs(dr.atan2(view.x * sun.y - view.y * sun.x, view.x * sun.x + view.y * sun.y))
         slopes = ((view.x * de + view.y * dn) / view_deviation, (sun.x * de + sun.y * dn) / sun_deviation)
         edges = (view_mean / view_deviation, counted / sun_deviation)

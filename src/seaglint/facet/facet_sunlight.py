@@ -25,7 +25,7 @@ from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.solar_disc import DiscLine, broadened, disc_at, disc_edge, disc_of, mirror_factor, sharp
 from seaglint.facet.sunlight import Sunlight
 from seaglint.facet.thermal import between
-from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, Shelter, nested_exponent_kernel
+from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, Shelter, counted_kernel, nested_exponent_kernel
 from seaglint.sea.shadowing.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing.smith import quick_visible_area_kernel
 
@@ -218,7 +218,7 @@ def seen_and_lit(
     if not shaded or sun >= (HIGHEST if many else 4.5) * deviation[1]:
         return seen / area
     shelter = rough.shelter
-    sun = math.sqrt((shelter.tilt * sun) ** 2 + (shelter.least * deviation[1]) ** 2)
+    sun = counted_kernel(sun / deviation[1], shelter) * deviation[1]
     hidden = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
     upright, lit, both = max(view, 0.0) / area, 1.0, seen
     if many:

@@ -152,7 +152,7 @@ def bands_of(mss: float) -> float:
 
 
 def bands_of_facets(share: float, bands: float) -> float:
-    """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.05 (1 - share)^0.5]``.
+    """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.02 (1 - share)^0.5]``.
 
     Geometry hides in more ways than its share of ``bands`` says, most of all the longest waves. Below 1 the facets hide less than Smith's
     law has it: the waves that they ride on fall away from where they are seen. 0 where they hide nothing of each other.
@@ -165,23 +165,26 @@ def bands_of_facets(share: float, bands: float) -> float:
     1.9
     """
     # fewer bands than any sea has approach Smith's law, whose facets stay Smith's
-    lost = 1.05 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
+    lost = 1.02 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
     return float(max(bands * (1.0 - lost * math.sqrt(1.0 - min(share, 1.0))), 0.0))
 
 
 class Shelter(NamedTuple):
     """Shelter that geometry gives to the facets on it: of :func:`shelter_of_facets`."""
 
-    tilt: float
-    """Share of a facet's tilt and elevation that counts for its Sun."""
+    slack: float
+    """Share of the square of a low Sun's elevation over a facet that does not count."""
     least: float
     """Least elevation of the Sun that counts, in rms slopes of the facets."""
     together: float
     """Excess of facets that are both seen and lit, times both elevations in rms slopes."""
 
 
-NO_SHELTER: Final = Shelter(1.0, 0.0, 0.0)
+NO_SHELTER: Final = Shelter(0.0, 0.0, 0.0)
 """Shelter of facets that carry all slopes."""
+
+SLACK_ENDS: Final = 1.22
+"""Elevation of the Sun in rms slopes of the facets at which half of :attr:`Shelter.slack` is left."""
 
 LOWEST: Final = 0.1
 """Elevation in rms slopes of facets below which :attr:`Shelter.together` grows no more."""
@@ -190,16 +193,26 @@ LOWEST: Final = 0.1
 def shelter_of_facets(share: float) -> Shelter:
     r"""Shelter of facets with a ``share`` of the slope variance, longer waves being geometry.
 
-    Where geometry shows a facet the sea falls away on that side, so that ripples hide less than Smith's law about the facet's tilt has it.
-    The elevation :math:`\mu` of the Sun over the facet counts as :math:`\sqrt{(t\mu)^2 + m^2}`, and the share that is seen and lit is
-    :math:`1 + b/(\mu_v \mu_s)` times that of the law, with :math:`t = 1 - 0.39\,u`, :math:`m = 0.245\,u`, :math:`u = (1 - share)^{1/3}` and
-    :math:`b = 0.049\,(1 - share)^{1/2}`.
+    Where geometry lights a facet that faces away the sea falls off towards the Sun, so that ripples hide less than Smith's law about the
+    facet's tilt has it; facets that face the Sun are hidden more, as other waves stand before them. The elevation :math:`\mu` of the Sun
+    over the facet counts as :func:`counted_kernel`, and the share that is seen and lit is :math:`1 + b/(\mu_v \mu_s)` times that of the
+    law, with :math:`a = 0.60\,u`, :math:`m = 0.215\,u`, :math:`u = (1 - share)^{1/4}` and :math:`b = 0.058\,(1 - share)^{1/2}`.
 
     Fitted as :func:`bands_of_facets` is.
     """
     left = max(1.0 - share, 0.0)
-    grown = left ** (1.0 / 3.0)
-    return Shelter(1.0 - 0.39 * grown, 0.245 * grown, 0.049 * math.sqrt(left))
+    grown = left**0.25
+    return Shelter(0.60 * grown, 0.215 * grown, 0.058 * math.sqrt(left))
+
+
+@kernel
+def counted_kernel(edge: float, shelter: Shelter) -> float:
+    r"""Elevation of the Sun over a sheltered facet that counts for its hiding, :math:`\sqrt{\mu^2 [1 - a/(1 + (\mu/1.22)^2)] + m^2}`.
+
+    ``edge`` is the elevation :math:`\mu` in rms slopes of the facets, 0 or more, and the shelter has ``a`` and ``m``.
+    """
+    square = edge * edge
+    return math.sqrt(square * (1.0 - shelter.slack / (1.0 + square / (SLACK_ENDS * SLACK_ENDS))) + shelter.least * shelter.least)
 
 
 @lru_cache(maxsize=8)
