@@ -44,8 +44,8 @@ read wherever they are needed.
 EVEN_STEPS = 1.5
 """Largest ratio of a strip's last step to its first, or of its first to its last, at which heights are taken between readings."""
 
-KNOTS_PER_PERIOD = 8
-"""Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.02 % of the period."""
+KNOTS_PER_PERIOD = 12
+"""Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.03 % of the period."""
 
 
 class Surface(NamedTuple):
@@ -381,7 +381,8 @@ def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray
 def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
     """Rows :attr:`Surface.wander` for a sensor above ``origin`` [m]."""
     out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
-    for row, one, d, angle in zip(out, wander, spacing, turn, strict=False):
+    for rows, one, d, angle in zip(out, wander, spacing, turn, strict=False):
+        row = rows[: one.phase.size]  # waves that a part lacks have no amplitude
         c, s = np.cos(angle), np.sin(angle)
         row[:, :2] = one.amplitude @ np.array([[c, -s], [s, c]]) / d
         row[:, 2:4] = one.wave_vector / (2.0 * np.pi)

@@ -6,7 +6,8 @@
 
 One period of a tile away the displacement is another one, by more than the length over which the tile's waves are correlated. It is
 static, and belongs to the sea. Heights and slopes at a place are those of a place of the tile: their joint density stays as it is, and so
-do all variances. Waves are stretched and turned by the gradient of the displacement, 2.5 % rms in each of its four parts.
+do all variances. Waves are stretched and turned by the gradient of the displacement, 2.5 % rms in each of its four parts on the first tile
+and 5.5 % on the others.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
 from seaglint.sea.tiles import Tile
 
-_WAVES: Final = np.array(
+_LONG: Final = np.array(
     [
         (-0.0977, -0.0007, 0.0153, 0.0459),
         (-0.0683, -0.021, 0.0567, 0.0175),
@@ -29,10 +30,29 @@ _WAVES: Final = np.array(
         (0.1013, -0.0735, -0.0237, 0.0226),
     ]
 )
-"""Wave vectors [cycles per period of the tile] and amplitudes [periods], along the tile's axes.
+"""Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
 
 Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up to
-50 periods: below 0.02 for waves an eighteenth of the period long and shorter, below 0.07 for those a twelfth long and shorter.
+50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
+"""
+
+_SHORT: Final = np.array(
+    [
+        (0.1569, 0.1865, 0.0416, 0.0051),
+        (0.2827, 0.303, 0.0076, -0.0234),
+        (-0.3033, 0.4166, 0.0163, -0.0049),
+        (-0.0188, 0.0758, -0.0842, -0.0384),
+        (-0.1162, 0.4337, -0.0012, 0.0201),
+        (-0.0893, 0.0196, 0.0563, -0.0761),
+        (-0.6577, 0.0722, -0.0106, -0.0101),
+        (-0.0788, 0.0741, -0.0179, -0.0426),
+    ]
+)
+"""Waves for the other tiles.
+
+Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: those that leave
+the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would leave
+the tile in step with itself.
 """
 
 
@@ -48,8 +68,9 @@ class Wander(NamedTuple):
         """Return the displacement of tile ``index``, with phases from ``stream(seed, "wander", index)``."""
         c, s = np.cos(tile.rotation), np.sin(tile.rotation)
         turn = np.array([[c, s], [-s, c]])
-        phase = 2.0 * np.pi * stream(seed, "wander", index).random(len(_WAVES))
-        return cls(tile.length * _WAVES[:, 2:] @ turn, tile.step * _WAVES[:, :2] @ turn, phase)
+        waves = _LONG if index == 0 else _SHORT
+        phase = 2.0 * np.pi * stream(seed, "wander", index).random(len(waves))
+        return cls(tile.length * waves[:, 2:] @ turn, tile.step * waves[:, :2] @ turn, phase)
 
     def __call__(self, east: FloatArray, north: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Displacement towards east and north [m] at places of the sea [m]; arrays that broadcast against each other."""
