@@ -59,8 +59,8 @@ class FacetLevels(NamedTuple):
     """Facets of every level of detail, in arrays.
 
     ``roughness[l] = (ee, en, nn, towards the Sun, shelter)``, the shelter of three numbers; ``nested[l]`` and ``coupling[l]`` its tables,
-    unless all are Smith's and ``smith`` is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu, nchi,
-    na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
+    unless all are Smith's and ``smith`` is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
+    nchi, na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
     """
 
     roughness: np.ndarray

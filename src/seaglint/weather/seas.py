@@ -40,8 +40,8 @@ class WindSlopes(NamedTuple):
     slopes: FloatArray
     """Slope parameters of each wind [(winds, 9)].
 
-    These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves from the wind's
-    [rad].
+    These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves
+    from the wind's [rad].
     """
     is_gaussian: bool
     sun_leg: bool

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -49,8 +50,8 @@ def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
 def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeStatistics:
     """Return slopes with the covariances of a spectrum's longer waves.
 
-    They are :attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.nesting`, up to where they reach 0.8 of the slopes' variances; shorter
-    waves are taken to add evenly to what is left.
+    They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`, up to where they reach 0.8 of the slopes'
+    variances; shorter waves are taken to add evenly to what is left.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     edges = np.geomspace(low, limit, _LENGTHS + 1)
     up = cross = both = 0.0
     nesting = []
-    for least, most in zip(edges[:-1], edges[1:], strict=True):
+    for least, most in pairwise(edges):
         along, beside = spectrum.mss(float(most), float(least))
         mixed = spectrum.slope_covariance(float(most), float(least))
         up += along * c * c - 2.0 * mixed * c * s + beside * s * s

@@ -105,8 +105,8 @@ class SlopeStatistics:
 
         .. math:: \frac{a(x)}{x} = a(1) + \frac{\max[0, 1/2 - a(1)]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
-        fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the wind,
-        whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
+        fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the
+        wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
         """
         if self.nesting:
             return np.array([(0.0, 0.0, 0.0), *self.nesting, (self.mss_up, self.mss_cross, 0.0)])
