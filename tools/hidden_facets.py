@@ -306,7 +306,7 @@ def facets(wind: float, draws: int) -> Iterator[str]:
     kept = found[:, 1] > error[:, 1] * math.sqrt(FEWEST)
     cells = []
     for cut in CUTS:
-        if sea.longer_than(cut).variance.size == 0:
+        if np.trace(sea.longer_than(cut).covariance()) < 1e-3 * np.trace(sea.covariance()):
             cells.append("—")
             continue
         ratio = on_geometry(sea, cut, [look for look, keep in zip(looks, kept, strict=True) if keep], draws // 4) / found[kept, 1] - 1.0

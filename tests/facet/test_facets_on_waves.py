@@ -30,12 +30,15 @@ def test_facets_on_waves_are_seen_and_lit_as_all_waves_are():
 @pytest.mark.parametrize("wind", [3.0, 7.0, 12.0])
 @pytest.mark.parametrize("cut", [0.25, 3.0, 20.0])
 def test_facets_on_waves_at_other_winds(wind, cut):
-    """Half of Suns and views below 3 deg: of the whole sea's share 15 %, where it is rare 35 %."""
-    looks = in_plane((0.5, 1.0, 3.0, 7.0), (1.0, 2.0, 5.0, 10.0, 15.0))
-    ratio, error = _facets_over_all_waves(clean_sea(wind), cut, looks, 100_000)
+    """Facets of most ripples lose up to two thirds of what is rare, with Sun and view at 1 deg and below."""
+    low = in_plane((0.5, 1.0, 3.0), (1.0, 2.0, 3.0))
+    ratio, error = _facets_over_all_waves(clean_sea(wind), cut, low, 100_000)
     print(wind, cut, np.round(ratio, 2))
-    assert np.all(np.abs(ratio - 1.0) < 0.35 + 3.0 * error)
-    assert np.sqrt(np.mean((ratio - 1.0) ** 2)) < 0.15
+    assert np.all(ratio > 0.3 - 3.0 * error)
+    assert np.all(ratio < 1.45 + 3.0 * error)
+    ratio, error = _facets_over_all_waves(clean_sea(wind), cut, in_plane((3.0, 7.0), (5.0, 10.0, 15.0)), 40_000)
+    print(wind, cut, np.round(ratio, 2))
+    assert np.all(np.abs(ratio - 1.0) < 0.2 + 3.0 * error)
 
 
 def test_shelter_ends_where_facets_carry_all_slopes():

@@ -298,7 +298,7 @@ def test_the_sea_under_a_look_is_between_those_of_the_tables(sea):
         assert coefficients == pytest.approx(between[2:7], abs=1e-12)
         assert (state.density.mss_up, state.density.mss_cross) == pytest.approx(tuple(between[:2]))
         assert state.wave_azimuth == pytest.approx(0.8 + between[8])
-        assert state.band == pytest.approx((between[7] - table.first_band) / table.band_step)
+        assert state.law == pytest.approx((between[7] - table.first_deviation) / table.deviation_step)
         turn = 2.5 - state.wave_azimuth
         assert state.sun_deviation == pytest.approx(np.linalg.norm(np.sqrt(between[:2]) * [np.cos(turn), np.sin(turn)]))
         assert (state.density.wind_sine, state.density.wind_cosine) == pytest.approx((np.sin(0.8 + between[8]), np.cos(0.8 + between[8])))
