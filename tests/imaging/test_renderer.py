@@ -184,7 +184,7 @@ def test_a_crest_over_the_sensor_is_refused(clear_air):
     slopes = cox_munk_anisotropic(10.0, np.radians(30.0))
     scene = swept_scene(sea_view(clear_air, slopes, height), camera(height, 0.0, -4.0, 8), waves)
     calm = scene.surface(0.0)
-    flooded = calm._replace(height=calm.height + np.float32(10.0))
+    flooded = calm._replace(lattice=calm.lattice + np.float32(10.0))
     with pytest.raises(DomainError, match="under the sensor"):
         scene.planes(scene.pose, 0.0, flooded, (0, 1))
 

@@ -38,9 +38,9 @@ def test_slopes_are_those_of_the_heights(sea):
     fine = export_sea(parse_scenario(SMALL), 3.2, extent=(32.0, 32.0), spacing=0.125).patch_surface.astype(float)
     measured = np.gradient(fine[..., 0], 0.125, axis=(1, 0))
     for axis in (0, 1):
-        # tiles wander, which stretches and turns them by some 5 %; the slopes are those of the tiles
+        # tiles wander, which stretches and turns them by 5.5 % in each of four parts; the slopes are those of the tiles
         off = measured[axis][1:-1, 1:-1] - fine[1:-1, 1:-1, 1 + axis]
-        assert off.std() < 0.08 * fine[..., 1 + axis].std()
+        assert off.std() < 0.1 * fine[..., 1 + axis].std()
 
 
 def test_heights_and_slopes_have_the_variances_of_the_attributes(sea):

@@ -24,9 +24,9 @@ FEW_SLOPES: Final = 0.6
 
 
 def slopes(scenario: Scenario) -> SlopeStatistics:
-    """Slope statistics of the whole sea, with the covariances of the scenario's longer waves."""
+    """Slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction at all."""
     made, waves = _law(scenario), spectrum(scenario)
-    return made if waves is None or made.is_flat else nested_in(made, waves)
+    return made if waves is None or made.is_isotropic else nested_in(made, waves)
 
 
 def _law(scenario: Scenario) -> SlopeStatistics:
