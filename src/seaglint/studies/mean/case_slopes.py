@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -9,7 +11,9 @@ from numpy.typing import NDArray
 
 from seaglint.files.tables.cases import Cases
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
+from seaglint.sea.slopes.from_spectrum import nested_in
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.studies.prepare.wave_spectra import elfouhaily
 
 WIND_FROM: Final = "wind_from_deg"
 """Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
@@ -35,7 +39,12 @@ def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
 
 
 def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
-    """Slopes of a wind at 10 m towards an azimuth [rad]."""
+    """Slopes of a wind at 10 m towards an azimuth [rad], over the waves of Elfouhaily's spectrum as a scenario has them by default."""
+    made = _law(kind, speed, towards, extrapolate)
+    return made if made.is_isotropic else replace(made, nesting=_nesting(kind, speed, extrapolate))
+
+
+def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
     match kind:
         case "cox-munk-isotropic":
             return cox_munk_isotropic(speed, extrapolate=extrapolate)
@@ -43,3 +52,12 @@ def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> Slo
             return cox_munk_anisotropic(speed, towards, extrapolate=extrapolate)
         case _:
             return cox_munk_gram_charlier(speed, towards, extrapolate=extrapolate)
+
+
+@lru_cache(maxsize=4096)
+def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float], ...]:
+    """Covariances of the longer waves along and across the wind, whatever its direction."""
+    if speed <= 0.0:
+        return ()
+    made = _law(kind, speed, 0.0, extrapolate)
+    return nested_in(made, elfouhaily(speed, made.wind_to_azimuth)).nesting

@@ -72,11 +72,16 @@ def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
         case _ if speed == 0.0:
             return Waves(None)  # no wind, no wind sea
         case wanted.Elfouhaily():
-            return Waves(_wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed))
+            return Waves(elfouhaily(speed, to))
         case wanted.PiersonMoskowitz():
             return Waves(_wind_sea(lambda wind: PiersonMoskowitzSpectrum.of_u10(wind, to), speed))
         case other:
             assert_never(other)
+
+
+def elfouhaily(speed: float, to: float) -> DirectionalSpectrum:
+    """Elfouhaily's wind sea of a wind above 0 m/s at 10 m that blows TO an azimuth [rad]."""
+    return _wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed)
 
 
 def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
