@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.solar_disc import DiscLine, broadened, disc_at, disc_edge, disc_of, mirror_factor, sharp
@@ -209,16 +210,17 @@ def seen_and_lit(
     view, sun = above
     area = quick_visible_area_kernel(view, deviation[0])
     shaded = deviation[1] >= 0.0
-    if area <= 0.0 or (shaded and sun <= 0.0):
+    # part of the disc is above a facet that its centre is just below; geometry says how much of it
+    if area <= 0.0 or (shaded and sun <= -SOLAR_ANGULAR_RADIUS):
         return 0.0
     many = rough.nested.shape[0] > 0
     edge = view / max(deviation[0], 1e-12)
     seen = math.exp(nested_exponent_kernel(mirroring[0], edge, 1.0, rough.nested)) if many else 1.0
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
-    if not shaded or sun >= (HIGHEST if many else 4.5) * deviation[1]:
+    if not shaded or deviation[1] < 1e-9 or sun >= (HIGHEST if many else 4.5) * deviation[1]:
         return seen / area
     shelter = rough.shelter
-    sun = counted_kernel(sun / deviation[1], shelter) * deviation[1]
+    sun = max(counted_kernel(max(sun, 0.0) / deviation[1], shelter) * deviation[1], 1e-9)
     hidden = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
     upright, lit, both = max(view, 0.0) / area, 1.0, seen
     if many:

@@ -21,7 +21,7 @@ _ARCS = 2000
 """Number of ranges at which the beginning of levels is searched: to half a per cent."""
 
 
-_LINES_PER_WAVE = 3.0
+_LINES_PER_WAVE = 4.0
 """Number of lines that sample a wave, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km."""
 
 
