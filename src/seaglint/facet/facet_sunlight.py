@@ -7,8 +7,8 @@ A facet of resolved slope ``s0`` carries the Gaussian density ``q`` of the slope
 with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet's own tilt (``S (1 + Lambda_v)/A+`` is ``1/A+`` under a
 high Sun). ``q`` is convolved with the solar disc (:mod:`seaglint.facet.solar_disc`).
 Where the sensor is low the unresolved waves hide each other: ``q`` is weighted by the law of nested bands
-(:mod:`seaglint.sea.shadowing.nested`) about the facet's tilt, with as many bands as the facets' share of the slope variance is worth; with
-a low Sun, by that of facets both seen and lit.
+(:mod:`seaglint.sea.shadowing.nested`) about the facet's tilt, with the bands and the shelter that brute force leaves to
+facets of their share of the slope variance; with a low Sun, by that of facets both seen and lit.
 
 Averages over slope statistics are in :mod:`seaglint.facet.legs`; each quadrature is the other's check.
 """

@@ -71,7 +71,7 @@ class Shadowing:
         Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
     bands : float, optional
         Bands of equal slope variance of the nested law; 1 is Smith's. :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where
-        nothing is said. Facets of images have them whatever the law of mean maps.
+        nothing is said.
     """
 
     law: Law = "nested"

@@ -50,7 +50,7 @@ from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 BANDS: Final = 5
-"""Bands of equal slope variance of a sea of 7 to 8 m/s; see :func:`bands_of`."""
+"""Bands of equal slope variance where none are given: about those of winds above 7 m/s, which :func:`bands_of` has as 4.6."""
 
 _MOST_BANDS: Final = 64
 """Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band."""

@@ -103,7 +103,7 @@ class SlopeStatistics:
         Those of :attr:`nesting` where a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`). Without a spectrum a
         shape: with x the share of the total variance and a the part of it by which waves along the wind exceed those across it,
 
-        .. math:: \frac{a(x)}{x} = a(1) + \frac{\max[0, 1/2 - a(1)]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
+        .. math:: \frac{a(x)}{x} = a(1) + \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
         fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the
         wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
@@ -112,8 +112,8 @@ class SlopeStatistics:
             return np.array([(0.0, 0.0, 0.0), *self.nesting, (self.mss_up, self.mss_cross, 0.0)])
         x, total = np.linspace(0.0, 1.0, 41), self.mss
         share = (self.mss_up - self.mss_cross) / total if total > 0.0 else 0.0
-        narrow = max(0.5 - abs(share), 0.0) / (1.0 + (x * total / 0.0108) ** 2.2) if share != 0.0 else 0.0 * x
-        apart = x * (share + np.sign(share) * (narrow - narrow[-1]))
+        narrow = 0.0 * x if self.is_isotropic else max(0.5 - abs(share), 0.0) / (1.0 + (x * total / 0.0108) ** 2.2)
+        apart = x * (share + narrow - narrow[-1])
         return np.stack([0.5 * total * (x + apart), 0.5 * total * (x - apart), 0.0 * x], axis=1)
 
     def covariance(self) -> tuple[float, float, float]:
