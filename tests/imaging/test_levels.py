@@ -85,7 +85,7 @@ def test_lines_part_where_three_no_longer_fit_a_wave(waves):
     lines = 2.0 ** np.arange(levels.parts.size)
     wide = np.array([footprint(CAMERA, arc)[0] for arc in levels.parts])
     assert wide.size == accuracy.lines_per_column.bit_length() - 1
-    assert 3.0 * wide / lines == pytest.approx(np.full(wide.size, 2.0 * levels.shortest[0] * (1.0 + accuracy.variance_error)), rel=0.01)
+    assert 4.0 * wide / lines == pytest.approx(np.full(wide.size, 2.0 * levels.shortest[0] * (1.0 + accuracy.variance_error)), rel=0.01)
     assert Levels.of(waves, CAMERA, replace(accuracy, lines_per_column=1), LAST).parts.size == 0
 
 
