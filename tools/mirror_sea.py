@@ -148,19 +148,24 @@ def mirror_sea(waves: WaveField, ripples: WaveField, time: float = 0.0) -> Mirro
 
 
 @njit(cache=True, nogil=True)
+def cell_of(sea: MirrorSea, t: int, x: float, y: float, shift: np.ndarray) -> tuple[int, int, int, int, float, float]:
+    """Rows and columns of the four points of a tile around a place (two rows, two columns), and the fractions of columns and rows."""
+    n, ripples = sea.height.shape[1], sea.height.shape[0] - 2
+    d, c, s = sea.grid[t, 0], sea.grid[t, 1], sea.grid[t, 2]
+    u, v = (c * x + s * y) * d, (c * y - s * x) * d
+    if t >= ripples:
+        u, v = u + shift[t - ripples, 0], v + shift[t - ripples, 1]
+    i, j = math.floor(u), math.floor(v)
+    i0, j0 = int(i) & (n - 1), int(j) & (n - 1)
+    return j0, (j0 + 1) & (n - 1), i0, (i0 + 1) & (n - 1), u - i, v - j
+
+
+@njit(cache=True, nogil=True)
 def raised(sea: MirrorSea, first: int, last: int, x: float, y: float, shift: np.ndarray) -> float:
     """Height [m] that tiles ``first`` to ``last`` (not included) add at a place; ``shift`` (2, 2): what ripples are displaced by [m]."""
-    n, total = sea.height.shape[1], 0.0
-    ripples = sea.height.shape[0] - 2
+    total = 0.0
     for t in range(first, last):
-        d, c, s = sea.grid[t, 0], sea.grid[t, 1], sea.grid[t, 2]
-        u, v = (c * x + s * y) * d, (c * y - s * x) * d
-        if t >= ripples:
-            u, v = u + shift[t - ripples, 0], v + shift[t - ripples, 1]
-        i, j = math.floor(u), math.floor(v)
-        f, g = u - i, v - j
-        i0, j0 = int(i) & (n - 1), int(j) & (n - 1)
-        i1, j1 = (i0 + 1) & (n - 1), (j0 + 1) & (n - 1)
+        j0, j1, i0, i1, f, g = cell_of(sea, t, x, y, shift)
         z = sea.height[t]
         low, high = z[j0, i0] + f * (z[j0, i1] - z[j0, i0]), z[j1, i0] + f * (z[j1, i1] - z[j1, i0])
         total += low + g * (high - low)
@@ -170,17 +175,9 @@ def raised(sea: MirrorSea, first: int, last: int, x: float, y: float, shift: np.
 @njit(cache=True, nogil=True)
 def tilted(sea: MirrorSea, x: float, y: float, shift: np.ndarray) -> tuple[float, float]:
     """Slopes of the sea towards east and north at a place."""
-    n, east, north = sea.height.shape[1], 0.0, 0.0
-    ripples = sea.height.shape[0] - 2
+    east, north = 0.0, 0.0
     for t in range(sea.height.shape[0]):
-        d, c, s = sea.grid[t, 0], sea.grid[t, 1], sea.grid[t, 2]
-        u, v = (c * x + s * y) * d, (c * y - s * x) * d
-        if t >= ripples:
-            u, v = u + shift[t - ripples, 0], v + shift[t - ripples, 1]
-        i, j = math.floor(u), math.floor(v)
-        f, g = u - i, v - j
-        i0, j0 = int(i) & (n - 1), int(j) & (n - 1)
-        i1, j1 = (i0 + 1) & (n - 1), (j0 + 1) & (n - 1)
+        j0, j1, i0, i1, f, g = cell_of(sea, t, x, y, shift)
         for a, b, w in ((j0, i0, (1 - g) * (1 - f)), (j0, i1, (1 - g) * f), (j1, i0, g * (1 - f)), (j1, i1, g * f)):
             east += w * sea.slope[t, a, b, 0]
             north += w * sea.slope[t, a, b, 1]
