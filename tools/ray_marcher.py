@@ -2,7 +2,7 @@
 
 A ray goes in fixed small steps where it is near the water; higher up the step is what it can go without meeting a surface that is nowhere
 steeper than the tiles' steepest slopes together. The crossing is then halved until it is known to a tenth of a millimetre. Heights and
-slopes are read linearly from lattices of four times as many points as the sweep's, which know nothing of its splines. The Earth is a
+slopes are read linearly from lattices of eight times as many points as the sweep's, which know nothing of its splines. The Earth is a
 sphere of a given radius: the sea's coordinates are arcs along the ray's azimuth, its height is the distance from the sphere, and what a
 facet does is worked out in the frame of its own vertical, which is turned against the Sun by the arc over the true radius: the given one
 stands for refraction of the line of sight.
@@ -32,8 +32,8 @@ REFRACTION = 7.0 / 6.0
 """Radius of the sphere over that of the Earth."""
 
 EARTH = REFRACTION * 6.371e6
-FINER = 4
-"""Points of a lattice for one of the sea's: linear reading of 16 on the shortest wave loses 5 % of its variance, 0.3 % of all."""
+FINER = 8
+"""Points of a lattice for one of the sea's: linear reading of 32 on the shortest wave loses 1.3 % of its slope variance."""
 
 SLOPE_END, EDGE_END, NODES = 6.5, 6.0, (481, 1041)
 """Nested table: edges 0 to EDGE_END in rows, slopes -SLOPE_END to SLOPE_END in columns, in rms slopes."""
