@@ -8,6 +8,7 @@ roughness.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,7 +53,10 @@ def scene(
     every_wave = spectrum(scenario)
     assert every_wave is not None
     waves = WaveField.create(every_wave, (Tile(length, points, 0.0, 0.0, 2.0 * np.pi * points / (SHORTEST_WAVE * length)),), 1)
-    return prepare.view(scenario), prepare.camera(scenario), waves
+    view = prepare.view(scenario)
+    # waves of all lengths alike: the ray tracers' facets do not lean
+    even = replace(view.slopes, nesting=((0.5 * view.slopes.mss_up, 0.5 * view.slopes.mss_cross, 0.0),))
+    return replace(view, slopes=even), prepare.camera(scenario), waves
 
 
 def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 2.0) -> SweptScene:

@@ -26,6 +26,7 @@ from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.solar_disc import DiscLine, broadened, disc_at, disc_edge, disc_of, mirror_factor, sharp
 from seaglint.facet.sunlight import Sunlight
 from seaglint.facet.thermal import between
+from seaglint.sea.shadowing.lean import lean_kernel
 from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, Shelter, counted_kernel, nested_exponent_kernel
 from seaglint.sea.shadowing.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing.smith import quick_visible_area_kernel
@@ -59,8 +60,9 @@ class FacetOptics(NamedTuple):
 class FacetLevels(NamedTuple):
     """Facets of every level of detail, in arrays.
 
-    ``roughness[l] = (ee, en, nn, towards the Sun, shelter)``, the shelter of three numbers; ``nested[l]`` and ``coupling[l]`` its tables,
-    unless all are Smith's and ``smith`` is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
+    ``roughness[l] = (ee, en, nn, towards the Sun, shelter, gains of the Sun's leg, wind)``, the shelter of three numbers and the gains of
+    two; ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith`` is set; ``lean[l]`` and ``gains[l]`` those of
+    the lean, empty where none leans; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
     nchi, na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
     """
 
@@ -68,6 +70,8 @@ class FacetLevels(NamedTuple):
     nested: np.ndarray
     coupling: np.ndarray
     smith: bool
+    lean: np.ndarray
+    gains: np.ndarray
     thermal: np.ndarray
     emitted: np.ndarray
     shape: np.ndarray
@@ -91,7 +95,9 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
     nested, coupling = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.coupling[level]
     q = levels.roughness[level]
     tables = FacetTables(thermal, emitted, levels.axes[level], levels.sun)
-    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], Shelter(q[4], q[5], q[6]), nested, coupling), tables)
+    shelter, sun_gains = Shelter(q[4], q[5], q[6]), (q[7], q[8])
+    rough = Roughness(q[0], q[1], q[2], q[3], shelter, nested, coupling, levels.lean[level], levels.gains[level], sun_gains, q[9])
+    return FacetOptics(sunlight, rough, tables)
 
 
 @kernel
@@ -129,16 +135,15 @@ def sun_factor(
     exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
     if exponent > NEGLIGIBLE_EXPONENT:
         return 0.0, 0.0
-    merged = spread[0] + spread[2] > 0.0
-    if merged:
+    if spread[0] + spread[2] > 0.0:
         share, shift_e, shift_n = merged_share(sun, rough, sight, grazing, (se, sn), slope, spread)
         disc = broadened(disc, spread)
-        de, dn = de - shift_e, dn - shift_n
-        exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
     else:
-        share = facet_share(sun, rough, sight, grazing, (se, sn), slope)
+        share, shift_e, shift_n = facet_share(sun, rough, sight, grazing, (se, sn), slope)
     if share <= 0.0:
         return 0.0, 0.0
+    de, dn = de - shift_e, dn - shift_n
+    exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
     if sharp(rough, covariance):
         exponent += disc_edge(covariance, rough, (de, dn))
     tan2 = se * se + sn * sn
@@ -153,10 +158,10 @@ def facet_share(
     grazing: tuple[float, float],
     mirror: tuple[float, float],
     slope: tuple[float, float],
-) -> float:
-    """Share :func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun.
+) -> tuple[float, float, float]:
+    """Share :func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun, and its lean, east and north.
 
-    ``grazing`` as in :func:`sun_factor`.
+    ``grazing`` as in :func:`sun_factor`; the lean is the shift of the mean of the unresolved slopes that are seen and lit.
     """
     vz, horizontal = grazing
     tilt = sight.east * slope[0] + sight.north * slope[1]
@@ -165,7 +170,15 @@ def facet_share(
     viewward = sight.east * mirror[0] + sight.north * mirror[1] - tilt
     sunward = sun.horizontal_east * (mirror[0] - slope[0]) + sun.horizontal_north * (mirror[1] - slope[1])
     mirroring = (viewward / max(sight.deviation, 1e-12), sunward / max(rough.towards_sun, 1e-12))
-    return float(seen_and_lit(rough, sight.passage, mirroring, above, deviation))
+    share = seen_and_lit(rough, sight.passage, mirroring, above, deviation)
+    if rough.lean.shape[1] == 0 or share <= 0.0:
+        return share, 0.0, 0.0
+    shift = sight.deviation * lean_kernel(mirroring[0], above[0] / max(deviation[0], 1e-12), sight.gains, rough.lean)
+    east, north = shift * sight.north, -shift * sight.east
+    if deviation[1] > 0.0:
+        shift = rough.towards_sun * lean_kernel(mirroring[1], above[1] / deviation[1], rough.sun_gains, rough.lean)
+        east, north = east + shift * sun.horizontal_north, north - shift * sun.horizontal_east
+    return share, east, north
 
 
 @kernel
@@ -180,7 +193,7 @@ def merged_share(
 ) -> tuple[float, float, float]:
     """Mean of :func:`facet_share` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean.
 
-    The shift, east and north, is that of the mean weighted with the share.
+    The shift, east and north, is that of the mean weighted with the share, and the mean lean.
 
     ``<q h> = <h> q(s* - s - V g)``, with g the logarithmic gradient of the share h, to second order in the slopes. The share changes along
     the line of sight, where it is taken at one deviation to either side; across it next to nothing.
@@ -188,13 +201,13 @@ def merged_share(
     ve, vn = spread[0] * sight.east + spread[1] * sight.north, spread[1] * sight.east + spread[2] * sight.north
     step = math.sqrt(max(ve * sight.east + vn * sight.north, 1e-12))
     aside_e, aside_n = step * sight.east, step * sight.north
-    low = facet_share(sun, rough, sight, grazing, mirror, (slope[0] - aside_e, slope[1] - aside_n))
-    high = facet_share(sun, rough, sight, grazing, mirror, (slope[0] + aside_e, slope[1] + aside_n))
+    low, low_e, low_n = facet_share(sun, rough, sight, grazing, mirror, (slope[0] - aside_e, slope[1] - aside_n))
+    high, high_e, high_n = facet_share(sun, rough, sight, grazing, mirror, (slope[0] + aside_e, slope[1] + aside_n))
     both = low + high
     if both <= 0.0:
         return 0.0, 0.0, 0.0
-    gradient = (high - low) / (both * step)
-    return 0.5 * both, gradient * ve, gradient * vn
+    gradient, part = (high - low) / (both * step), high / both
+    return 0.5 * both, gradient * ve + low_e + part * (high_e - low_e), gradient * vn + low_n + part * (high_n - low_n)
 
 
 @kernel

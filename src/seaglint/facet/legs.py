@@ -6,7 +6,7 @@ Facets of synthesised waves are in :mod:`seaglint.facet.facet_sunlight`; each qu
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
@@ -36,7 +36,7 @@ Law = Literal["smith", "nested"]
 """Shadowing law: Smith's (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.shadowing.nested`)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FacetLaw:
     """Law by which the slopes that facets carry hide each other, on waves that are geometry. Made by :meth:`Shadowing.facet_law`.
 
@@ -48,11 +48,18 @@ class FacetLaw:
         Rms slope of the whole sea along one direction [1].
     shelter : Shelter
         Shelter that geometry gives.
+    gains : ndarray
+        Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths, 2)], :func:`~seaglint.sea.shadowing.lean.lean_gains`; empty
+        where they do not lean.
+    wind : float
+        Azimuth that the gains count from [rad].
     """
 
     bands: float
     deviation: float
     shelter: Shelter = NO_SHELTER
+    gains: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    wind: float = 0.0
 
 
 SMITHS: Final = FacetLaw(1.0, 0.0)
@@ -114,8 +121,11 @@ class Shadowing:
         """
         share = facets.mss / slopes.mss if slopes.mss > 0.0 else 1.0
         bands = self.law_bands(slopes)
-        shelter = shelter_of_facets(share) if bands > 1.0 else NO_SHELTER
-        return FacetLaw(bands_of_facets(share, bands), math.sqrt(0.5 * slopes.mss), shelter)
+        left = bands_of_facets(share, bands)
+        if bands <= 1.0:
+            return FacetLaw(left, math.sqrt(0.5 * slopes.mss))
+        gains = lean_gains(slopes, slopes.mss - facets.mss)
+        return FacetLaw(left, math.sqrt(0.5 * slopes.mss), shelter_of_facets(share), gains, slopes.wind_to_azimuth)
 
     def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
         """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""

@@ -10,6 +10,7 @@ import numpy as np
 from seaglint.base.jit import kernel
 from seaglint.facet.legs import FacetLaw
 from seaglint.facet.sunlight import Sunlight
+from seaglint.sea.shadowing.lean import gains_at, lean_table
 from seaglint.sea.shadowing.nested import Shelter, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import leg_passage_kernel
@@ -21,7 +22,9 @@ class Roughness(NamedTuple):
 
     Further fields are the deviation along the Sun's azimuth, the shelter that geometry gives, and the tables of their nested shadowing: of
     either leg (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together
-    (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`); empty for Smith's.
+    (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`); empty for Smith's. With them come the table of the lean of facets
+    (:mod:`seaglint.sea.shadowing.lean`), empty where they do not lean, its gains over azimuths from the wind's, those of the Sun's leg, and
+    that azimuth [rad].
     """
 
     east_east: float
@@ -31,13 +34,17 @@ class Roughness(NamedTuple):
     shelter: Shelter
     nested: np.ndarray
     coupling: np.ndarray
+    lean: np.ndarray
+    gains: np.ndarray
+    sun_gains: tuple[float, float]
+    wind: float
 
 
 class Sight(NamedTuple):
     """Line of sight, as seen from the sea.
 
     The fields are the horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the shadows of both
-    (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), and the deviation of unresolved slopes along it.
+    (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), the deviation of unresolved slopes along it, and the gains of their lean.
     """
 
     east: float
@@ -45,6 +52,7 @@ class Sight(NamedTuple):
     chi: float
     passage: float
     deviation: float
+    gains: tuple[float, float] = (0.0, 0.0)
 
 
 @kernel
@@ -58,7 +66,8 @@ def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
     """Return the :class:`Sight` of a line that leaves the sensor at an azimuth."""
     east, north = -math.sin(azimuth), -math.cos(azimuth)
     deviation = math.sqrt(max(along(rough, east, north), 0.0))
-    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation)
+    gains = gains_at(rough.gains, azimuth - rough.wind) if rough.gains.shape[0] > 0 else (0.0, 0.0)
+    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation, gains)
 
 
 def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *, shade_sun: bool = True) -> Roughness:
@@ -71,4 +80,17 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *
     nested, coupling = between_bands(ratio_table, whole), coupling_table(whole, law.deviation) if shade_sun else np.zeros((0, 0, 0))
     # a negative deviation towards the Sun: nothing shades, not even the facet's own tilt
     towards = min(law.bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else -1.0
-    return Roughness(*slopes.covariance(), towards, law.shelter, nested.astype(np.float32), coupling.astype(np.float32))
+    leans = law.bands > 1.0 and law.gains.any()
+    lean, gains = (lean_table(law.bands), law.gains) if leans else (np.zeros((2, 0, 0)), np.zeros((0, 2)))
+    sun_gains = gains_at(gains, solar_azimuth - law.wind) if leans else (0.0, 0.0)
+    return Roughness(
+        *slopes.covariance(),
+        towards,
+        law.shelter,
+        nested.astype(np.float32),
+        coupling.astype(np.float32),
+        lean.astype(np.float32),
+        gains,
+        sun_gains,
+        law.wind,
+    )

@@ -92,14 +92,20 @@ def lean_kernel(slope: float, edge: float, gains: tuple[float, float], table: Fl
     return total
 
 
-def lean_gains(slopes: SlopeStatistics) -> FloatArray:
+def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
     """Gains ``(g_1, g_2)`` at azimuths of the direction to the viewer from the wind's [1, (:data:`AZIMUTHS`, 2)], over half a circle.
 
-    Projection of ``g`` on its two modes over the waves of :meth:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.growth`.
+    Projection of ``g`` on its two modes over the waves of :meth:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.growth`, but for
+    those that are geometry: the longest, which have the slope variance ``resolved`` [1].
     """
     azimuth = np.pi / AZIMUTHS * np.arange(AZIMUTHS)
     c, s = np.cos(azimuth)[:, None], np.sin(azimuth)[:, None]
-    up, cross, both = slopes.growth().T
+    growth = slopes.growth()
+    if resolved > 0.0:
+        length = growth[:, 0] + growth[:, 1]
+        first = np.array([np.interp(resolved, length, part) for part in growth.T])
+        growth = np.concatenate([first[None], growth[length > resolved]]) - first
+    up, cross, both = growth.T
     along = np.maximum(up * c * c + 2.0 * both * c * s + cross * s * s, 0.0)
     beside = (cross - up) * c * s + both * (c * c - s * s)
     total = np.where(along[:, -1:] > 0.0, along[:, -1:], 1.0)
