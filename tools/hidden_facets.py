@@ -2,6 +2,7 @@
 
     python tools/hidden_facets.py --low-sun [--winds 2 3 5 7 12 18]
     python tools/hidden_facets.py --oblique [--winds 3 6 12]
+    python tools/hidden_facets.py --scenario [--winds 3 6 12]
     python tools/hidden_facets.py --facets  [--winds 2 3 5 7 12]
 
 The heights of a Gaussian sea at points towards the viewer and towards the Sun, and the slope where both lines begin, are jointly Gaussian.
@@ -16,8 +17,9 @@ left no number is told.
 
 Markdown goes to standard output: the law's share over that of brute force. ``--low-sun``: isotropic slopes, the Sun ahead, with the share
 of brute force over Smith's behind it. ``--oblique``: wind beside the Sun's azimuth, the view beside it too, with and without the lean of
-facets (:mod:`seaglint.sea.shadowing.lean`). ``--facets``: waves down to a cut as geometry and the renderer's facets on them, a dash where
-no waves are so long.
+facets (:mod:`seaglint.sea.shadowing.lean`). ``--scenario``: the same over the sea of a scenario, Elfouhaily's waves down to where they
+have most of Cox and Munk's slopes and ripples that make up the rest. ``--facets``: waves down to a
+cut as geometry and the renderer's facets on them, a dash where no waves are so long.
 """
 
 from __future__ import annotations
@@ -38,9 +40,12 @@ from seaglint.facet.glint import glint
 from seaglint.facet.legs import NESTED, VIEWER, Shadowing
 from seaglint.facet.roughness import Roughness, roughness_of
 from seaglint.sea.shadowing.smith import smith_lambda
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
+from seaglint.sea.slopes.from_spectrum import nested_in
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import resolve_limit
 
 SHORTEST = 0.01
 STEP = 1.02
@@ -48,6 +53,9 @@ THINNED = 0.6
 FEWEST = 100
 RARE = 3.5
 """Deviations of a mirroring slope beyond which the sea has next to no such facets."""
+
+UPRIGHT = replace(NESTED, lean=False)
+"""The law without the lean of facets."""
 
 DEPRESSIONS = (0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0)
 ELEVATIONS = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0)
@@ -74,9 +82,10 @@ class GaussianWaves(NamedTuple):
         """Slopes of all the waves with the covariances of the longer ones; the wind is to blow to the north."""
         order = np.argsort(np.hypot(self.east, self.north))
         parts = self.variance * np.stack([self.north**2, self.east**2, self.east * self.north])
-        grown = np.cumsum(parts[:, order], axis=1)
+        grown = np.vstack([np.hypot(self.east, self.north)[order], np.cumsum(parts[:, order], axis=1)])[:, ::200].T
+        grown[0, 1:] = 0.0
         (cross, _), (_, up) = self.covariance()
-        return SlopeStatistics(up, cross, 0.0, nesting=tuple((a, b, c) for a, b, c in grown[:, : -order.size // 10 : 200].T))
+        return SlopeStatistics(up, cross, 0.0, nesting=tuple((float(k), float(a), float(b), float(c)) for k, a, b, c in grown))
 
 
 def random_waves(
@@ -97,6 +106,23 @@ def random_waves(
 def clean_sea(wind: float, *, isotropic: bool = True, sizes: tuple[int, int] = (360, 48)) -> GaussianWaves:
     """Waves of a clean sea, Cox and Munk's total slope variance for isotropic and directional ones alike."""
     return random_waves(ElfouhailySpectrum(wind, 0.0), 0.003 + 0.00512 * wind, isotropic=isotropic, sizes=sizes)
+
+
+def scenario_sea(wind: float, *, sizes: tuple[int, int] = (360, 48)) -> tuple[GaussianWaves, SlopeStatistics]:
+    """Elfouhaily's waves down to where resolved waves end, below them ripples to Cox and Munk's covariance; and their slopes in scenarios.
+
+    Ripples have the directions ``1 + 2 a cos 2 phi`` that make up what the longer waves leave, and Elfouhaily's shares of all lengths.
+    """
+    spectrum, slopes = ElfouhailySpectrum(wind, 0.0), cox_munk_anisotropic(wind, 0.0)
+    waves, around = (random_waves(spectrum, sum(spectrum.mss()), isotropic=even, sizes=sizes) for even in (False, True))
+    long = np.hypot(waves.east, waves.north) < resolve_limit(spectrum, slopes)
+    left = np.array([slopes.mss_up, slopes.mss_cross]) - np.where(long, waves.variance, 0.0) @ np.stack(
+        [waves.north**2, waves.east**2], axis=1
+    )
+    apart = (left[0] - left[1]) / left.sum() * np.cos(2.0 * np.arctan2(waves.east, waves.north))
+    ripples = np.where(long, 0.0, around.variance * np.maximum(1.0 + 2.0 * apart, 0.0))
+    ripples *= left.sum() / np.sum(ripples * (waves.east**2 + waves.north**2))
+    return waves._replace(variance=np.where(long, waves.variance, ripples)), nested_in(slopes, spectrum)
 
 
 @dataclass(frozen=True)
@@ -277,7 +303,16 @@ def frequent(looks: Iterable[SunLook], sea: GaussianWaves) -> list[SunLook]:
 def oblique(wind: float, draws: int) -> Iterator[str]:
     """Rows of winds and offsets: law over brute force, seen and lit, of the facets left, with the lean and without."""
     sea = clean_sea(wind, isotropic=False)
-    slopes = sea.slopes()
+    return beside_the_wind(wind, draws, sea, sea.slopes())
+
+
+def scenario(wind: float, draws: int) -> Iterator[str]:
+    """Rows as :func:`oblique` over the sea of a scenario."""
+    return beside_the_wind(wind, draws, *scenario_sea(wind))
+
+
+def beside_the_wind(wind: float, draws: int, sea: GaussianWaves, slopes: SlopeStatistics) -> Iterator[str]:
+    """Rows of one wind; ``slopes`` as the law has them."""
     yield "| wind, beside | view off the Sun | largest, rms difference | without lean |\n|---|---|---|---|"
     for beside in (30.0, 50.0, 90.0):
         for off in (-10.0, -5.0, 0.0, 5.0, 10.0):
@@ -287,16 +322,10 @@ def oblique(wind: float, draws: int) -> Iterator[str]:
             )
             kept = found[:, 1] > error[:, 1] * math.sqrt(4.0 * FEWEST)
             pair = []
-            for law in (slopes, even(slopes)):
-                ratio = np.array([of_law(look, law) for look in looks])[kept] / found[kept, 1] - 1.0
+            for law in (NESTED, UPRIGHT):
+                ratio = np.array([of_law(look, slopes, law) for look in looks])[kept] / found[kept, 1] - 1.0
                 pair.append(f"{ratio[np.argmax(np.abs(ratio))]:+.2f}, {np.sqrt(np.mean(ratio**2)):.3f}")
             yield f"| {wind:g} m/s, {beside:g}° | {off:+g}° | {pair[0]} | {pair[1]} |"
-
-
-def even(slopes: SlopeStatistics) -> SlopeStatistics:
-    """Slopes whose waves of all lengths share one shape of covariance: facets do not lean."""
-    x = np.linspace(0.0, 1.0, 11)[1:-1]
-    return replace(slopes, nesting=tuple((v * slopes.mss_up, v * slopes.mss_cross, 0.0) for v in x))
 
 
 def facets(wind: float, draws: int) -> Iterator[str]:
@@ -321,10 +350,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--winds", type=float, nargs="+", default=(3.0, 7.0, 12.0), help="wind speeds [m/s]")
     parser.add_argument("--draws", type=int, default=300_000, help="facets drawn for each table's row")
-    for name in ("--low-sun", "--oblique", "--facets"):
+    for name in ("--low-sun", "--oblique", "--scenario", "--facets"):
         parser.add_argument(name, action="store_true")
     options = parser.parse_args()
-    for wanted, rows in ((options.low_sun, low_sun), (options.oblique, oblique), (options.facets, facets)):
+    for wanted, rows in ((options.low_sun, low_sun), (options.oblique, oblique), (options.scenario, scenario), (options.facets, facets)):
         head = ""
         for wind in options.winds if wanted else ():
             lines = "\n".join(rows(wind, options.draws)).split("\n")

@@ -54,9 +54,8 @@ def scene(
     assert every_wave is not None
     waves = WaveField.create(every_wave, (Tile(length, points, 0.0, 0.0, 2.0 * np.pi * points / (SHORTEST_WAVE * length)),), 1)
     view = prepare.view(scenario)
-    # waves of all lengths alike: the ray tracers' facets do not lean
-    even = replace(view.slopes, nesting=((0.5 * view.slopes.mss_up, 0.5 * view.slopes.mss_cross, 0.0),))
-    return replace(view, slopes=even), prepare.camera(scenario), waves
+    # the ray tracers' facets do not lean
+    return replace(view, shadowing=replace(view.shadowing, lean=False)), prepare.camera(scenario), waves
 
 
 def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 2.0) -> SweptScene:

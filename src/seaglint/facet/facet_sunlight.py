@@ -60,8 +60,8 @@ class FacetOptics(NamedTuple):
 class FacetLevels(NamedTuple):
     """Facets of every level of detail, in arrays.
 
-    ``roughness[l] = (ee, en, nn, towards the Sun, shelter, gains of the Sun's leg, wind)``, the shelter of three numbers and the gains of
-    two; ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith`` is set; ``lean[l]`` and ``gains[l]`` those of
+    ``roughness[l] = (ee, en, nn, towards the Sun, shelter, gain of the Sun's leg, wind)``, the shelter of three numbers;
+    ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith`` is set; ``lean[l]`` and ``gains[l]`` those of
     the lean, empty where none leans; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
     nchi, na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
     """
@@ -95,8 +95,8 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
     nested, coupling = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.coupling[level]
     q = levels.roughness[level]
     tables = FacetTables(thermal, emitted, levels.axes[level], levels.sun)
-    shelter, sun_gains = Shelter(q[4], q[5], q[6]), (q[7], q[8])
-    rough = Roughness(q[0], q[1], q[2], q[3], shelter, nested, coupling, levels.lean[level], levels.gains[level], sun_gains, q[9])
+    shelter, lean, gains = Shelter(q[4], q[5], q[6]), levels.lean[level], levels.gains[level]
+    rough = Roughness(q[0], q[1], q[2], q[3], shelter, nested, coupling, lean, gains, q[7], q[8])
     return FacetOptics(sunlight, rough, tables)
 
 
@@ -171,12 +171,12 @@ def facet_share(
     sunward = sun.horizontal_east * (mirror[0] - slope[0]) + sun.horizontal_north * (mirror[1] - slope[1])
     mirroring = (viewward / max(sight.deviation, 1e-12), sunward / max(rough.towards_sun, 1e-12))
     share = seen_and_lit(rough, sight.passage, mirroring, above, deviation)
-    if rough.lean.shape[1] == 0 or share <= 0.0:
+    if rough.lean.shape[0] == 0 or share <= 0.0:
         return share, 0.0, 0.0
-    shift = sight.deviation * lean_kernel(mirroring[0], above[0] / max(deviation[0], 1e-12), sight.gains, rough.lean)
+    shift = sight.deviation * lean_kernel(mirroring[0], above[0] / max(deviation[0], 1e-12), sight.gain, rough.lean)
     east, north = shift * sight.north, -shift * sight.east
     if deviation[1] > 0.0:
-        shift = rough.towards_sun * lean_kernel(mirroring[1], above[1] / deviation[1], rough.sun_gains, rough.lean)
+        shift = rough.towards_sun * lean_kernel(mirroring[1], above[1] / deviation[1], rough.sun_gain, rough.lean)
         east, north = east + shift * sun.horizontal_north, north - shift * sun.horizontal_east
     return share, east, north
 

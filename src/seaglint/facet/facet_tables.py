@@ -153,7 +153,7 @@ def facet_tables(
     shapes = np.array([shape for _, shape in axes_of])
     first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
     levels = FacetLevels(
-        np.array([(*rough[:4], *rough.shelter, *rough.sun_gains, rough.wind) for rough in roughs]),
+        np.array([(*rough[:4], *rough.shelter, rough.sun_gain, rough.wind) for rough in roughs]),
         _stacked([rough.nested for rough in roughs]),
         _stacked([rough.coupling for rough in roughs]),
         all(rough.nested.size == 0 for rough in roughs),
@@ -170,7 +170,7 @@ def facet_tables(
 def _leans(roughs: list[Roughness]) -> tuple[NDArray[np.float32], FloatArray]:
     """Tables and gains of the lean of every level; zeros where a level's facets do not lean, empty where none do."""
     shapes = [(rough.lean.shape, rough.gains.shape) for rough in roughs if rough.gains.size]
-    lean, gains = shapes[0] if shapes else ((2, 0, 0), (0, 2))
+    lean, gains = shapes[0] if shapes else ((0, 0), (0,))
     tables = [rough.lean if rough.gains.size else np.zeros(lean, np.float32) for rough in roughs]
     return np.stack(tables), np.stack([rough.gains if rough.gains.size else np.zeros(gains) for rough in roughs])
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
-from seaglint.sea.shadowing.lean import gains_at, lean_gains, lean_kernel, lean_table
+from seaglint.sea.shadowing.lean import AZIMUTHS, gain_at, lean_gains, lean_kernel, lean_table
 from seaglint.sea.shadowing.nested import (
     HIGHEST,
     NO_SHELTER,
@@ -49,7 +49,7 @@ class FacetLaw:
     shelter : Shelter
         Shelter that geometry gives.
     gains : ndarray
-        Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths, 2)], :func:`~seaglint.sea.shadowing.lean.lean_gains`; empty
+        Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.lean.lean_gains`; empty
         where they do not lean.
     wind : float
         Azimuth that the gains count from [rad].
@@ -58,7 +58,7 @@ class FacetLaw:
     bands: float
     deviation: float
     shelter: Shelter = NO_SHELTER
-    gains: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    gains: FloatArray = field(default_factory=lambda: np.zeros(0))
     wind: float = 0.0
 
 
@@ -79,11 +79,14 @@ class Shadowing:
     bands : float, optional
         Bands of equal slope variance of the nested law; 1 is Smith's. :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where
         nothing is said.
+    lean : bool
+        Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.lean`).
     """
 
     law: Law = "nested"
     sun: bool = True
     bands: float | None = None
+    lean: bool = True
 
     @classmethod
     def of(cls, word: str, bands: float | None = None) -> Shadowing:
@@ -124,8 +127,13 @@ class Shadowing:
         left = bands_of_facets(share, bands)
         if bands <= 1.0:
             return FacetLaw(left, math.sqrt(0.5 * slopes.mss))
-        gains = lean_gains(slopes, slopes.mss - facets.mss)
+        gains = lean_gains(slopes, slopes.mss - facets.mss) if self.lean else np.zeros(0)
         return FacetLaw(left, math.sqrt(0.5 * slopes.mss), shelter_of_facets(share), gains, slopes.wind_to_azimuth)
+
+    def leaning(self, slopes: SlopeStatistics) -> tuple[FloatArray, FloatArray]:
+        """Table and gains of the lean of a sea's facets [1], :mod:`seaglint.sea.shadowing.lean`; no table where they do not lean."""
+        bands = self.law_bands(slopes)
+        return (lean_table(bands), lean_gains(slopes)) if self.lean and bands > 1.0 else (np.zeros((0, 0)), np.zeros(AZIMUTHS))
 
     def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
         """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""
@@ -161,7 +169,7 @@ class Legs(NamedTuple):
     lean: FloatArray
     """Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.lean`); empty for Smith's law."""
     gains: FloatArray
-    """Gains of the lean over azimuths from the wind's [(azimuths, 2)]."""
+    """Gains of the lean over azimuths from the wind's [(azimuths,)]."""
     wind: float
     """Azimuth the wind blows TO [rad]."""
 
@@ -184,8 +192,7 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
         (1.0 + hidden) / gaussian if with_sun else 1.0,
         between_bands(ratio_table, bands),
         coupling_table(bands, math.sqrt(0.5 * slopes.mss)) if with_sun else np.zeros((0, 0, 0)),
-        lean_table(bands) if bands > 1.0 else np.zeros((2, 0, 0)),
-        lean_gains(slopes),
+        *shadowing.leaning(slopes),
         slopes.wind_to_azimuth,
     )
 
@@ -236,11 +243,11 @@ def lean_of_legs(view: tuple[float, float, float], azimuth: float, sunward: floa
     ``view``: slope towards the viewer and cotangent of the view zenith in rms slopes along the view, and that rms slope; ``sunward``: slope
     towards the Sun in rms slopes along its azimuth; ``azimuth`` is the viewer's [rad].
     """
-    if legs.lean.shape[1] == 0:
+    if legs.lean.shape[0] == 0:
         return 0.0, 0.0
-    shift = view[2] * lean_kernel(view[0], view[1], gains_at(legs.gains, azimuth - legs.wind), legs.lean)
+    shift = view[2] * lean_kernel(view[0], view[1], gain_at(legs.gains, azimuth - legs.wind), legs.lean)
     east, north = shift * math.cos(azimuth), -shift * math.sin(azimuth)
     if legs.sun:
-        shift = legs.deviation * lean_kernel(sunward, legs.edge, gains_at(legs.gains, legs.azimuth - legs.wind), legs.lean)
+        shift = legs.deviation * lean_kernel(sunward, legs.edge, gain_at(legs.gains, legs.azimuth - legs.wind), legs.lean)
         east, north = east + shift * legs.cosine, north - shift * legs.sine
     return east, north

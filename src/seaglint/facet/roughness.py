@@ -10,7 +10,7 @@ import numpy as np
 from seaglint.base.jit import kernel
 from seaglint.facet.legs import FacetLaw
 from seaglint.facet.sunlight import Sunlight
-from seaglint.sea.shadowing.lean import gains_at, lean_table
+from seaglint.sea.shadowing.lean import gain_at, lean_table
 from seaglint.sea.shadowing.nested import Shelter, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import leg_passage_kernel
@@ -23,8 +23,8 @@ class Roughness(NamedTuple):
     Further fields are the deviation along the Sun's azimuth, the shelter that geometry gives, and the tables of their nested shadowing: of
     either leg (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together
     (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`); empty for Smith's. With them come the table of the lean of facets
-    (:mod:`seaglint.sea.shadowing.lean`), empty where they do not lean, its gains over azimuths from the wind's, those of the Sun's leg, and
-    that azimuth [rad].
+    (:mod:`seaglint.sea.shadowing.lean`), empty where they do not lean, its gains over azimuths from the wind's, the gain of the Sun's leg,
+    and that azimuth [rad].
     """
 
     east_east: float
@@ -36,7 +36,7 @@ class Roughness(NamedTuple):
     coupling: np.ndarray
     lean: np.ndarray
     gains: np.ndarray
-    sun_gains: tuple[float, float]
+    sun_gain: float
     wind: float
 
 
@@ -44,7 +44,7 @@ class Sight(NamedTuple):
     """Line of sight, as seen from the sea.
 
     The fields are the horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the shadows of both
-    (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), the deviation of unresolved slopes along it, and the gains of their lean.
+    (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), the deviation of unresolved slopes along it, and the gain of their lean.
     """
 
     east: float
@@ -52,7 +52,7 @@ class Sight(NamedTuple):
     chi: float
     passage: float
     deviation: float
-    gains: tuple[float, float] = (0.0, 0.0)
+    gain: float = 0.0
 
 
 @kernel
@@ -66,8 +66,8 @@ def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
     """Return the :class:`Sight` of a line that leaves the sensor at an azimuth."""
     east, north = -math.sin(azimuth), -math.cos(azimuth)
     deviation = math.sqrt(max(along(rough, east, north), 0.0))
-    gains = gains_at(rough.gains, azimuth - rough.wind) if rough.gains.shape[0] > 0 else (0.0, 0.0)
-    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation, gains)
+    gain = gain_at(rough.gains, azimuth - rough.wind) if rough.gains.shape[0] > 0 else 0.0
+    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation, gain)
 
 
 def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *, shade_sun: bool = True) -> Roughness:
@@ -81,8 +81,8 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *
     # a negative deviation towards the Sun: nothing shades, not even the facet's own tilt
     towards = min(law.bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else -1.0
     leans = law.bands > 1.0 and law.gains.any()
-    lean, gains = (lean_table(law.bands), law.gains) if leans else (np.zeros((2, 0, 0)), np.zeros((0, 2)))
-    sun_gains = gains_at(gains, solar_azimuth - law.wind) if leans else (0.0, 0.0)
+    lean, gains = (lean_table(law.bands), law.gains) if leans else (np.zeros((0, 0)), np.zeros(0))
+    sun_gain = gain_at(gains, solar_azimuth - law.wind) if leans else 0.0
     return Roughness(
         *slopes.covariance(),
         towards,
@@ -91,6 +91,6 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *
         coupling.astype(np.float32),
         lean.astype(np.float32),
         gains,
-        sun_gains,
+        sun_gain,
         law.wind,
     )

@@ -11,7 +11,6 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.glint import floored
 from seaglint.facet.legs import Shadowing
-from seaglint.sea.shadowing.lean import lean_gains, lean_table
 from seaglint.sea.shadowing.nested import HIGHEST, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import projected_area
@@ -52,9 +51,9 @@ class WindSlopes(NamedTuple):
     coupling: FloatArray
     """Tables of facets seen and lit [(rms slopes, view, Sun, slope)]."""
     lean: FloatArray
-    """Tables of the lean of facets [(rms slopes, 2, views, slopes)]."""
+    """Tables of the lean of facets [(rms slopes, views, slopes)]."""
     gains: FloatArray
-    """Gains of the lean at each wind [(winds, azimuths, 2)]."""
+    """Gains of the lean at each wind [(winds, azimuths)]."""
     area: FloatArray
     """Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
 
@@ -81,8 +80,8 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
         float(grid[1] - grid[0]) if steps > 1 else 1.0,
         np.stack([between_bands(ratio_table, b) for b in bands]),
         np.stack([coupling_table(b, float(d)) for b, d in zip(bands, grid, strict=True)]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
-        np.stack([lean_table(b) if b > 1.0 else np.zeros((2, 0, 0)) for b in bands]),
-        np.stack([lean_gains(s) for s in statistics]),
+        np.stack([shadowing.leaning(SlopeStatistics(d * d, d * d))[0] for d in grid]),
+        np.stack([shadowing.leaning(s)[1] for s in statistics]),
         np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
     )
 

@@ -73,12 +73,12 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     c, s = float(np.cos(turn)), float(np.sin(turn))
     edges = np.geomspace(low, limit, _LENGTHS + 1)
     up = cross = both = 0.0
-    nesting = []
+    nesting = [(float(low), up, cross, both)]
     for least, most in pairwise(edges):
         along, beside = spectrum.mss(float(most), float(least))
         mixed = spectrum.slope_covariance(float(most), float(least))
         up += along * c * c - 2.0 * mixed * c * s + beside * s * s
         cross += along * s * s + 2.0 * mixed * c * s + beside * c * c
         both += (along - beside) * c * s + mixed * (c * c - s * s)
-        nesting.append((up, cross, both))
+        nesting.append((float(most), up, cross, both))
     return replace(slopes, nesting=tuple(nesting))

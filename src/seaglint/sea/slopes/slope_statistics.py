@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+
+_SHORTEST: Final = 2.0 * np.pi / 0.01
+"""Wavenumber of the shortest waves that carry slopes [rad/m]."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +31,8 @@ class SlopeStatistics:
         Skewness coefficients of :meth:`density` [1]; negative where lee faces are the steeper ones.
     c40, c22, c04 : float
         Peakedness coefficients: crosswind, mixed, upwind [1].
-    nesting : tuple of (float, float, float)
-        Covariances of the slopes of the longest waves, up, cross and both [1], for more and more waves; see :meth:`growth`.
+    nesting : tuple of (float, float, float, float)
+        Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1]; see :meth:`growth`.
     """
 
     mss_up: float
@@ -40,7 +43,7 @@ class SlopeStatistics:
     c40: float = 0.0
     c22: float = 0.0
     c04: float = 0.0
-    nesting: tuple[tuple[float, float, float], ...] = ()
+    nesting: tuple[tuple[float, float, float, float], ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse variances that are negative or not finite, and a series about a Gaussian of zero width."""
@@ -98,23 +101,30 @@ class SlopeStatistics:
         return np.asarray(self.mss_up * np.cos(angle) ** 2 + self.mss_cross * np.sin(angle) ** 2)
 
     def growth(self) -> FloatArray:
-        r"""Covariances of the slopes of the waves longer than a length [1, (n, 3)]: up, cross, and of both, from none to all waves.
+        r"""Wavenumbers [rad/m], and covariances of the slopes of longer waves [1, (n, 4)]: up, cross, and of both, from none to all.
 
-        Those of :attr:`nesting` where a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`). Without a spectrum a
-        shape: with x the share of the total variance and a the part of it by which waves along the wind exceed those across it,
+        Those of :attr:`nesting` where a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`); what these waves leave
+        is added evenly over the logarithm of the wavenumber, down to waves of 1 cm. Without a spectrum a shape: with x the share of the
+        total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of it by which waves along the wind
+        exceed those across it,
 
         .. math:: \frac{a(x)}{x} = a(1) + \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
         fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the
         wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
         """
+        whole = np.array([self.mss_up, self.mss_cross, 0.0])
         if self.nesting:
-            return np.array([(0.0, 0.0, 0.0), *self.nesting, (self.mss_up, self.mss_cross, 0.0)])
+            known = np.array(self.nesting)
+            x, last = np.linspace(0.0, 1.0, 9)[1:], known[-1, 0]
+            k = last * (max(_SHORTEST / last, 2.0)) ** x
+            return np.concatenate([known, np.column_stack([k, known[-1, 1:] + x[:, None] * (whole - known[-1, 1:])])])
         x, total = np.linspace(0.0, 1.0, 41), self.mss
         share = (self.mss_up - self.mss_cross) / total if total > 0.0 else 0.0
         narrow = 0.0 * x if self.is_isotropic else max(0.5 - abs(share), 0.0) / (1.0 + (x * total / 0.0108) ** 2.2)
         apart = x * (share + narrow - narrow[-1])
-        return np.stack([0.5 * total * (x + apart), 0.5 * total * (x - apart), 0.0 * x], axis=1)
+        k = _SHORTEST * np.exp(8.5 * (x - 1.0))
+        return np.stack([k, 0.5 * total * (x + apart), 0.5 * total * (x - apart), 0.0 * x], axis=1)
 
     def covariance(self) -> tuple[float, float, float]:
         """Covariance of the slopes towards (east, north): (east-east, east-north, north-north) [1]."""

@@ -55,7 +55,7 @@ def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeSta
 
 
 @lru_cache(maxsize=4096)
-def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float], ...]:
+def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float, float], ...]:
     """Covariances of the longer waves along and across the wind, whatever its direction."""
     if speed <= 0.0:
         return ()
