@@ -82,7 +82,7 @@ class GaussianWaves(NamedTuple):
         """Slopes of all the waves with the covariances of the longer ones; the wind is to blow to the north."""
         order = np.argsort(np.hypot(self.east, self.north))
         parts = self.variance * np.stack([self.north**2, self.east**2, self.east * self.north])
-        grown = np.vstack([np.hypot(self.east, self.north)[order], np.cumsum(parts[:, order], axis=1)])[:, ::200].T
+        grown = np.vstack([np.hypot(self.east, self.north)[order], np.cumsum(parts[:, order], axis=1)]).T[::-200][::-1]
         grown[0, 1:] = 0.0
         (cross, _), (_, up) = self.covariance()
         return SlopeStatistics(up, cross, 0.0, nesting=tuple((float(k), float(a), float(b), float(c)) for k, a, b, c in grown))

@@ -34,7 +34,7 @@ from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.field import WaveField
-from seaglint.sea.slopes.from_spectrum import spectrum_slopes
+from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 
@@ -96,7 +96,7 @@ def view_of(waves: WaveField, sun_deg: float, *, sunward: bool = True) -> SeaVie
         atmosphere=VacuumAtmosphere.for_band(*BAND),
         band=Band.rectangular(*BAND),
         water=hale_querry_sea(),
-        slopes=spectrum_slopes(waves.spectrum),
+        slopes=nested_in(spectrum_slopes(waves.spectrum), waves.spectrum),
         sea_temperature=288.15,
         sensor_height=HEIGHT,
         solar_zenith=math.radians(sun_deg),

@@ -31,7 +31,7 @@ def test_facets_with_little_more_than_one_band():
     assert not bands.smith
     assert bands.nested.shape[1] > 1
     facets = SlopeStatistics(0.5 * view.slopes.mss_up, 0.5 * view.slopes.mss_cross)
-    law = view.shadowing.facet_law(view.slopes, facets)
+    law = view.hiding.facet_law(view.slopes, facets)
     assert 1.0 < law.bands < 2.0
     assert coupled_bands(np.array(0.1), np.array(0.1), law.bands, law.deviation) < 1.2
     image = run.at(0.0)
@@ -52,7 +52,7 @@ def test_facets_of_next_to_no_slopes_shade_less_than_smiths():
     assert run.scene.tables.levels.smith
     east, _, north, towards, *shelter = run.scene.tables.levels.roughness[0]
     slopes = run.scene.view.slopes
-    law = run.scene.view.shadowing.facet_law(slopes, SlopeStatistics(north, east))
+    law = run.scene.view.hiding.facet_law(slopes, SlopeStatistics(north, east))
     assert law.bands < 0.9
     assert towards == pytest.approx(law.bands * np.sqrt(north), rel=1e-6)
     assert shelter == pytest.approx(law.shelter)

@@ -129,7 +129,7 @@ def test_background_is_the_plain_sum_over_facets(slopes, depression, azimuth):
     view = _view(atmosphere, slopes)
     got = mean_radiance(view, [-np.radians(depression)], np.radians([azimuth, 33.0]))
     theta = view_zenith(30.0, np.radians(depression))
-    nodes = facet_nodes(theta, slopes, np.radians(azimuth) + np.pi, view.shadowing.law_bands(slopes))
+    nodes = facet_nodes(theta, slopes, np.radians(azimuth) + np.pi, view.hiding.law_bands(slopes))
     nu = atmosphere.wavenumber_cm
     rho = reflectance(nodes.cos_incidence[:, None], view.water.index(nu))
     sky = atmosphere.sky_radiance(np.minimum(nodes.reflected_zenith, np.pi / 2), 0.0)

@@ -67,7 +67,7 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
 def facets_left(view: SeaView, waves: WaveField) -> tuple[SlopeStatistics, FacetLaw]:
     """Slopes and law of hiding of the facets where all waves of the tile are geometry, as the renderer has them."""
     facets = facet_slopes(view.slopes, waves.resolved_mss(), waves.spectrum.wind_to_azimuth, waves.resolved_covariance())
-    return facets, view.shadowing.facet_law(view.slopes, facets)
+    return facets, view.hiding.facet_law(view.slopes, facets)
 
 
 def compared_rows(camera: Camera) -> slice:

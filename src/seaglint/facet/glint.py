@@ -115,8 +115,9 @@ class GlintModel:
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
         peak = 1.0 / (8.0 * math.pi * up * cross)
         numbers = FacetDensity(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
-        legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=solar_zenith < 0.5 * math.pi + _DUSK)
-        return cls(sea, shadowing, numbers, sun_disc(solar_zenith, solar_azimuth, sunlight), legs)
+        settled = shadowing.settled(sea, solar_azimuth)
+        legs = legs_of(settled, sea, centroid, solar_azimuth, shining=solar_zenith < 0.5 * math.pi + _DUSK)
+        return cls(sea, settled, numbers, sun_disc(solar_zenith, solar_azimuth, sunlight), legs)
 
     def grid(
         self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray, terms: FloatArray

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
+from seaglint.sea.shadowing.along import bands_along
 from seaglint.sea.shadowing.lean import AZIMUTHS, gain_at, lean_gains, lean_kernel, lean_table
 from seaglint.sea.shadowing.nested import (
     HIGHEST,
@@ -77,8 +78,8 @@ class Shadowing:
     sun : bool
         Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
     bands : float, optional
-        Bands of equal slope variance of the nested law; 1 is Smith's. :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where
-        nothing is said.
+        Bands of equal slope variance of the nested law; 1 is Smith's. Where nothing is said, those of :meth:`settled`, or
+        :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where no azimuth is known.
     lean : bool
         Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.lean`).
     """
@@ -109,8 +110,15 @@ class Shadowing:
         """Name in scenario files, as in :meth:`of`."""
         return next(word for word, known in _WORDS.items() if (known.law, known.sun) == (self.law, self.sun))
 
+    def settled(self, slopes: SlopeStatistics, azimuth: float) -> Shadowing:
+        """Return it with the number of bands given: of a sea seen along the azimuth of the Sun [rad], or against it.
+
+        Views aside of the Sun have its number too: light that is mirrored to them is hidden by the same waves.
+        """
+        return replace(self, bands=bands_along(slopes, azimuth)) if self.law == "nested" and self.bands is None else self
+
     def bands_for(self, slopes: SlopeStatistics) -> float:
-        """Number of bands of the nested law for a sea [1]."""
+        """Number of bands of the nested law for a sea seen from anywhere [1]."""
         return bands_of(slopes.mss) if self.bands is None else self.bands
 
     def law_bands(self, slopes: SlopeStatistics) -> float:

@@ -311,7 +311,7 @@ class ScatteredSun:
         out, rule = np.empty((rows.gamma.size, azimuth.size)), np.stack([_ALONG_X, _ALONG_W])
         where = np.stack([rows.gamma, rows.turn], axis=1)
         in_threads(lambda part: _fill_mirrored(part, where, azimuth, self._facets, rule, self._sky, self._sun, sums, out), len(where))
-        area = self.view.shadowing.area(0.5 * np.pi - rows.gamma[:, None], azimuth + np.pi, _rough(self.view.slopes))
+        area = self.view.hiding.area(0.5 * np.pi - rows.gamma[:, None], azimuth + np.pi, _rough(self.view.slopes))
         return np.asarray(np.maximum(out, 0.0) / area)
 
     def path(self, rows: SeaRows, azimuth: FloatArray) -> FloatArray:
@@ -340,7 +340,7 @@ def _rough(slopes: SlopeStatistics) -> SlopeStatistics:
 
 def _facets_of(view: SeaView) -> _Facets:
     slopes = _rough(view.slopes)
-    bands = view.shadowing.law_bands(view.slopes)
+    bands = view.hiding.law_bands(view.slopes)
     return _Facets(
         slopes.mss_up,
         slopes.mss_cross,

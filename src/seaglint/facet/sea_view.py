@@ -137,6 +137,11 @@ class SeaView:
             )
 
     @cached_property
+    def hiding(self) -> Shadowing:
+        """The shadowing with its number of bands."""
+        return self.shadowing.settled(self.slopes, self.solar_azimuth)
+
+    @cached_property
     def in_band(self) -> BandSum:
         """Sums over the band on the atmosphere's samples."""
         return BandSum.of(self.band, self.atmosphere)

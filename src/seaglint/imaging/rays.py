@@ -266,7 +266,7 @@ def ray_tables(
     places = np.maximum(arcs, 1e-3 * eye)
     basis = path_basis(view.atmosphere, view.band, eye, places)
     lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
-    domain = FacetDomain(facets, resolved, view.shadowing.facet_law(view.slopes, facets), (lowest, 1.0))
+    domain = FacetDomain(facets, resolved, view.hiding.facet_law(view.slopes, facets), (lowest, 1.0))
     sun, levels, path = facet_tables(view, basis, places, [domain], azimuths, emitted=emitted)
     shape = levels.shape[0, 1:]
 

@@ -350,7 +350,7 @@ class SweptScene:
         out = []
         for level, begin, end in zip(levels.detail.levels, levels.begins, last, strict=True):
             facets = facet_slopes(view.slopes, level.mss, towards, level.covariance)
-            law = view.shadowing.facet_law(view.slopes, facets)
+            law = view.hiding.facet_law(view.slopes, facets)
             ends = np.clip([begin, end], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
             out.append(FacetDomain(facets, level.mss, law, (max(float(low), floor), min(float(high), 1.0))))

@@ -274,7 +274,7 @@ def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: S
     else:
         if surface is None:
             surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, over.grid)
-        leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, view.shadowing.law_bands(view.slopes))
+        leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, view.hiding.law_bands(view.slopes))
         emission, sky, series = leaving.emission, leaving.sky, surface.reflectance
     # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
     per_term = (seen * view.irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)

@@ -2,19 +2,16 @@ r"""Lean of the facets that are seen, across the line of sight, where long waves
 
 Hiding chooses slopes along the view, and those of long waves more than in proportion: facets that are seen sit on the visible flanks of
 long waves. Where these run obliquely to the view their slopes along and across it go together, so that visible facets of a slope along the
-view lean to one side. Heights along the line of sight tell of a wave by its wavenumber along that line alone: waves that cross it look
-long. With :math:`x` the share of the slope variance along the view in the waves whose wavenumber along it is below a number, and
-:math:`y(x)` the covariance of their slopes along and across it over that variance, the mean slope across the view is shifted by
+view lean to one side. With :math:`x` the share of the slope variance along the view in the waves whose wavenumber along it is below a
+number (:mod:`seaglint.sea.shadowing.along`), and :math:`y(x)` the covariance of their slopes along and across it over that variance, the
+mean slope across the view is shifted by
 
-.. math:: \delta = \sigma_1 \int \frac{dy}{dx}\, \frac{dE}{dx}\, dx, \qquad E = E_\frac{1}{2}\, \frac{h(x)}{h_\mathrm{max}},
-          \quad h = x^{0.62} (1 - x)
+.. math:: \delta = \sigma_1 \int \frac{dy}{dx}\, \frac{dE}{dx}\, dx, \qquad E = E_\frac{1}{2}\, \frac{h(x)}{h_\mathrm{max}}
 
-with :math:`\sigma_1` the rms slope along the view, :math:`E(x)` the excess of the mean slope of the longer waves over their share of the
-facet's slope, in rms slopes, and :math:`E_{1/2}` the excess at half of the variance by the law of nested bands
-(:mod:`seaglint.sea.shadowing.nested`) times :data:`LEAN`. The shape is that of brute force over isotropic seas, the factor fits glint
-under oblique wind (``tools/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
-
-Waves of one length are taken to have the directions :math:`1 + 2 a_2 \cos 2(\varphi - \varphi_0)` of their covariance, Elfouhaily's own.
+with :math:`h(x) = x^{0.62} (1 - x)`, :math:`\sigma_1` the rms slope along the view, :math:`E(x)` the excess of the mean slope of the
+longer waves over their share of the facet's slope, in rms slopes, and :math:`E_{1/2}` the excess at half of the variance by the law of
+nested bands (:mod:`seaglint.sea.shadowing.nested`) times :data:`LEAN`. The shape is that of brute force over isotropic seas, the factor
+fits glint under oblique wind (``tools/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
 """
 
 from __future__ import annotations
@@ -28,6 +25,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
 from seaglint.base.kept_tables import kept
+from seaglint.sea.shadowing.along import waves_along
 from seaglint.sea.shadowing.nested import HIGHEST, REACH, nested_chain
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -39,9 +37,6 @@ AZIMUTHS: Final = 36
 
 _POWER: Final = 0.62
 """Power of x in the excess of the mean slope of the longer waves."""
-
-_WAVENUMBERS: Final = 96
-"""Number of wavenumbers along the view at which the share is taken."""
 
 _STEP: Final = 0.1
 _ROWS: Final = round(HIGHEST / _STEP) + 1
@@ -96,34 +91,16 @@ def lean_kernel(slope: float, edge: float, gain: float, table: FloatArray) -> fl
 def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
     """Gains at azimuths of the direction to the viewer from the wind's [1, (:data:`AZIMUTHS`,)], over half a circle.
 
-    The integral of the module over the waves of :meth:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.growth` for
-    :math:`E_{1/2} = 1`, but for those that are geometry: the longest, which have the slope variance ``resolved`` [1].
+    The integral of the module for :math:`E_{1/2} = 1`, over all waves but those that are geometry: the longest, which have the slope
+    variance ``resolved`` [1].
     """
-    growth = slopes.growth()
-    length = growth[:, 1] + growth[:, 2]
-    if resolved > 0.0:
-        first = np.array([np.interp(resolved, length, part) for part in growth.T])
-        growth = np.concatenate([first[None], growth[length > resolved]])
-    up, cross, both = np.diff(growth[:, 1:], axis=0).T
-    if not np.any(up + cross > 0.0):
+    waves = waves_along(slopes, np.pi / AZIMUTHS * np.arange(AZIMUTHS), resolved)
+    total = waves.along[-1]
+    if not np.any(total > 0.0):
         return np.zeros(AZIMUTHS)
-    k = np.sqrt(growth[1:, 0] * growth[:-1, 0])
-    # integrals over the directions of waves whose wavenumber along the view is below a number, of 1 and of both harmonics
-    below = np.geomspace(1e-2 * k[0], k[-1], _WAVENUMBERS)
-    least = np.arccos(np.minimum(below[:, None] / k, 1.0))
-    span, twice, four = np.pi - 2.0 * least, np.sin(2.0 * least), np.sin(4.0 * least)
-    even, second, odd = (
-        (span - twice) / (2.0 * np.pi),
-        (span - 2.0 * twice - 0.5 * four) / (4.0 * np.pi),
-        (span + 0.5 * four) / (4.0 * np.pi),
-    )
-    turn = 2.0 * np.pi / AZIMUTHS * np.arange(AZIMUTHS)
-    together = np.outer(up - cross, np.cos(turn)) + np.outer(2.0 * both, np.sin(turn))
-    apart = np.outer(2.0 * both, np.cos(turn)) - np.outer(up - cross, np.sin(turn))
-    along, beside = (even @ (up + cross))[:, None] + 2.0 * second @ together, 2.0 * odd @ apart
-    x = np.vstack([np.zeros(AZIMUTHS), np.clip(np.maximum.accumulate(along) / along[-1], 0.0, 1.0)])
+    x = np.vstack([np.zeros(AZIMUTHS), np.minimum(waves.along / total, 1.0)])
     rise = np.diff(x, axis=0)
-    steps = np.where(rise > 1e-12, np.diff(beside, axis=0, prepend=0.0) / along[-1] / np.maximum(rise, 1e-12), 0.0)
+    steps = np.where(rise > 1e-12, np.diff(waves.beside, axis=0, prepend=0.0) / total / np.maximum(rise, 1e-12), 0.0)
     highest = (_POWER / (1.0 + _POWER)) ** _POWER / (1.0 + _POWER)
     return np.asarray(np.sum(steps * np.diff(x**_POWER * (1.0 - x), axis=0), axis=0) * LEAN / highest)
 

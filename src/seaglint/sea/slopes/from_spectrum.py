@@ -8,12 +8,15 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.slopes.slope_statistics import SHORTEST, SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import resolve_limit
 
 _LENGTHS: Final = 24
 """Number of wavelengths at which covariances are taken."""
+
+_RIPPLES: Final = 12
+"""Number of those of the ripples."""
 
 
 def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
@@ -50,8 +53,8 @@ def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
 def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeStatistics:
     """Return slopes with the covariances of a spectrum's longer waves.
 
-    They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`, up to where they reach 0.8 of the slopes'
-    variances; shorter waves are taken to add evenly to what is left.
+    They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`: of the spectrum up to where they reach 0.8
+    of the slopes' variances, and below that length of ripples that make up the slopes, with the spectrum's shares of every length.
 
     Parameters
     ----------
@@ -80,5 +83,12 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
         up += along * c * c - 2.0 * mixed * c * s + beside * s * s
         cross += along * s * s + 2.0 * mixed * c * s + beside * c * c
         both += (along - beside) * c * s + mixed * (c * c - s * s)
-        nesting.append((float(most), up, cross, both))
+        nesting.append((float(most), float(up), float(cross), float(both)))
+    edges = np.geomspace(limit, max(SHORTEST, 2.0 * limit), _RIPPLES + 1)
+    shares = np.array([sum(spectrum.mss(float(most), float(least))) for least, most in pairwise(edges)])
+    if shares.sum() <= 0.0:
+        shares = np.ones(_RIPPLES)
+    for k, x in zip(edges[1:], np.cumsum(shares) / shares.sum(), strict=True):
+        rest = (up + x * (slopes.mss_up - up), cross + x * (slopes.mss_cross - cross), both * (1.0 - x))
+        nesting.append((float(k), *(float(part) for part in rest)))
     return replace(slopes, nesting=tuple(nesting))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
-_SHORTEST: Final = 2.0 * np.pi / 0.01
+SHORTEST: Final = 2.0 * np.pi / 0.01
 """Wavenumber of the shortest waves that carry slopes [rad/m]."""
 
 
@@ -32,7 +32,8 @@ class SlopeStatistics:
     c40, c22, c04 : float
         Peakedness coefficients: crosswind, mixed, upwind [1].
     nesting : tuple of (float, float, float, float)
-        Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1]; see :meth:`growth`.
+        Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1], from none to all waves; see
+        :meth:`growth`.
     """
 
     mss_up: float
@@ -103,27 +104,22 @@ class SlopeStatistics:
     def growth(self) -> FloatArray:
         r"""Wavenumbers [rad/m], and covariances of the slopes of longer waves [1, (n, 4)]: up, cross, and of both, from none to all.
 
-        Those of :attr:`nesting` where a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`); what these waves leave
-        is added evenly over the logarithm of the wavenumber, down to waves of 1 cm. Without a spectrum a shape: with x the share of the
-        total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of it by which waves along the wind
-        exceed those across it,
+        Those of :attr:`nesting` where a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`). Without a spectrum a
+        shape: with x the share of the total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of it by
+        which waves along the wind exceed those across it,
 
         .. math:: \frac{a(x)}{x} = a(1) + \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
         fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the
         wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
         """
-        whole = np.array([self.mss_up, self.mss_cross, 0.0])
         if self.nesting:
-            known = np.array(self.nesting)
-            x, last = np.linspace(0.0, 1.0, 9)[1:], known[-1, 0]
-            k = last * (max(_SHORTEST / last, 2.0)) ** x
-            return np.concatenate([known, np.column_stack([k, known[-1, 1:] + x[:, None] * (whole - known[-1, 1:])])])
+            return np.array(self.nesting)
         x, total = np.linspace(0.0, 1.0, 41), self.mss
         share = (self.mss_up - self.mss_cross) / total if total > 0.0 else 0.0
         narrow = 0.0 * x if self.is_isotropic else max(0.5 - abs(share), 0.0) / (1.0 + (x * total / 0.0108) ** 2.2)
         apart = x * (share + narrow - narrow[-1])
-        k = _SHORTEST * np.exp(8.5 * (x - 1.0))
+        k = SHORTEST * np.exp(8.5 * (x - 1.0))
         return np.stack([k, 0.5 * total * (x + apart), 0.5 * total * (x - apart), 0.0 * x], axis=1)
 
     def covariance(self) -> tuple[float, float, float]:
