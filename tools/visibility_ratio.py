@@ -1,11 +1,10 @@
-"""How often mirroring slopes are seen near the horizon, over Saunders' law: by rays, on seas whose waves are all geometry down to 5 cm.
+"""How often mirroring slopes are seen near the horizon, over Saunders' law: by rays, on seas whose waves are geometry down to 10 cm.
 
     python tools/visibility_ratio.py [--seas N] [--rays N]
 
 The surface of k^-4 density is isotropic and Gaussian from 256 m to 5 cm waves, with a slope variance of 0.0542; the Elfouhaily sea is
-a fully developed one of 10 m/s that runs towards the sensor. What the lattices do not keep of the slope variance lies on the facets.
-Markdown goes to
-standard output.
+a fully developed one of 10 m/s that runs towards the sensor. Waves below 10 cm lie on the facets, a twelfth of the slope variance.
+Markdown goes to standard output.
 """
 
 from __future__ import annotations
@@ -31,6 +30,9 @@ DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)
 SUN_ZENITHS = (60.0, 77.0, 80.0, 85.0)
 SLOPE_VARIANCE = 0.0542
 SHORTEST, LONGEST = 0.05, 256.0
+RESOLVED = 0.1
+"""Shortest wave that is geometry [m]; shorter ones lie on the facets, for rays to find slopes that mirror."""
+
 FLAT_EARTH = 1e12
 """Radius of a sphere [m] that is flat over the few kilometres of a ray."""
 
@@ -70,7 +72,7 @@ class PowerLawSpectrum(DirectionalSpectrum):
         return np.zeros(np.shape(wavenumber))
 
 
-def power_law_sea(points: int = 256, tiles: int = 4, shortest: float = SHORTEST) -> tuple[WaveField, SlopeStatistics]:
+def power_law_sea(points: int = 256, tiles: int = 4, shortest: float = RESOLVED) -> tuple[WaveField, SlopeStatistics]:
     """Tiles of the k^-4 surface down to a shortest wave, and the slopes of the whole one."""
     spectrum = PowerLawSpectrum()
     return WaveField.create(spectrum, plan_tiles(spectrum, shortest, points, tiles), 0), SlopeStatistics(
@@ -78,7 +80,7 @@ def power_law_sea(points: int = 256, tiles: int = 4, shortest: float = SHORTEST)
     )
 
 
-def elfouhaily_sea(wind: float = 10.0, points: int = 256, tiles: int = 4, shortest: float = SHORTEST) -> tuple[WaveField, SlopeStatistics]:
+def elfouhaily_sea(wind: float = 10.0, points: int = 256, tiles: int = 4, shortest: float = RESOLVED) -> tuple[WaveField, SlopeStatistics]:
     """Tiles of a fully developed sea, and the slopes of its own spectrum from the same shortest wave of 5 cm up."""
     spectrum = ElfouhailySpectrum(wind, math.pi)
     up, cross = spectrum.mss(2.0 * math.pi / SHORTEST)
@@ -99,12 +101,10 @@ def ratios(
 ) -> tuple[FloatArray, FloatArray]:
     """Ratio seen/model and its standard error per Sun [1], from independent seas, looking north into the Sun.
 
-    ``nested_bands`` is for facets that carry much of the slopes; with all waves resolved they carry next to nothing.
+    ``nested_bands`` is for facets that carry much of the slopes; where waves are resolved to 10 cm they carry little.
     """
     up, cross = waves.resolved_mss()
-    # the sums over lattice cells may exceed the integral by a thousandth
-    left = (max(slopes.mss_up - up, 1e-6), max(slopes.mss_cross - cross, 1e-6))
-    rest = SlopeStatistics(*left, wind_to_azimuth=waves.spectrum.wind_to_azimuth)
+    rest = SlopeStatistics(slopes.mss_up - up, slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth)
     facets, means = facets_of(rest.covariance(), FacetLaw(nested_bands, 0.0)), []
     suns = np.radians(np.asarray(sun_zeniths_deg, dtype=np.float64))
     for seed in range(seas):

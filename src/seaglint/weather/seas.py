@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -28,6 +29,8 @@ _DEVIATIONS: Final = 0.006
 _AREA_WIND: Final = 2.0
 _EDGES: Final = 31
 _TURNS: Final = 19
+_SUNS: Final = 12
+"""Number of azimuths of the Sun in a half circle over which the number of bands is averaged."""
 
 
 class WindSlopes(NamedTuple):
@@ -69,7 +72,7 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     first, last = float(deviations.min()), float(deviations.max())
     steps = 1 if last == first else max(int(np.ceil((last - first) / _DEVIATIONS)) + 1, 2)
     grid = np.linspace(first, last, steps)
-    bands = [shadowing.law_bands(SlopeStatistics(d * d, d * d)) for d in grid]
+    bands = np.interp(grid, deviations, [_mean_bands(shadowing, s) for s in statistics])
     return WindSlopes(
         low,
         float(nodes[1] - nodes[0]),
@@ -78,12 +81,20 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
         shadowing.sun,
         first,
         float(grid[1] - grid[0]) if steps > 1 else 1.0,
-        np.stack([between_bands(ratio_table, b) for b in bands]),
-        np.stack([coupling_table(b, float(d)) for b, d in zip(bands, grid, strict=True)]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
-        np.stack([shadowing.leaning(SlopeStatistics(d * d, d * d))[0] for d in grid]),
+        np.stack([between_bands(ratio_table, float(b)) for b in bands]),
+        np.stack([coupling_table(float(b), float(d)) for b, d in zip(bands, grid, strict=True)])
+        if shadowing.sun
+        else np.zeros((steps, 0, 0, 0)),
+        np.stack([replace(shadowing, bands=float(b)).leaning(statistics[0])[0] for b in bands]),
         np.stack([shadowing.leaning(s)[1] for s in statistics]),
         np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
     )
+
+
+def _mean_bands(shadowing: Shadowing, slopes: SlopeStatistics) -> float:
+    """Number of bands of the law, the mean over azimuths of the Sun from the wind's."""
+    turns = np.pi / _SUNS * np.arange(_SUNS)
+    return float(np.mean([shadowing.settled(slopes, slopes.wind_to_azimuth + turn).law_bands(slopes) for turn in turns]))
 
 
 def _areas(slopes_at: SlopesAt, nodes: FloatArray, shadowing: Shadowing) -> FloatArray:
@@ -95,6 +106,6 @@ def _areas(slopes_at: SlopesAt, nodes: FloatArray, shadowing: Shadowing) -> Floa
         slopes = floored(slopes_at(float(wind)))
         deviation = np.sqrt(slopes.mss_along(turn + slopes.wind_to_azimuth))
         zenith = np.arctan(1.0 / (edge[:, None] * deviation))
-        area = shadowing.area(zenith, turn + slopes.wind_to_azimuth + 0.0 * zenith, slopes)
+        area = replace(shadowing, bands=_mean_bands(shadowing, slopes)).area(zenith, turn + slopes.wind_to_azimuth + 0.0 * zenith, slopes)
         out.append(area / projected_area(zenith, deviation**2))
     return np.stack(out)
