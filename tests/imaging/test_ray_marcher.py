@@ -224,7 +224,7 @@ def test_visibility_ratio_of_a_sea_of_all_scales(depression):
     waves, slopes = power_law_sea()
     mean, error = ratios(waves, slopes, depression, seas=24, rays=10_000)
     print(f"depression {depression:g}: " + ", ".join(f"{m:.3f} +- {e:.3f}" for m, e in zip(mean, error, strict=True)))
-    # both calculations' standard errors, and the last eighth of the slope variance, which bilinear lattices leave to the facets
+    # both calculations' standard errors, and the last 8 % of the slope variance, which lie on facets
     assert mean == pytest.approx(np.array(SEEN_OVER_MODEL[depression]), abs=0.02 + 2.0 * float(np.hypot(error.max(), 0.008)))
 
 

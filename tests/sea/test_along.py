@@ -86,6 +86,17 @@ def test_swell_makes_the_sea_broader():
     assert breadth(nested_in(slopes, both), 0.0) > breadth(nested_in(slopes, wind), 0.0) + 0.1
 
 
+@pytest.mark.parametrize("wind", [2.0, 5.0, 9.0])
+def test_swell_alone_adds_bands_to_those_of_its_slope_variance(wind):
+    """Ripples that no spectrum tells of are as broad as seas of their slope variance are; swell adds longer waves, without steps."""
+    slopes = cox_munk_anisotropic(wind, 0.0)
+    heights = np.array([0.01, 0.1, 0.3, 0.6, 1.0, 1.3, 1.6, 2.0, 2.5, 3.0])
+    found = np.array([bands_along(nested_in(slopes, JonswapSpectrum(h, 11.0, 0.0, wind_to_azimuth=0.0)), 0.0) for h in heights])
+    assert found[0] == pytest.approx(bands_of(slopes.mss), abs=0.15)
+    assert np.abs(np.diff(found)).max() < 0.6
+    assert found.min() > found[0] - 0.5
+
+
 def test_a_number_of_bands_that_is_given_stays():
     slopes = scenario_slopes(3.0)
     assert Shadowing("nested", bands=3.0).settled(slopes, 0.4).bands == 3.0

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hidden_facets import UPRIGHT, clean_sea, frequent, oblique_looks, of_law, sampled, scenario_sea, two_lines
+from hidden_facets import UPRIGHT, clean_sea, frequent, oblique_looks, of_law, random_waves, sampled, scenario_sea, two_lines
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import BOTH, NESTED, NESTED_VIEWER, lean_of_legs, legs_of
 from seaglint.sea.shadowing.lean import AZIMUTHS, LEAN, gain_at, lean_gains, lean_kernel, lean_table
@@ -42,21 +42,54 @@ def test_no_lean_along_and_across_the_wind_and_opposite_leans_beside_it(name):
     assert np.abs(gains).max() > 0.1, "long waves run along the wind more closely than short ones"
 
 
+def one_by_one(sea, azimuth):
+    """Gain of waves that are drawn, sorted by their wavenumber along the view."""
+    c, s = math.cos(azimuth), math.sin(azimuth)
+    along, beside = sea.north * c + sea.east * s, sea.east * c - sea.north * s
+    order = np.argsort(np.abs(along))
+    part = (sea.variance * along**2)[order]
+    x = np.concatenate([[0.0], np.cumsum(part) / part.sum()])
+    shape = x**0.62 * (1.0 - x)
+    return LEAN * np.sum(np.diff(shape) * (beside / along)[order]) / ((0.62 / 1.62) ** 0.62 / 1.62)
+
+
 @pytest.mark.parametrize("wind", [3.0, 12.0])
 def test_gains_are_those_of_waves_one_by_one(wind):
-    """Waves drawn from the spectrum, sorted by their wavenumber along the view, against integrals over the directions of each length."""
+    """Against integrals over the directions of each length."""
     sea = clean_sea(wind, isotropic=False)
-    slopes = sea.slopes()
     for turn in (20, 50, 70, 115, 160):
         azimuth = math.radians(turn)
-        c, s = math.cos(azimuth), math.sin(azimuth)
-        along, beside = sea.north * c + sea.east * s, sea.east * c - sea.north * s
-        order = np.argsort(np.abs(along))
-        part = (sea.variance * along**2)[order]
-        x = np.concatenate([[0.0], np.cumsum(part) / part.sum()])
-        shape = x**0.62 * (1.0 - x)
-        found = LEAN * np.sum(np.diff(shape) * (beside / along)[order]) / np.max(shape)
-        assert gain_at(lean_gains(slopes), azimuth) == pytest.approx(found, rel=0.04, abs=0.02)
+        assert gain_at(lean_gains(sea.slopes()), azimuth) == pytest.approx(one_by_one(sea, azimuth), rel=0.04, abs=0.02)
+
+
+@pytest.mark.parametrize("cut", [3.0, 0.3])
+def test_gains_of_what_geometry_leaves(cut):
+    """Waves down to a length are geometry: facets lean as the shorter ones alone make them."""
+    sea = clean_sea(7.0, isotropic=False)
+    longer = sea.longer_than(cut)
+    short = sea._replace(variance=np.where(np.hypot(sea.east, sea.north) * cut < 2.0 * math.pi, 0.0, sea.variance))
+    for turn in (20, 50, 115):
+        azimuth = math.radians(turn)
+        gain = gain_at(lean_gains(sea.slopes(), float(np.trace(longer.covariance()))), azimuth)
+        assert gain == pytest.approx(one_by_one(short, azimuth), rel=0.06, abs=0.03)
+
+
+def test_gains_of_swell_one_by_one():
+    """Waves of 12 deg of spread are narrower than a second harmonic; a light wind beside them, or none."""
+    swell = random_waves(JonswapSpectrum(2.5, 11.0, 0.0, width=math.radians(12.0), wind_to_azimuth=0.0), 0.004)
+    wind = clean_sea(3.0, isotropic=False)
+    both = type(wind)(*(np.concatenate(pair) for pair in zip(wind, swell, strict=True)))
+    for sea, error in ((swell, 0.27), (both, 0.09)):
+        for turn in (15, 30, 60, 75, 120):
+            azimuth = math.radians(turn)
+            assert gain_at(lean_gains(sea.slopes()), azimuth) == pytest.approx(one_by_one(sea, azimuth), abs=error)
+
+
+def test_waves_that_run_one_way_do_not_lean():
+    """Slopes along a view and across it are in one proportion for all of them."""
+    rows = [(float(k), x, 0.0, 0.0) for k, x in zip(np.geomspace(0.1, 600.0, 30), np.linspace(0.0, 0.02, 30), strict=True)]
+    gains = lean_gains(SlopeStatistics(0.02, 0.0, nesting=tuple(rows)))
+    assert np.abs(gains[np.arange(AZIMUTHS) != AZIMUTHS // 2]).max() < 0.02
 
 
 def test_swell_across_the_wind_leans_the_other_way():
@@ -112,6 +145,14 @@ def test_leaning_facets_are_reciprocal(name, places):
     assert one == pytest.approx(other, rel=0.02)
 
 
+def test_light_winds_are_reciprocal_within_a_per_cent():
+    """The number of bands is that of the Sun's azimuth, which changes when viewer and Sun change places."""
+    slopes = of_waves(cox_munk_anisotropic(3.0, 0.4), ElfouhailySpectrum(3.0, 0.4))
+    a, b = (math.radians(87.0), 3.0), (math.radians(82.0), 0.2)
+    one, other = (float(glint(*v, *s, slopes, NESTED).chance) * math.cos(v[0]) for v, s in ((a, b), (b, a)))
+    assert one == pytest.approx(other, rel=0.015)
+
+
 def test_seas_seen_from_either_side_of_the_wind_mirror_each_other():
     for turn in (0.3, 1.2):
         one, other = (
@@ -151,7 +192,7 @@ def test_covariances_turn_with_the_axes():
     """A spectrum whose own wind is beside that of the slopes: the same waves, told in the slopes' axes."""
     straight = replace(SEA, wind_to_azimuth=0.0)
     for turn in (0.5, math.pi / 2.0, -2.0):
-        turned = nested_in(straight, ElfouhailySpectrum(4.0, turn)).nesting[24]  # the last of the spectrum's own
+        turned = nested_in(straight, ElfouhailySpectrum(4.0, turn)).nesting[8]  # waves too long for ripples
         _, up, cross, both = turned
         c, s = math.cos(turn), math.sin(turn)
         own = (up * c * c + 2.0 * both * c * s + cross * s * s, up * s * s - 2.0 * both * c * s + cross * c * c)

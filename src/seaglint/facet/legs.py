@@ -128,7 +128,7 @@ class Shadowing:
     def facet_law(self, slopes: SlopeStatistics, facets: SlopeStatistics) -> FacetLaw:
         """Law of hiding for facets that carry what is left of a sea's slopes while longer waves are geometry.
 
-        Every renderer takes it from here, references too, so that all of them draw the same facets.
+        Every renderer takes it from here, so that all of them draw the same facets; references leave out the lean.
         """
         share = facets.mss / slopes.mss if slopes.mss > 0.0 else 1.0
         bands = self.law_bands(slopes)

@@ -94,7 +94,8 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
 
     Notes
     -----
-    Shares of facets are those of :func:`seaglint.facet.glint.glint`; winds beyond the tables count as the nearest.
+    Shares of facets are those of :func:`seaglint.facet.glint.glint` at the mean number of bands over azimuths of the Sun; winds beyond the
+    tables count as the nearest.
     """
     rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
     out = np.zeros((rows.shape[0], 5))

@@ -2,7 +2,8 @@ r"""Waves as they show along a direction: by their wavenumber along it, whatever
 
 Heights along a line of sight tell of a wave by its wavenumber along that line alone, :math:`k |\cos(\varphi - \varphi_v)|`: waves that
 cross it look long. Waves of one length are taken to have the directions :math:`1 + 2 a_2 \cos 2(\varphi - \varphi_0)` of the covariance
-of their slopes, Elfouhaily's own.
+of their slopes, Elfouhaily's own; where they are narrower than these can be, :math:`a_2 > 1/2`, :math:`2 a_2 - 1` of them run in the one
+direction :math:`\varphi_0`, the rest as for :math:`a_2 = 1/2`.
 """
 
 from __future__ import annotations
@@ -56,11 +57,18 @@ def waves_along(slopes: SlopeStatistics, turn: FloatArray, resolved: float = 0.0
         (span - 2.0 * twice - 0.5 * four) / (4.0 * np.pi),
         (span + 0.5 * four) / (4.0 * np.pi),
     )
-    c, s = np.cos(2.0 * turn), np.sin(2.0 * turn)
-    together = np.outer(up - cross, c) + np.outer(2.0 * both, s)
-    apart = np.outer(2.0 * both, c) - np.outer(up - cross, s)
-    along = (even @ (up + cross))[:, None] + 2.0 * second @ together
-    return WavesAlong(below, np.maximum.accumulate(np.maximum(along, 0.0)), 2.0 * odd @ apart)
+    whole, angle = up + cross, 0.5 * np.arctan2(2.0 * both, up - cross)
+    narrow = np.minimum(np.hypot(up - cross, 2.0 * both), whole)  # a2 times the variance
+    straight = np.maximum(2.0 * narrow - whole, 0.0)
+    round_, narrow = whole - straight, narrow - straight
+    off = angle[:, None] - turn
+    along = (even @ round_)[:, None] + 2.0 * second @ (narrow[:, None] * np.cos(2.0 * off))
+    beside = 2.0 * odd @ (narrow[:, None] * np.sin(2.0 * off))
+    if straight.any():
+        reached = below[:, None, None] >= k[:, None] * np.abs(np.cos(off))
+        along += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) ** 2)
+        beside += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) * np.sin(off))
+    return WavesAlong(below, np.maximum.accumulate(along), beside)
 
 
 @lru_cache(maxsize=1024)
@@ -81,7 +89,7 @@ def breadth(slopes: SlopeStatistics, azimuth: float) -> float:
 def bands_along(slopes: SlopeStatistics, azimuth: float) -> float:
     """Number of bands of the nested law for views along an azimuth [rad], or against it [1].
 
-    By the :func:`breadth` of the waves where a spectrum is known; by the slope variance alone elsewhere, which are the same for
-    Elfouhaily's spectrum from 2 to 7 m/s.
+    By the :func:`breadth` of the waves where a spectrum is known; by the slope variance alone elsewhere. Both are the same, within 0.25,
+    for isotropic seas of Elfouhaily's shape and Cox and Munk's slope variance from 2 to 7 m/s.
     """
     return bands_of_breadth(breadth(slopes, azimuth)) if slopes.nesting else bands_of(slopes.mss)

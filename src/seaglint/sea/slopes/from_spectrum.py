@@ -15,8 +15,14 @@ from seaglint.sea.tiles import resolve_limit
 _LENGTHS: Final = 24
 """Number of wavelengths at which covariances are taken."""
 
-_RIPPLES: Final = 12
+_RIPPLES: Final = 13
 """Number of those of the ripples."""
+
+_BREADTH: Final = (2.7, 156.0, 0.0337)
+"""Width of ripples without a spectrum in the logarithm of the wavenumber: a first part, and one by the slope variance up to an end.
+
+Even ones of this width have the breadth that Elfouhaily's seas have, to which the number of bands by slope variance belongs.
+"""
 
 
 def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
@@ -54,7 +60,9 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     """Return slopes with the covariances of a spectrum's longer waves.
 
     They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`: of the spectrum up to where they reach 0.8
-    of the slopes' variances, and below that length of ripples that make up the slopes, with the spectrum's shares of every length.
+    of the slopes' variances, and ripples that make up the slopes. These have the spectrum's shares of every shorter length as far as its
+    shorter waves go; what no wave of the spectrum accounts for, swell alone being given, is even over the logarithm of the wavenumber, as
+    broad as seas of these slopes are (:data:`_BREADTH`).
 
     Parameters
     ----------
@@ -70,25 +78,36 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     """
     limit = resolve_limit(spectrum, slopes)
     low = spectrum.wavenumber_range[0]
-    if limit <= low:
+    if limit <= low or slopes.is_flat:
         return slopes
     turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
     c, s = float(np.cos(turn)), float(np.sin(turn))
-    edges = np.geomspace(low, limit, _LENGTHS + 1)
-    up = cross = both = 0.0
-    nesting = [(float(low), up, cross, both)]
-    for least, most in pairwise(edges):
+    top = max(SHORTEST, 2.0 * limit)
+    width = _BREADTH[0] + _BREADTH[1] * min(slopes.mss, _BREADTH[2])
+    first = min(low, top * float(np.exp(-width)))
+    edges = np.concatenate(
+        [
+            np.geomspace(first, low, _LENGTHS)[:-1] if first < low else [],
+            np.geomspace(low, limit, _LENGTHS),
+            np.geomspace(limit, top, _RIPPLES)[1:],
+        ]
+    )
+    grown, shorter = np.zeros((edges.size, 3)), np.zeros(edges.size)
+    for i, (least, most) in enumerate(pairwise(edges), start=1):
         along, beside = spectrum.mss(float(most), float(least))
         mixed = spectrum.slope_covariance(float(most), float(least))
-        up += along * c * c - 2.0 * mixed * c * s + beside * s * s
-        cross += along * s * s + 2.0 * mixed * c * s + beside * c * c
-        both += (along - beside) * c * s + mixed * (c * c - s * s)
-        nesting.append((float(most), float(up), float(cross), float(both)))
-    edges = np.geomspace(limit, max(SHORTEST, 2.0 * limit), _RIPPLES + 1)
-    shares = np.array([sum(spectrum.mss(float(most), float(least))) for least, most in pairwise(edges)])
-    if shares.sum() <= 0.0:
-        shares = np.ones(_RIPPLES)
-    for k, x in zip(edges[1:], np.cumsum(shares) / shares.sum(), strict=True):
-        rest = (up + x * (slopes.mss_up - up), cross + x * (slopes.mss_cross - cross), both * (1.0 - x))
-        nesting.append((float(k), *(float(part) for part in rest)))
-    return replace(slopes, nesting=tuple(nesting))
+        parts = (
+            along * c * c - 2.0 * mixed * c * s + beside * s * s,
+            along * s * s + 2.0 * mixed * c * s + beside * c * c,
+            (along - beside) * c * s + mixed * (c * c - s * s),
+        )
+        longer = most <= limit * (1.0 + 1e-9)
+        grown[i] = grown[i - 1] + (parts if longer else 0.0)
+        shorter[i] = shorter[i - 1] + (0.0 if longer else along + beside)
+    left = np.array([slopes.mss_up, slopes.mss_cross, 0.0]) - grown[-1]
+    needed = max(float(left[0] + left[1]), 1e-300)
+    given = min(float(shorter[-1]) / needed, 1.0)
+    even = np.clip(1.0 + np.log(edges / top) / width, 0.0, 1.0)
+    ripples = given * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - given) * even
+    grown += np.outer(ripples, left)
+    return replace(slopes, nesting=tuple((float(k), *(float(v) for v in row)) for k, row in zip(edges, grown, strict=True)))

@@ -108,7 +108,7 @@ class SlopeStatistics:
         shape: with x the share of the total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of it by
         which waves along the wind exceed those across it,
 
-        .. math:: \frac{a(x)}{x} = a(1) + \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
+        .. math:: \frac{a(x)}{x} = a(1) + n(x) - n(1), \qquad n(x) = \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
         fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the
         wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
