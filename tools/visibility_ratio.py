@@ -2,9 +2,9 @@
 
     python tools/visibility_ratio.py [--seas N] [--rays N]
 
-The surface of k^-4 density is isotropic and Gaussian from 256 m to 5 cm waves, with a slope variance of 0.0542; the Elfouhaily sea is
-a fully developed one of 10 m/s that runs towards the sensor. Waves below 10 cm lie on the facets: 8 % of the slope variance, 14 % of Elfouhaily's.
-Markdown goes to standard output.
+The surface of k^-4 density is isotropic and Gaussian from 256 m to 5 cm waves, with a slope variance of 0.0542; the Elfouhaily sea is a
+fully developed one of 10 m/s that runs towards the sensor. Waves below 10 cm lie on the facets: 8 % of the slope variance, 14 % of
+Elfouhaily's. Markdown goes to standard output.
 """
 
 from __future__ import annotations

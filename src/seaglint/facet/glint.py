@@ -202,8 +202,8 @@ def glint(
     Where the disc's image in the slope plane is small against the rms slope, seven points on the disc; elsewhere, and for a Sun cut by
     the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing is taken at the middle of
     the visible part of the disc. With the viewer's leg alone energy is conserved over all positions of the Sun; with both legs the
-    chance is reciprocal in viewer and Sun, within 1 % where the number of bands changes with the Sun's azimuth. The nested law is that of Gaussian slopes: its ratio multiplies other densities of the same
-    variances, with the area that their own visible density adds up to.
+    chance is reciprocal in viewer and Sun, within 1 % where the number of bands changes with the Sun's azimuth. The nested law is that of
+    Gaussian slopes: its ratio multiplies other densities of the same variances, with the area that their own visible density adds up to.
 
     References
     ----------
