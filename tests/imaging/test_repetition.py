@@ -76,13 +76,7 @@ def test_no_repetition_over_14_km(tile_size):
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize(
-    "tile",
-    [
-        pytest.param(1, marks=pytest.mark.xfail(strict=True, reason="0.038 at multiples of the tile, not below 0.03")),
-        2,
-    ],
-)
+@pytest.mark.parametrize("tile", [1, 2])
 def test_no_repetition_along_the_axes_of_a_tile(tile):
     """Lines within 1.5 degrees of the first axis of a tile of 1.1 or 0.5 km, along which the sea of tiles that lie still repeats."""
     turn = np.degrees(_scene(128)[3].tiles[tile].rotation)
