@@ -25,7 +25,8 @@ def test_a_rendered_glint_sequence(tmp_path) -> None:
     assert found.stored.texture.modulation is None  # the marginal transform suffices
     assert len({d for d in found.stored.texture.field.offsets if d[0] > 0}) >= 4
     held_out = found.stored.quality["held_out"]
-    assert held_out["log_pseudo_likelihood"] > held_out["independent_pixels"] + 0.5
+    # neighbours tell 0.11 to 0.63 of five such seas, 0.23 of this one; it was half before waves had the height and slopes of their spectrum
+    assert held_out["log_pseudo_likelihood"] > held_out["independent_pixels"] + 0.1
 
 
 @pytest.mark.parametrize("region", ["120:250,90:230", "5:125,100:300"], ids=["corridor", "far"])
