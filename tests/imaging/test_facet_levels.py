@@ -50,7 +50,7 @@ def test_facets_of_next_to_no_slopes_shade_less_than_smiths():
     assert isinstance(run.scene, SweptScene)
     assert run.scene.tables is not None
     assert run.scene.tables.levels.smith
-    east, _, north, towards, *shelter = run.scene.tables.levels.roughness[0]
+    east, _, north, towards, *shelter = run.scene.tables.levels.roughness[0, :7]
     slopes = run.scene.view.slopes
     law = run.scene.view.hiding.facet_law(slopes, SlopeStatistics(north, east))
     assert law.bands < 0.9
