@@ -94,7 +94,7 @@ def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
     The integral of the module for :math:`E_{1/2} = 1`, over all waves but those that are geometry: the longest, which have the slope
     variance ``resolved`` [1].
     """
-    waves = waves_along(slopes, np.pi / AZIMUTHS * np.arange(AZIMUTHS), resolved)
+    waves = waves_along(slopes, np.linspace(0.0, np.pi, AZIMUTHS, endpoint=False), resolved)
     total = waves.along[-1]
     if not np.any(total > 0.0):
         return np.zeros(AZIMUTHS)

@@ -110,4 +110,5 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     even = np.clip(1.0 + np.log(edges / top) / width, 0.0, 1.0)
     ripples = given * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - given) * even
     grown += np.outer(ripples, left)
-    return replace(slopes, nesting=tuple((float(k), *(float(v) for v in row)) for k, row in zip(edges, grown, strict=True)))
+    rows = ((float(k), float(up), float(cross), float(both)) for k, (up, cross, both) in zip(edges, grown, strict=True))
+    return replace(slopes, nesting=tuple(rows))
