@@ -10,6 +10,8 @@ AFGL-TR-86-0272; refractivity after Edlen, B. (1966), Metrologia 2, 71.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -54,12 +56,35 @@ SCALED: Final[dict[str, tuple[int, tuple[tuple[float, float], ...]]]] = {
 }
 """LOWTRAN7's number of the first band of a gas, and exponents of relative pressure and of 273.15 K / T of its bands."""
 
+LOWTRAN_SCALED: Final[Mapping[int, tuple[str, float, float]]] = MappingProxyType(
+    {first + i: (gas, n, m) for gas, (first, exponents) in SCALED.items() for i, (n, m) in enumerate(exponents)}
+)
+"""Gas and exponents of LOWTRAN7's scaled amounts, by number."""
 
-def absorber_densities(profile: AirProfile, columns: list[int]) -> FloatArray:
-    """Densities [per km, (columns, levels)] of LOWTRAN7's absorbers with the numbers ``columns``.
+COLD, WARM = 260.0, 296.0
+"""Temperatures [K] at which all or nothing of water's own continuum counts as cold."""
+
+
+def cold_share(kelvin: FloatArray, cold_kelvin: float) -> FloatArray:
+    """Part of water's own continuum that counts as cold [1, (...)] at temperatures [K, (...)]: 0 at 296 K, 1 at 260 K.
+
+    With ``cold_kelvin`` it follows ``exp(cold_kelvin / T)``, below 0 in warmer air; with 0 it is LOWTRAN7's, linear and within 0-1.
+
+    >>> cold_share(np.array([308.0, 296.0, 278.0, 260.0]), 1800.0).round(3)
+    array([-0.159,  0.   ,  0.367,  1.   ])
+    """
+    if cold_kelvin == 0.0:
+        return np.asarray(np.clip((WARM - kelvin) / (WARM - COLD), 0.0, 1.0))
+    return np.asarray(np.expm1(cold_kelvin * (1.0 / kelvin - 1.0 / WARM)) / np.expm1(cold_kelvin * (1.0 / COLD - 1.0 / WARM)))
+
+
+def absorber_densities(
+    profile: AirProfile, columns: list[int], scaled: Mapping[int, tuple[str, float, float]] = LOWTRAN_SCALED
+) -> FloatArray:
+    """Densities [per km, (columns, levels)] of absorbers with the numbers ``columns``, ``scaled`` by exponents.
 
     4 nitrogen, 5 and 10 water's continua by itself and by air, 6 scattering molecules, 8 ozone below 0.77 um, 9 the colder share of 5
-    (0 here: it depends on the ray), 11 nitric acid, 1, 2 and 63 oxygen's continuum, 17-57 bands.
+    (0 here: it depends on the ray), 11 nitric acid, 1, 2 and 63 oxygen's continuum, from 17 on bands.
     """
     p, t = profile.pressure / STANDARD_PRESSURE, ZERO_CELSIUS / profile.temperature
     air = p * t
@@ -84,9 +109,7 @@ def absorber_densities(profile: AirProfile, columns: list[int]) -> FloatArray:
         if column in known:
             out[row] = known[column]
             continue
-        name = max((first, gas) for gas, (first, _) in SCALED.items() if first <= column)[1]
-        first, exponents = SCALED[name]
-        n, m = exponents[column - first]
+        name, n, m = scaled[column]
         out[row] = (0.1 * profile.vapour if name == "H2O" else volume[name]) * p**n * t**m
     return out
 

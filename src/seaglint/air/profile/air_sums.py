@@ -1,4 +1,4 @@
-r"""Transmittance and thermal emission along any ray through a profile, with LOWTRAN7's band laws.
+r"""Transmittance and thermal emission along any ray through a profile, with band laws of LOWTRAN7's form.
 
 .. math:: \tau(\nu, s) = \exp\Bigl(-\sum_k c_k W_k(s) - \sum_b (C_b W_b(s))^{a_b}\Bigr), \qquad
    L(\nu) = \int_{\tau}^1 B(\nu, T)\, d\tau'
@@ -16,9 +16,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
+from seaglint.air.profile.absorber_densities import absorber_densities, cold_share, refractivity
 from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.band_laws import BandLaws
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.bent_ray import BentRay, RefractingAir
 from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols
 from seaglint.air.profile.ray_paths import LayeredIndex
@@ -26,9 +27,6 @@ from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
 
 AEROSOLS: Final = 4
-
-COLD, WARM = 260.0, 296.0
-"""Temperatures [K] at which all or nothing of water's own continuum counts as cold."""
 
 LOCAL_HUMIDITIES: Final = np.array([0.0, 50.0, 70.0, 75.0, 80.0, 84.0, 88.0, 91.0, 94.0, 96.0, 98.0, 99.0])
 """Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that every place has its own."""
@@ -78,6 +76,8 @@ class AirSums:
         Channels [cm-1, (n,)], multiples of 5 within 680-14290.
     refracted_cm : float, optional
         Wavenumber of the refractivity [cm-1], by default the middle of the channels, as in LOWTRAN7.
+    spectroscopy : str
+        Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
 
     Examples
     --------
@@ -88,13 +88,21 @@ class AirSums:
     (173,)
     """
 
-    def __init__(self, profile: AirProfile, haze: HazeWeather, wavenumber_cm: FloatArray, refracted_cm: float | None = None) -> None:
+    def __init__(
+        self,
+        profile: AirProfile,
+        haze: HazeWeather,
+        wavenumber_cm: FloatArray,
+        refracted_cm: float | None = None,
+        *,
+        spectroscopy: Spectroscopy = "lblrtm",
+    ) -> None:
         self.profile, self.haze = profile, haze
-        self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64))
+        self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64), spectroscopy)
         middle = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
         self.index = LayeredIndex(profile.height, refractivity(profile, middle), profile.earth_radius)
         self.air = RefractingAir.of(profile.height, self.index.refractivity, profile.earth_radius)
-        gases = absorber_densities(profile, self.laws.columns)
+        gases = absorber_densities(profile, self.laws.columns, self.laws.numbers.scaled)
         self._cold_row = self.laws.columns.index(9)
         self._self_row = self.laws.columns.index(5)
         self._aerosol = aerosols(profile, haze, self.laws.wavenumber_cm, 0.0)
@@ -162,7 +170,7 @@ class AirSums:
     def gas_depth(self, amounts: FloatArray, mean: FloatArray) -> FloatArray:
         """Optical depth of the gases [1, (n,)] from the amounts of pieces [(pieces, rows)] and their temperatures [K, (pieces,)]."""
         gases = amounts[:, self._aerosol_rows : -4]
-        gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - mean) / (WARM - COLD), 0.0, 1.0)
+        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.numbers.cold_kelvin)
         return np.asarray(self.laws.optical_depth(gases.sum(axis=0, keepdims=True))[0])
 
     def haze_amounts(self, height: FloatArray, length: FloatArray) -> FloatArray:
@@ -191,7 +199,7 @@ class AirSums:
     def _continuous(self, node: FloatArray, amounts: FloatArray, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Transmittance to the nodes [1, (nodes, n)] and emission [W m-2 sr-1 per cm-1, (n,)] from the amounts between them."""
         gases = amounts[:, self._aerosol_rows : -4]
-        gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - mean) / (WARM - COLD), 0.0, 1.0)
+        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.numbers.cold_kelvin)
         depth = self.laws.optical_depth(np.cumsum(gases, axis=0)) + np.cumsum(amounts[:, : self._aerosol_rows], axis=0) @ self._extinction
         passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
         nu = self.laws.wavenumber_cm
@@ -234,7 +242,7 @@ class AirSums:
         amounts = np.add.reduceat(self._layer_amounts(ray), edges[:-1], axis=0)
         kelvin = amounts[:, -4] / amounts[:, -3]
         gases = amounts[:, self._aerosol_rows : -4]
-        gases[:, self._cold_row] = gases[:, self._self_row] * np.clip((WARM - kelvin) / (WARM - COLD), 0.0, 1.0)
+        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(kelvin, self.laws.numbers.cold_kelvin)
         depth = self.laws.optical_depth(np.cumsum(gases, axis=0))
         extinction, haze = self._extinction, amounts[:, : self._aerosol_rows]
         if self._aerosol_rows > AEROSOLS:

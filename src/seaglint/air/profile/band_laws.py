@@ -1,4 +1,4 @@
-r"""Optical depth of absorber amounts in channels: LOWTRAN7's continua and band laws.
+r"""Optical depth of absorber amounts in channels: continua and band laws of LOWTRAN7's form.
 
 .. math:: d(\nu) = \sum_k c_k(\nu) W_k + \sum_b (C_b(\nu) W_b)^{a_b}
 
@@ -17,6 +17,7 @@ from typing import Final
 
 import numpy as np
 
+from seaglint.air.profile.band_numbers import BandNumbers, Spectroscopy, band_numbers
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
 from seaglint.air.scattering.gas_bands import DEEPEST, gas_bands
 from seaglint.base.conventions import FloatArray
@@ -48,9 +49,11 @@ class BandLaws:
     bands : tuple of GasBand
         Their columns count from 0 among :attr:`band_numbers`.
     band_numbers : list of int
-        LOWTRAN7's numbers of the scaled amounts.
+        Numbers of the scaled amounts.
     source : ndarray
         Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
+    numbers : BandNumbers
+        Exponents of the amounts, and where the numbers are from.
     """
 
     wavenumber_cm: FloatArray
@@ -58,9 +61,10 @@ class BandLaws:
     bands: tuple[GasBand, ...]
     band_numbers: list[int]
     source: FloatArray
+    numbers: BandNumbers
 
     @classmethod
-    def of(cls, wavenumber_cm: FloatArray) -> BandLaws:
+    def of(cls, wavenumber_cm: FloatArray, spectroscopy: Spectroscopy = "lblrtm") -> BandLaws:
         """Laws of channels of the file [cm-1, (n,)].
 
         Raises
@@ -68,19 +72,18 @@ class BandLaws:
         DomainError
             Channels that the file does not hold.
         """
-        keep, held = channels_of(wavenumber_cm), lowtran_numbers()
-        column, power = held["band_column"][:, keep], held["band_power"][:, keep]
-        log = np.log(10.0) * power * held["band_log10"][:, keep]
+        keep, held = channels_of(wavenumber_cm), band_numbers(spectroscopy)
+        column, power, log = held.column[:, keep], held.power[:, keep], held.log_coefficient[:, keep]
         numbers = sorted({int(c) for c in np.unique(column)} - {0})
         bands = [
             GasBand(numbers.index(int(column[gas, first])), slice(first, end), float(power[gas, first]), np.exp(log[gas, first:end]))
             for gas, first, end in gas_bands(column, power)
         ]
-        return cls(wavenumber_cm, held["continuum"][:, keep], tuple(bands), numbers, held["source"][keep])
+        return cls(wavenumber_cm, held.continuum[:, keep], tuple(bands), numbers, lowtran_numbers()["source"][keep], held)
 
     @cached_property
     def columns(self) -> list[int]:
-        """LOWTRAN7's numbers of continua and bands, in the order of amounts."""
+        """Numbers of continua and bands, in the order of amounts."""
         return [*CONTINUA, *self.band_numbers]
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:

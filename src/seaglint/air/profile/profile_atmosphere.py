@@ -17,8 +17,8 @@ from scipy.interpolate import CubicSpline
 from seaglint.air.coordinates import decode_optical_depth, encode_optical_depth, straight_sea_cosine, straight_slant
 from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.air_sums import AirSums, RaySpectra
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
-from seaglint.air.profile.lowtran_numbers import numbers_provenance
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.air.protocol import ClearAir, require_height, require_line, require_solar_zenith, slant_range
 from seaglint.air.sky_spline import brightness_temperature, radiance_of
@@ -98,6 +98,8 @@ class ProfileAtmosphere(ClearAir):
     moving : bool
         True for a sensor that changes its height: spectra are blended between those of heights 5 % apart, so that one set of rays
         serves a whole track.
+    spectroscopy : str
+        Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
 
     Notes
     -----
@@ -115,12 +117,13 @@ class ProfileAtmosphere(ClearAir):
         scattering: Callable[[slice], ScatteringAir] | None = None,
         provenance: JsonObject | None = None,
         moving: bool = False,
+        spectroscopy: Spectroscopy = "lblrtm",
     ) -> None:
         self.wavenumber_cm = np.asarray(wavenumber_cm, dtype=np.float64)
-        self.sums = AirSums(profile, haze, self.wavenumber_cm)
+        self.sums = AirSums(profile, haze, self.wavenumber_cm, spectroscopy=spectroscopy)
         self.levels = levels
         self.name = profile.name
-        self.provenance: JsonObject = {"table": profile.name, **numbers_provenance(), "levels": levels, **(provenance or {})}
+        self.provenance: JsonObject = {"table": profile.name, **self.sums.laws.numbers.provenance, "levels": levels, **(provenance or {})}
         self._scattering = scattering
         self._moving = moving
         self._paths: dict[float, _Paths] = {}

@@ -9,6 +9,7 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
 from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.band_numbers import Spectroscopy, band_numbers
 from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols, mean_humidity
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
@@ -52,6 +53,10 @@ class Scatterers:
         Channels [cm-1, (n,)].
     refracted_cm : float, optional
         Wavenumber of the refractivity [cm-1]; by default the middle of the channels.
+    continuous : bool
+        True for continuous air, false for LOWTRAN7's layers.
+    spectroscopy : str
+        Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
 
     Examples
     --------
@@ -62,19 +67,26 @@ class Scatterers:
     """
 
     def __init__(
-        self, profile: AirProfile, wavenumber_cm: FloatArray, refracted_cm: float | None = None, *, continuous: bool = False
+        self,
+        profile: AirProfile,
+        wavenumber_cm: FloatArray,
+        refracted_cm: float | None = None,
+        *,
+        continuous: bool = False,
+        spectroscopy: Spectroscopy = "lblrtm",
     ) -> None:
         self._continuous = continuous
         held, keep = lowtran_numbers(), channels_of(wavenumber_cm)
         self._profile = thin = thinned(profile, MOST_LEVELS[continuous])
         self._nu = nu = np.asarray(wavenumber_cm, dtype=np.float64)
-        power = held["band_power"][:, keep]
-        column = held["band_column"][:, keep].astype(np.int64)
-        log = np.log(10.0) * power * held["band_log10"][:, keep]
-        self._spectral = SpectralLaws(nu, held["continuum"][:7, keep], column, power, log)
+        numbers = band_numbers(spectroscopy)
+        self._cold_kelvin = numbers.cold_kelvin
+        self._spectral = SpectralLaws(
+            nu, numbers.continuum[:7, keep], numbers.column[:, keep], numbers.power[:, keep], numbers.log_coefficient[:, keep]
+        )
         self._bands = self._spectral.segments()
         self._source = held["source"][keep]
-        self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS])
+        self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS], numbers.scaled)
         middle = 0.5 * float(nu[0] + nu[-1]) if refracted_cm is None else refracted_cm
         # layers that would trap rays are almost trapping here too: a ray must rise or fall through all of them
         self._refractivity = np.exp(RefractingAir.of(thin.height, refractivity(thin, middle), thin.earth_radius).log_refractivity)
@@ -92,6 +104,7 @@ class Scatterers:
             _phase_humidity(haze, thin.relative_humidity),
             1e-3 * tops,
             np.concatenate([density, self._density]),
+            self._cold_kelvin,
         )
 
     def with_haze(self, haze: HazeWeather, humidity: float | None = None) -> ScatteringAir:
@@ -133,15 +146,20 @@ def scattering_air(
     humidity: float | None = None,
     *,
     continuous: bool = False,
+    spectroscopy: Spectroscopy = "lblrtm",
 ) -> ScatteringAir:
     """Return :class:`Scatterers` of a profile on channels [cm-1, (n,)] with one haze."""
-    return Scatterers(profile, wavenumber_cm, refracted_cm, continuous=continuous).with_haze(haze, humidity)
+    return Scatterers(profile, wavenumber_cm, refracted_cm, continuous=continuous, spectroscopy=spectroscopy).with_haze(haze, humidity)
 
 
 @lru_cache(maxsize=8)
-def model_scatterers(model: str, channels: tuple[float, ...], *, continuous: bool = False) -> Scatterers:
+def model_scatterers(
+    model: str, channels: tuple[float, ...], *, continuous: bool = False, spectroscopy: Spectroscopy = "lblrtm"
+) -> Scatterers:
     """Return the scatterers of a model atmosphere on channels [cm-1]."""
-    return Scatterers(model_profile(model), np.array(channels), MODELS_REFRACTED_CM, continuous=continuous)
+    return Scatterers(
+        model_profile(model), np.array(channels), MODELS_REFRACTED_CM, continuous=continuous, spectroscopy=spectroscopy
+    )
 
 
 def maritime(wind_speed: float) -> HazeWeather:

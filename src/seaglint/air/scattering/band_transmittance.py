@@ -27,7 +27,7 @@ def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
         out[i] = 0.0
     for k in range(laws.linear.shape[0]):
         w = amount[k]
-        if w > 0.0:
+        if w != 0.0:  # what counts as cold is below 0 in warm air
             for i in range(channels):
                 out[i] += w * laws.linear[k, i]
     at = 0

@@ -95,6 +95,8 @@ class Laws(NamedTuple):
     grid: LayerGrid
     finest: float
     """Thickness of the first piece of a line of sight [km]; further ones are as thick as they lie above or below it. 0: whole layers."""
+    cold_kelvin: float
+    """Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's."""
 
 
 @njit
@@ -156,13 +158,18 @@ def _clear(row: np.ndarray) -> None:
 
 
 @njit
-def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
-    """Share of the water continuum that counts as cold (260 K: all, 296 K: none) between two points of a layer."""
+def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float, scale: float) -> float:
+    """Share of the water continuum that counts as cold (260 K: all, 296 K: none) between two points of a layer.
+
+    It follows ``exp(scale / T)``; with 0 it is linear, as in LOWTRAN7.
+    """
     kelvin = kelvin1
     rho1, rho2 = p1 / kelvin1, p2 / kelvin2
     if abs(rho2 / rho1 - 1.0) > 1e-9 and abs(p2 / p1 - 1.0) > 1e-9:
         kelvin = (p1 - p2) / math.log(p1 / p2) / ((rho1 - rho2) / math.log(rho1 / rho2))
-    return min(max((296.0 - kelvin) / 36.0, 0.0), 1.0)
+    if scale == 0.0:
+        return min(max((296.0 - kelvin) / 36.0, 0.0), 1.0)
+    return math.expm1(scale * (1.0 / kelvin - 1.0 / 296.0)) / math.expm1(scale * (1.0 / 260.0 - 1.0 / 296.0))
 
 
 @njit
@@ -221,7 +228,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     p2 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z2 - laws.height[layer]) / thick)
     for k in range(columns):
         out[k] += sums[k]
-    out[SELF_COLD] += sums[SELF] * _cold(p1, p2, kelvin1, kelvin2)
+    out[SELF_COLD] += sums[SELF] * _cold(p1, p2, kelvin1, kelvin2, laws.cold_kelvin)
     return turned, bending
 
 
@@ -411,11 +418,10 @@ def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
     return np.ascontiguousarray(np.moveaxis(there @ _TO_HEIGHTS, 0, -1) * thick[:, None, None])
 
 
-def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:
-    """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its density-weighted temperature."""
-    return np.array(
-        [_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)]
-    )
+def layers_cold_share(pressure: FloatArray, temperature: FloatArray, cold_kelvin: float) -> FloatArray:
+    """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its density-weighted temperature [K]."""
+    pairs = zip(_pairs(pressure), _pairs(temperature), strict=True)
+    return np.array([_cold(*(float(v) for v in (p[0], p[1], t[0], t[1])), cold_kelvin) for p, t in pairs])
 
 
 def _pairs(values: FloatArray) -> FloatArray:

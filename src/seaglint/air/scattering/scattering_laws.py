@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.air.scattering.gas_bands import gas_bands
-from seaglint.air.scattering.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, LayerGrid, cold_share, layer_grid
+from seaglint.air.scattering.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, LayerGrid, layer_grid, layers_cold_share
 from seaglint.air.scattering.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
 from seaglint.base.conventions import FloatArray
 
@@ -90,6 +90,8 @@ class AirLevels:
         Highest levels of the aerosol's regions [km, (4,)].
     density : ndarray
         Scaled densities in the order of :attr:`SpectralLaws.columns` [(columns, levels)].
+    cold_kelvin : float
+        Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's.
     """
 
     earth_radius: float
@@ -100,6 +102,7 @@ class AirLevels:
     humidity: FloatArray
     tops: FloatArray
     density: FloatArray
+    cold_kelvin: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +175,7 @@ class ScatteringAir:
             *bands,
             grid,
             finest,
+            float(levels.cold_kelvin),
         )
         return cls(spectral.wavenumber_cm, source, laws, aerosol)
 
@@ -251,7 +255,7 @@ def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
 
 def grid_of(levels: AirLevels) -> LayerGrid:
     """Quadrature of the atmosphere's whole layers."""
-    cold = cold_share(levels.height, levels.pressure, levels.temperature)
+    cold = layers_cold_share(levels.pressure, levels.temperature, levels.cold_kelvin)
     return layer_grid(float(levels.earth_radius), levels.height, levels.refractivity, cold, levels.density)
 
 
