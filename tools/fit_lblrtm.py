@@ -24,9 +24,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from rrtmgp_gases import WATER, Array, Rrtmgp, dry_molecules
 from scipy.optimize import least_squares
 
+from rrtmgp_gases import WATER, Array, Rrtmgp, dry_molecules
 from seaglint.air.profile.absorber_densities import LOWTRAN_SCALED, cold_share
 from seaglint.air.profile.air_profile import STANDARD_PRESSURE, ZERO_CELSIUS, saturation_density
 from seaglint.air.profile.band_numbers import CONTINUA, GASES, SELF_KELVIN
@@ -77,10 +77,10 @@ def lower_air(rng: np.random.Generator, n: int) -> Paths:
     """Draw paths of 245-308 K, 400-1030 hPa, 2-98 % humidity, 0.1-60 km."""
     kelvin, pressure = rng.uniform(245.0, 308.0, n), rng.uniform(400.0, 1030.0, n)
     density = rng.uniform(0.02, 0.98, n) * saturation_density(kelvin)
-    ppm = dict(
-        co2=rng.choice([330.0, 425.0], n), o3=rng.uniform(0.02, 0.06, n), n2o=np.full(n, 0.335), co=rng.uniform(0.08, 0.15, n),
-        ch4=np.full(n, 1.9),
-    )  # fmt: skip
+    ppm = {
+        "co2": rng.choice([330.0, 425.0], n), "o3": rng.uniform(0.02, 0.06, n), "n2o": np.full(n, 0.335), "co": rng.uniform(0.08, 0.15, n),
+        "ch4": np.full(n, 1.9),
+    }  # fmt: skip
     return _paths(kelvin, pressure, density * 1e-3 * 461.5 * kelvin * 1e-2, np.exp(rng.uniform(np.log(0.1), np.log(60.0), n)), ppm)
 
 
@@ -88,11 +88,11 @@ def upper_air(rng: np.random.Generator, n: int) -> Paths:
     """Draw dry paths of 200-275 K, 5-400 hPa, ozone to 8 ppmv, 0.5-300 km."""
     pressure = np.exp(rng.uniform(np.log(5.0), np.log(400.0), n))
     high = pressure < 130.0
-    ppm = dict(
-        co2=rng.choice([330.0, 425.0], n),
-        o3=np.where(high, np.exp(rng.uniform(np.log(0.3), np.log(8.0), n)), np.exp(rng.uniform(np.log(0.03), np.log(0.15), n))),
-        n2o=rng.uniform(0.1, 0.335, n), co=rng.uniform(0.02, 0.12, n), ch4=rng.uniform(0.6, 1.9, n),
-    )  # fmt: skip
+    ppm = {
+        "co2": rng.choice([330.0, 425.0], n),
+        "o3": np.where(high, np.exp(rng.uniform(np.log(0.3), np.log(8.0), n)), np.exp(rng.uniform(np.log(0.03), np.log(0.15), n))),
+        "n2o": rng.uniform(0.1, 0.335, n), "co": rng.uniform(0.02, 0.12, n), "ch4": rng.uniform(0.6, 1.9, n),
+    }  # fmt: skip
     moist = np.where(pressure > 180.0, np.exp(rng.uniform(np.log(4.0), np.log(1500.0), n)), rng.uniform(3.0, 7.0, n))
     length = np.exp(rng.uniform(np.log(0.5), np.log(300.0), n))
     return _paths(rng.uniform(200.0, 275.0, n), pressure, 1e-6 * moist * pressure, length, ppm)
@@ -101,7 +101,9 @@ def upper_air(rng: np.random.Generator, n: int) -> Paths:
 def _paths(kelvin: Array, pressure: Array, vapour: Array, length: Array, ppm: dict[str, Array]) -> Paths:
     mixed = {name: 1e-6 * value for name, value in ppm.items()}
     n = kelvin.size
-    return Paths(kelvin, pressure, vapour, length, {"h2o": vapour / (pressure - vapour), **mixed, "o2": np.full(n, 0.209), "n2": np.full(n, 0.781)})
+    return Paths(
+        kelvin, pressure, vapour, length, {"h2o": vapour / (pressure - vapour), **mixed, "o2": np.full(n, 0.209), "n2": np.full(n, 0.781)}
+    )
 
 
 def amounts(paths: Paths) -> dict[str, Array]:
@@ -271,7 +273,10 @@ class Band:
         low, high, x0 = self.bounds(own)
         pull, middle = np.array([PULL[what] for _, what in self.dimension()]), np.array([own[key] for key in self.dimension()])
         upper = np.where(self.paths.upper | (self.paths.pressure < 400.0), UPPER.get(self.edges[0], 0.7), 1.0)
-        weights = [(ALL if name == "all" else 1.0) * upper[rows] / np.sqrt(rows.size) for name, rows, _, _ in sets]
+        thin = THIN.get(self.edges[0], 0.1)
+        weights = [
+            (ALL if name == "all" else 1.0) * upper[rows] / np.sqrt(rows.size * (thin + 1.0 - truth)) for name, rows, truth, _ in sets
+        ]
 
         def residual(x: Array) -> Array:
             parts = [(self.modelled(x, counts, rows)[0] - t) * w for (_, rows, t, counts), w in zip(sets, weights, strict=True)]
@@ -288,8 +293,12 @@ class Band:
 ALL: Final = 10.0
 """Weight of paths with all gases, those with some of them having 1."""
 
-UPPER: Final = {980: 0.45}
+UPPER: Final = {980: 0.55, 1800: 0.3}
 """Weight of paths of the upper air by lower edge of the band [cm-1], elsewhere 0.7."""
+
+THIN: Final = {820: 0.02}
+"""Absorption that counts as little, by lower edge of the band [cm-1], elsewhere 0.1: paths weigh by the root of theirs and it, so that thin
+air, which skies see, is not drowned."""
 
 PULL: Final = {"F": 2e-4, "a": 1e-3, "n": 3e-4, "m": 1e-4}
 """Weights that hold numbers that the paths hardly tell at LOWTRAN7's."""

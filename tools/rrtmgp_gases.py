@@ -88,7 +88,9 @@ class Rrtmgp:
         m = self.minor[int(upper)]
         return keys | {gas for gas, (g0, _) in zip(m.gas, m.places, strict=True) if self.first[band] <= g0 < self.end[band]}
 
-    def depths(self, kelvin: Array, pascal: Array, dry: Array, mixed: dict[str, Array], without: tuple[str, ...] = ()) -> tuple[Array, Array]:
+    def depths(
+        self, kelvin: Array, pascal: Array, dry: Array, mixed: dict[str, Array], without: tuple[str, ...] = ()
+    ) -> tuple[Array, Array]:
         """Optical depths [1] and parts of the Planck function [1] of homogeneous paths, both (paths, 256).
 
         Parameters
@@ -108,7 +110,9 @@ class Rrtmgp:
                 depth[rows], planck[rows] = self._side(int(upper), kelvin[rows], pascal[rows], dry[rows], part, without)
         return depth, planck
 
-    def _side(self, side: int, kelvin: Array, pascal: Array, dry: Array, mixed: dict[str, Array], without: tuple[str, ...]) -> tuple[Array, Array]:
+    def _side(
+        self, side: int, kelvin: Array, pascal: Array, dry: Array, mixed: dict[str, Array], without: tuple[str, ...]
+    ) -> tuple[Array, Array]:
         step = np.log(self.pressure[1] / self.pressure[0])
         at_p = np.log(pascal / self.pressure[0]) / step
         jp = np.clip(np.floor(at_p), 0, self.pressure.size - 2).astype(int)

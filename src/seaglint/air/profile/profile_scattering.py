@@ -157,9 +157,7 @@ def model_scatterers(
     model: str, channels: tuple[float, ...], *, continuous: bool = False, spectroscopy: Spectroscopy = "lblrtm"
 ) -> Scatterers:
     """Return the scatterers of a model atmosphere on channels [cm-1]."""
-    return Scatterers(
-        model_profile(model), np.array(channels), MODELS_REFRACTED_CM, continuous=continuous, spectroscopy=spectroscopy
-    )
+    return Scatterers(model_profile(model), np.array(channels), MODELS_REFRACTED_CM, continuous=continuous, spectroscopy=spectroscopy)
 
 
 def maritime(wind_speed: float) -> HazeWeather:
