@@ -14,7 +14,8 @@ import argparse
 import numpy as np
 
 from seaglint.air.profile.air_profile import AirProfile, model_profile
-from seaglint.air.profile.air_sums import COLD, WARM, AirSums
+from seaglint.air.profile.absorber_densities import cold_share
+from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.bent_ray import BentRay
 from seaglint.air.profile.hazes import HazeWeather, aerosols
 from seaglint.air.profile.profile_scattering import scattering_air
@@ -39,7 +40,7 @@ def pieces(sums: AirSums, ray: BentRay) -> tuple[np.ndarray, np.ndarray]:
     rows = len(amounts[0]) - 4 - len(sums.laws.columns)
     gases = amounts[:, rows:-4].copy()
     cold, own = (sums.laws.columns.index(column) for column in (9, 5))
-    gases[:, cold] = gases[:, own] * np.clip((WARM - kelvin) / (WARM - COLD), 0.0, 1.0)
+    gases[:, cold] = gases[:, own] * cold_share(kelvin, sums.laws.numbers.cold_kelvin)
     return amounts[:, :rows], gases
 
 

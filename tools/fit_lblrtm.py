@@ -6,7 +6,8 @@ The form of the laws and their shape within a band are LOWTRAN7's. In each band 
 
 with LOWTRAN7's coefficients ``C``, their mean in the band ``C_0``, its power as ``s`` (so that the shape within the band stays) and four
 numbers of its own: a factor ``F`` on depth, the power ``a``, the exponents ``n`` and ``m``. Ozone has two such terms in 980-1080 cm-1, of
-more contrast: one pressure exponent does not serve the lower and the upper air there. The continua have factors. The numbers are those whose transmittances of the bands, weighted with the Planck function, agree best with RRTMGP's along
+more contrast: one pressure exponent does not serve the lower and the upper air there. The continua have factors. The numbers are those
+whose transmittances of the bands, weighted with the Planck function, agree best with RRTMGP's along
 random homogeneous paths of the lower and of the upper air, of all gases together, of key gases alone, and with one minor gas left out.
 Gases that RRTMGP lacks in a band are left out of the comparison and keep LOWTRAN7's numbers. No measurement enters.
 

@@ -65,7 +65,7 @@ def of_tables(model, wind, height, depression, solar_zenith, sky_zenith, edges):
 
 def of_sums(model, wind, height, depression, solar_zenith, sky_zenith, edges):
     """The same by sums along the ray, in LOWTRAN7's layers."""
-    sums = AirSums(model_profile(model), HazeWeather(wind=wind, wind_24h=wind), wavenumber_grid(*edges))
+    sums = AirSums(model_profile(model), HazeWeather(wind=wind, wind_24h=wind), wavenumber_grid(*edges), spectroscopy="lowtran7")
     ray = sums.in_layers(height, 0.5 * np.pi + np.radians(depression))
     sun = sums.laws.source * sums.in_layers(0.0, np.radians(solar_zenith)).transmittance[-1]
     return sums.laws.wavenumber_cm, ray.transmittance[-1], ray.emitted, sun, sums.in_layers(0.0, np.radians(sky_zenith)).emitted
@@ -130,7 +130,7 @@ SKY_ERROR = 1.5e-2  # LOWTRAN7's layers, met almost along, jump where a ray's lo
 @pytest.mark.parametrize("row", SKY_ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m-{r[4]:.2f}deg")
 @pytest.mark.parametrize(("edges", "column"), [((3.0, 5.0), 5), ((8.0, 12.0), 6)], ids=["3-5um", "8-12um"])
 def test_sky_near_the_horizon_from_a_height(row, edges, column):
-    air = model_air(row[0], row[1], edges, "lowtran")
+    air = model_air(row[0], row[1], edges, "lowtran", "lowtran7")
     # Below the horizontal both count in parts of their own dip: refraction makes LOWTRAN7's a little another.
     below = horizon_depression(row[2]) * (1.0 - row[3]) if row[4] < 0.0 else -np.radians(row[4])
     sky = air.sky_radiance(0.5 * np.pi + below, 0.0, row[2]) @ Band.rectangular(*edges).weights(air.wavenumber_cm)
@@ -160,7 +160,7 @@ def test_sky_of_the_older_single_precision_set_without_aerosol_is_darker(referen
     """Navy maritime aerosol at 7 m/s adds emission: our sky lies above the aerosol-free one and below a blackbody at 294.2 K."""
     with (reference_dir / "lowtran7_spectra_3to5um.csv").open() as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    air = model_air("midlatitude-summer", 7.0, (3.0, 5.0), "lowtran")
+    air = model_air("midlatitude-summer", 7.0, (3.0, 5.0), "lowtran", "lowtran7")
     wavenumber = np.array([float(r["wavenumber_cm-1"]) for r in rows])
     theirs = np.array([float(r["sky_L|midlat_summer|none|60"]) for r in rows]) * 1e4 * 1e4 / wavenumber**2
     ours = np.interp(wavenumber, air.wavenumber_cm, air.sky_radiance(np.radians(60.0), 0.0))

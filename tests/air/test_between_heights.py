@@ -63,7 +63,7 @@ def table():
 @pytest.mark.parametrize("row", ROWS, ids=lambda r: f"{r['model']}-{r['sensor_height_m']}-{r['target_height_m']}m")
 def test_lowtran7_between_two_heights(row, band):
     wind, height, target, arc = (float(row[k]) for k in ("wind_m_s", "sensor_height_m", "target_height_m", "range_m"))
-    air = model_air(row["model"], wind, band)
+    air = model_air(row["model"], wind, band, spectroscopy="lowtran7")
     weights = Band.rectangular(*band).weights(air.wavenumber_cm)
     tau, radiance = air.path(height, arc, target)
     label = f"[{band[0]:g}-{band[1]:g}]"

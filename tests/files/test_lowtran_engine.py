@@ -111,7 +111,7 @@ def test_paths_to_points_above_the_sea_are_run_live(live):
         run = engine.run(live.program, LowtranCase(SMALL, "path", 0.03, zenith, end))
         tau, path = found.path(30.0, run.arc_m, 1e3 * end)
         np.testing.assert_allclose([tau.mean(), path.sum()], [run.transmittance.mean(), run.radiance.sum()], rtol=3e-4)
-    table = model_air("midlatitude-summer", 7.0, BAND)
+    table = model_air("midlatitude-summer", 7.0, BAND, spectroscopy="lowtran7")
     arc, target = np.array([0.0, 3.0, 8e3, 20e3, 20e3]), np.array([30.0, 30.0, 30.0, 9.0, 0.0])
     ours, theirs = (air.path(30.0, arc, target) for air in (found, table))
     np.testing.assert_allclose(ours[0].mean(axis=1), theirs[0].mean(axis=1), rtol=3e-3)
@@ -122,7 +122,7 @@ def test_paths_to_points_above_the_sea_are_run_live(live):
 
 def test_the_table_is_the_same_atmosphere(live):
     found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
-    table = model_air("us-standard-1976", 7.0, BAND)
+    table = model_air("us-standard-1976", 7.0, BAND, spectroscopy="lowtran7")
     np.testing.assert_array_equal(found.wavenumber_cm, table.wavenumber_cm)
     arc = np.array([50.0, 3000.0, 15e3])
     np.testing.assert_allclose(found.transmittance(30.0, arc).mean(axis=1), table.transmittance(30.0, arc).mean(axis=1), rtol=2e-3)
@@ -344,7 +344,7 @@ def test_laws_of_a_run_give_its_scattered_sunlight(live, haze, line):
 
 def test_live_air_scatters_like_the_table(live):
     found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
-    table = model_air("us-standard-1976", 7.0, BAND, "lowtran")
+    table = model_air("us-standard-1976", 7.0, BAND, "lowtran", "lowtran7")
     over = BandSum.of(Band.rectangular(*BAND), table)
     ours, theirs = (scattered_in(air, over.grid, over.weights, 30.0, 1.2) for air in (found, table))
     for elevation, azimuth in ((0.1, 0.2), (1.0, 2.0)):

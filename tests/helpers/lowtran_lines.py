@@ -92,7 +92,7 @@ def of_program(spectrum):
 def ours(line):
     """The same by our sums in LOWTRAN7's layers; NaN where not asked for."""
     case, nu = line.case, line.channels
-    sums = AirSums(line.profile, line.haze, nu)
+    sums = AirSums(line.profile, line.haze, nu, spectroscopy="lowtran7")
     height, zenith = 1e3 * case.height_km, np.radians(case.zenith_deg)
     spectra = sums.in_layers(height, zenith)
     tau = spectra.transmittance[-1]
@@ -100,7 +100,7 @@ def ours(line):
         return np.array([tau.mean(), np.nan, (tau * sums.laws.source).sum()])
     if case.sun is None:
         return np.array([tau.mean(), spectra.emitted.sum(), np.nan])
-    air = scattering_air(line.profile, line.haze, nu, humidity=sums.layer_humidity(height, zenith))
+    air = scattering_air(line.profile, line.haze, nu, humidity=sums.layer_humidity(height, zenith), spectroscopy="lowtran7")
     azimuth, solar = np.radians(case.sun)
     amplitude, _ = air.amplitudes(height, np.array([[zenith, azimuth, solar]]))
     phase = air.phase(scattering_angle(zenith, azimuth, air.apparent_zenith(solar, height)))

@@ -105,11 +105,16 @@ class AirProfile:
             share = (height - z[first - 1]) / (z[first] - z[first - 1]) if first < z.size else 0.0
             at = low ** (1.0 - share) * high**share if min(low, high) > 0.0 else (1.0 - share) * low + share * high
             z, vapour = np.append(height, z[first:]), np.append(at, vapour[first:])
-        a, b = vapour[:-1], vapour[1:]
-        both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
-        ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
-        mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
-        return float(1e-3 * np.sum(mean * np.diff(z)))
+        return 1e-3 * sum_between(z, vapour)
+
+
+def sum_between(height: FloatArray, density: FloatArray) -> float:
+    """Integral of a density over heights [m, (levels,)], exponential between levels: in its unit times m."""
+    a, b = density[:-1], density[1:]
+    both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
+    ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
+    mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
+    return float(np.sum(mean * np.diff(height)))
 
 
 def _model_index(model: str) -> int:

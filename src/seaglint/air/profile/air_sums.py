@@ -97,7 +97,7 @@ class AirSums:
         *,
         spectroscopy: Spectroscopy = "lblrtm",
     ) -> None:
-        self.profile, self.haze = profile, haze
+        self.profile, self.haze, self.spectroscopy = profile, haze, spectroscopy
         self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64), spectroscopy)
         middle = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
         self.index = LayeredIndex(profile.height, refractivity(profile, middle), profile.earth_radius)

@@ -121,7 +121,8 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
         joined = np.clip((nu[inside] - HIGHEST) / (JOINED - HIGHEST), 0.0, 1.0)
         factor = float(row["factor"])
         if term in CONTINUA:
-            continuum[np.ix_(CONTINUA[term], inside)] *= factor ** (1.0 - joined)
+            for linear in CONTINUA[term]:
+                continuum[linear, inside] *= factor ** (1.0 - joined)
             continue
         gas = GASES.index(term)
         here = np.flatnonzero(inside)[own.column[gas, inside] > 0]

@@ -28,7 +28,7 @@ _PARTS: Final = 8
 
 
 def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, continuous: bool = False) -> list[FloatArray]:
-    """Scattered radiance of cases in bands, Sun at 1 au [W m-2 sr-1, (cases,)], in LOWTRAN7's layers or continuous.
+    """Scattered radiance of cases in bands, Sun at 1 au [W m-2 sr-1, (cases,)], in LOWTRAN7's layers or continuous, with its band laws.
 
     ``lines`` [(cases, 5)]: wind [m s-1], height [m], then elevation, azimuth from the Sun and the Sun's zenith angle without refraction at
     the sensor [rad]. A disc cut by the sea's horizon counts by the share that is up; a Sun below scatters nothing.
@@ -38,7 +38,7 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, con
     grid = lowtran_numbers()["wavenumber_cm"]
     weights = np.array([band.weights(grid) for band in bands])
     used = weights.any(axis=0)
-    table = model_scatterers(model, tuple(grid[used].tolist()), continuous=continuous)
+    table = model_scatterers(model, tuple(grid[used].tolist()), continuous=continuous, spectroscopy="lowtran7")
     weights = weights[:, used]
     out = np.empty((len(bands), len(lines)))
     size = max(-(-len(lines) // (_THREADS * _PARTS)), 1)

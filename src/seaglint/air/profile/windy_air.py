@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.air_sums import CUTS, AirSums
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import require_solar_zenith, slant_range
 from seaglint.base.conventions import FloatArray
@@ -47,14 +48,15 @@ class WindyAir:
     _paths: dict[tuple[float, ...], _LaidPaths] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, profile: AirProfile, wavenumber_cm: FloatArray) -> WindyAir:
+    def of(cls, profile: AirProfile, wavenumber_cm: FloatArray, spectroscopy: Spectroscopy = "lblrtm") -> WindyAir:
         """Air of a profile on channels [cm-1, (n,)]."""
-        return cls(AirSums(profile, HazeWeather(), wavenumber_cm))
+        return cls(AirSums(profile, HazeWeather(), wavenumber_cm, spectroscopy=spectroscopy))
 
     def at(self, wind: float) -> AirAtWind:
         """The air at a wind [m s-1], also that of the last 24 hours."""
         sums = self.sums
-        return AirAtWind(self, AirSums(sums.profile, HazeWeather(wind=wind, wind_24h=wind), sums.laws.wavenumber_cm))
+        haze = HazeWeather(wind=wind, wind_24h=wind)
+        return AirAtWind(self, AirSums(sums.profile, haze, sums.laws.wavenumber_cm, spectroscopy=sums.spectroscopy))
 
     def paths(self, height: float, slant: FloatArray) -> _LaidPaths:
         """Paths from the sea to a height [m] of lengths [m, (paths,)]."""

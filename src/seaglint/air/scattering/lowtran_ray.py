@@ -421,7 +421,7 @@ def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
 def layers_cold_share(pressure: FloatArray, temperature: FloatArray, cold_kelvin: float) -> FloatArray:
     """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its density-weighted temperature [K]."""
     pairs = zip(_pairs(pressure), _pairs(temperature), strict=True)
-    return np.array([_cold(*(float(v) for v in (p[0], p[1], t[0], t[1])), cold_kelvin) for p, t in pairs])
+    return np.array([_cold(float(p[0]), float(p[1]), float(t[0]), float(t[1]), cold_kelvin) for p, t in pairs])
 
 
 def _pairs(values: FloatArray) -> FloatArray:

@@ -42,7 +42,39 @@ Refraction = Annotated[
 ]
 
 
-class TableAtmosphereSettings(Record):
+class _Absorption(Record):
+    """Keys of air whose absorption is summed here."""
+
+    source: str  # the kind stands first among the keys of a table
+    spectroscopy: Annotated[
+        Literal["lblrtm", "lowtran7"],
+        Field(
+            description="lblrtm: band laws that agree with today's line-by-line model LBLRTM; lowtran7: LOWTRAN7's of 1988, as the source "
+            "article used them"
+        ),
+    ] = "lblrtm"
+    co2_ppmv: Annotated[
+        Annotated[float, Quantity(ge=0, le=10_000)] | None,
+        Field(
+            description="carbon dioxide, parts per million of dry air; default: 425, that of 2024 at Mauna Loa, and with "
+            "spectroscopy = 'lowtran7' LOWTRAN7's 330"
+        ),
+    ] = None
+    ch4_ppmv: Annotated[
+        Annotated[float, Quantity(ge=0, le=100)] | None,
+        Field(description="methane at the sea, parts per million of dry air, above in proportion to the model; default: the model's"),
+    ] = None
+    n2o_ppmv: Annotated[
+        Annotated[float, Quantity(ge=0, le=100)] | None,
+        Field(description="nitrous oxide at the sea, parts per million of dry air, above in proportion; default: the model's"),
+    ] = None
+    ozone_du: Annotated[
+        Annotated[float, Quantity("DU", ge=0, le=1000)] | None,
+        Field(description="ozone of the whole column in Dobson units, distributed as in the model or sounding; default: theirs"),
+    ] = None
+
+
+class TableAtmosphereSettings(_Absorption):
     """One of LOWTRAN7's model atmospheres with its Navy maritime aerosol at the scenario's wind."""
 
     source: Literal["table"] = "table"
@@ -109,8 +141,8 @@ class _Profile(Record):
         return self
 
 
-class LowtranAtmosphere(_Profile):
-    """A model atmosphere or a sounding with any of LOWTRAN7's hazes; sums of LOWTRAN7's band laws along bent rays."""
+class LowtranAtmosphere(_Profile, _Absorption):
+    """A model atmosphere or a sounding with any of LOWTRAN7's hazes; sums of band laws along bent rays."""
 
     source: Literal["lowtran"] = "lowtran"
     levels: Levels = "continuous"

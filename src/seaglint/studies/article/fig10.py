@@ -33,6 +33,7 @@ SCENE: Final[TomlTables] = {
     "wind": {"speed_m_s": 8, "from_deg": 0},
     "sun": {"zenith_deg": 8, "azimuth_deg": 0},
     "sea": {"shortest_wave_m": 0.5},
+    "atmosphere": {"spectroscopy": "lowtran7"},
 }
 """Straight down on half a metre a pixel; waves run down the picture, so that its crests lie along the rows."""
 

@@ -95,6 +95,7 @@ def scene(pixels: int = PIXELS) -> Scenario:
     return parse_scenario(
         {
             "seed": 12,
+            "atmosphere": {"spectroscopy": "lowtran7"},
             "sun": {"zenith_deg": 66, "azimuth_deg": 180},
             "sensor": {
                 "height_m": 60,

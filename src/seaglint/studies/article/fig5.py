@@ -56,6 +56,7 @@ def scenario(case: str, weather: Path | None, mode: str = "article", samples: in
         table["weather"] = str(weather)
     sea: TomlTables = {"water": "article", "slopes": {"kind": "cox-munk-isotropic"}} if mode == "article" else {}
     return {
+        "atmosphere": {"spectroscopy": "lowtran7"},
         "band": {"min_um": 3.0, "max_um": 5.0},
         "sensor": {"height_m": HEIGHT},
         "mean": {"mode": mode},

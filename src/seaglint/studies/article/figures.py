@@ -73,7 +73,7 @@ def _silent(done: int, total: int) -> None:
 def _view(band: Band, wind_speed: float, height: float) -> SeaView:
     """The article's sea and air at a wind."""
     return SeaView(
-        atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um), "lowtran"),
+        atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um), "lowtran", "lowtran7"),
         band=band,
         water=sea_water.article(),
         slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),

@@ -70,7 +70,7 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
         Found by a search over 60-89 deg Sun zenith and depressions from the horizon to 12 deg, refined once to 0.3 deg of the Sun
         (0.1 K of a peak several degrees wide).
     """
-    air = model_air(_MODEL, wind_speed, (_BAND.min_um, _BAND.max_um), "lowtran")
+    air = model_air(_MODEL, wind_speed, (_BAND.min_um, _BAND.max_um), "lowtran", "lowtran7")
     view = SeaView(
         atmosphere=air,
         band=_BAND,

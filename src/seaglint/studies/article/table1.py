@@ -140,6 +140,7 @@ def scene(
                 "frames": frames,
                 **(sensor or {}),
             },
+            "atmosphere": {"spectroscopy": "lowtran7"},
             "band": {"min_um": GLINT_BAND[0], "max_um": GLINT_BAND[1]},
             "wind": {"speed_m_s": wind_speed, "from_deg": south + IMAGE_WIND_DIRECTIONS[1]},
             "sea": {"shortest_wave_m": SHORTEST_WAVE},

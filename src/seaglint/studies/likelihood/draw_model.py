@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.air.profile.air_profile import model_profile
+from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.hazes import wind_kinks
+from seaglint.air.profile.own_gases import with_gases
 from seaglint.air.profile.windy_air import WindyAir
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
@@ -30,7 +32,7 @@ from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.prepare.profile_air import model_air, wanted_gases
 from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.weather.conditions import GeographicRegion, Times, timestamp
 from seaglint.weather.ephemeris import Ephemeris
@@ -182,14 +184,19 @@ class LikelihoodModel:
         one = None if of_table else prepare.atmosphere(scenario, over)
 
         edges, article = (over.min_um, over.max_um), scenario.mean.mode == "article"
-        profiles = {model: model_profile(model) for model in self.models} if of_table else {}
-        windy = {model: WindyAir.of(profile, wavenumber_grid(*edges)) for model, profile in profiles.items()}
+        profiles: dict[str, AirProfile] = {}
+        windy: dict[str, WindyAir] = {}
+        spectroscopy: Spectroscopy = "lblrtm"
+        if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings):
+            spectroscopy, gases = scenario.atmosphere.spectroscopy, wanted_gases(scenario.atmosphere)
+            profiles = {model: with_gases(model_profile(model), gases) for model in self.models}
+            windy = {model: WindyAir.of(profile, wavenumber_grid(*edges), spectroscopy) for model, profile in profiles.items()}
 
         def air_at(model: str, wind: float) -> Any:
             if one is not None:
                 return one
             # the article's way asks for emission too
-            return model_air(model, wind, edges, "lowtran") if article else windy[model].at(wind)
+            return model_air(model, wind, edges, "lowtran", spectroscopy) if article else windy[model].at(wind)
 
         top = min(self.winds[1], NAVY_AEROSOL_WIND[1])
         winds = (0.0, top) if of_table else None

@@ -1,4 +1,4 @@
-"""Spectra of the air for cases one by one, in continuous air."""
+"""Spectra of the air for cases one by one, in continuous air with LOWTRAN7's band laws, as the tables of cases have them."""
 
 from __future__ import annotations
 
@@ -38,4 +38,4 @@ def continuous_light(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) 
 
 def _at_wind(model: str, wind: float, wavenumber_cm: FloatArray) -> AirSums:
     blown = min(wind, NAVY_AEROSOL_WIND[1])
-    return AirSums(model_profile(model), HazeWeather(wind=blown, wind_24h=blown), wavenumber_cm)
+    return AirSums(model_profile(model), HazeWeather(wind=blown, wind_24h=blown), wavenumber_cm, spectroscopy="lowtran7")

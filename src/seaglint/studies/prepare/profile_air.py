@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
@@ -11,9 +11,11 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import refractivity
 from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.bent_ray import trapping_layers
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.marine_layer import with_marine_layer
+from seaglint.air.profile.own_gases import OwnGases, with_gases
 from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.errors import ScenarioError
@@ -27,6 +29,9 @@ from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT
 from seaglint.studies.prepare.sounding_air import report_sounding, scenario_sounding
 
 _log = logging.getLogger(__name__)
+
+OWN_OF_THE_PROFILE: Final = OwnGases()
+"""Gases that are those of the profile."""
 
 INFRARED_CM: Final = 2500.0
 """Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um."""
@@ -48,7 +53,15 @@ def profile_atmosphere(
     _require_band(wanted, scenario, over)
     wind = scenario.wind.speed_m_s
     lowest = None if wanted.air_minus_sea_k is None else (wind, scenario.sea.temperature_k, wanted.air_minus_sea_k)
-    choice = _Choice(HazeWeather(wind=wind, wind_24h=wind), (over.min_um, over.max_um), wanted.levels, _changes_height(scenario), lowest)
+    choice = _Choice(
+        HazeWeather(wind=wind, wind_24h=wind),
+        (over.min_um, over.max_um),
+        wanted.levels,
+        _changes_height(scenario),
+        lowest,
+        wanted.spectroscopy,
+        wanted_gases(wanted),
+    )
     if isinstance(wanted, wanted_air.TableAtmosphereSettings):
         return _kept(wanted.model, choice)
     longer = wind if wanted.wind_24h_m_s is None else wanted.wind_24h_m_s
@@ -67,10 +80,22 @@ def profile_atmosphere(
     return _made(profile, choice, sounding.provenance)
 
 
-def model_air(model: str, wind_speed: float, edges: tuple[float, float], levels: Levels = "continuous") -> ProfileAtmosphere:
+def wanted_gases(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) -> OwnGases:
+    """Return the gases of a scenario, carbon dioxide of today among them."""
+    return OwnGases(wanted.co2_ppmv, wanted.ch4_ppmv, wanted.n2o_ppmv, wanted.ozone_du).of(wanted.spectroscopy)
+
+
+def model_air(
+    model: str,
+    wind_speed: float,
+    edges: tuple[float, float],
+    levels: Levels = "continuous",
+    spectroscopy: Spectroscopy = "lblrtm",
+) -> ProfileAtmosphere:
     """Return a model atmosphere with the Navy maritime aerosol at a wind [m s-1], at most 20, over wavelengths [um]."""
     wind = min(wind_speed, NAVY_AEROSOL_WIND[1])
-    return _kept(model, _Choice(HazeWeather(wind=wind, wind_24h=wind), edges, levels))
+    haze = HazeWeather(wind=wind, wind_24h=wind)
+    return _kept(model, _Choice(haze, edges, levels, spectroscopy=spectroscopy, gases=OwnGases().of(spectroscopy)))
 
 
 def _changes_height(scenario: Scenario) -> bool:
@@ -90,13 +115,15 @@ def _changes_height(scenario: Scenario) -> bool:
 
 @dataclass(frozen=True)
 class _Choice:
-    """What air depends on besides its profile; ``lowest`` is wind, temperature of the sea, and air less sea."""
+    """Choices that air depends on besides its profile; ``lowest`` is wind, temperature of the sea, and air less sea."""
 
     haze: HazeWeather
     edges: tuple[float, float]
     levels: Levels = "continuous"
     moving: bool = False
     lowest: tuple[float, float, float] | None = None
+    spectroscopy: Spectroscopy = "lblrtm"
+    gases: OwnGases = OWN_OF_THE_PROFILE
 
 
 @lru_cache(maxsize=16)
@@ -111,12 +138,15 @@ def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> Profil
     if choice.lowest is not None:
         profile = with_marine_layer(profile, *choice.lowest)
         provenance["air_minus_sea_k"] = choice.lowest[2]
+    profile = with_gases(profile, choice.gases)
+    provenance |= {name: value for name, value in asdict(choice.gases).items() if value is not None}
 
     def scatterers(part: slice) -> ScatteringAir:
         # Numba comes with it: thermal bands do without.
         from seaglint.air.profile.profile_scattering import scattering_air
 
-        return scattering_air(profile, choice.haze, grid[part], middle, continuous=choice.levels == "continuous")
+        continuous = choice.levels == "continuous"
+        return scattering_air(profile, choice.haze, grid[part], middle, continuous=continuous, spectroscopy=choice.spectroscopy)
 
     scatters = choice.edges[0] < THERMAL_UM
     return ProfileAtmosphere(
@@ -127,6 +157,7 @@ def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> Profil
         scattering=scatterers if scatters else None,
         provenance=provenance,
         moving=choice.moving,
+        spectroscopy=choice.spectroscopy,
     )
 
 
