@@ -9,7 +9,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from seaglint.api import analyze, apparent_temperature, dataset, detect, ensemble, export, image, load, mean, render, sense, sensor
+    from seaglint.api import (
+        analyze,
+        apparent_temperature,
+        dataset,
+        detect,
+        ensemble,
+        export,
+        homogeneous_path,
+        image,
+        load,
+        mean,
+        render,
+        sense,
+        sensor,
+    )
     from seaglint.version import __version__
 
 __all__ = [
@@ -20,6 +34,7 @@ __all__ = [
     "detect",
     "ensemble",
     "export",
+    "homogeneous_path",
     "image",
     "load",
     "mean",

@@ -15,6 +15,7 @@ Each is a few lines over the rooms below, which have more to choose: :mod:`seagl
 """
 
 from seaglint.api.judging import detect
+from seaglint.api.laboratory import homogeneous_path
 from seaglint.api.many import dataset, ensemble
 from seaglint.api.runs import export, render, sense, sensor
 from seaglint.api.scenes import image, load, mean
@@ -27,6 +28,7 @@ __all__ = [
     "detect",
     "ensemble",
     "export",
+    "homogeneous_path",
     "image",
     "load",
     "mean",

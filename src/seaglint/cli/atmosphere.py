@@ -5,11 +5,14 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file
+
+if TYPE_CHECKING:
+    from seaglint.air.profile.band_numbers import Spectroscopy
 
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
 
@@ -164,6 +167,64 @@ def info(
 
         write_air_plot(summary, plot)
         log(f"{plot} written")
+
+
+@atmosphere.command("path")
+def path_command(
+    temperature_k: Annotated[float, typer.Option("--temperature-k", help="temperature of the air in kelvin")],
+    pressure_hpa: Annotated[float, typer.Option("--pressure-hpa", help="pressure of the air in hectopascals")],
+    vapour_pressure_hpa: Annotated[float, typer.Option("--vapour-pressure-hpa", help="pressure of its water vapour in hectopascals")],
+    length_km: Annotated[float, typer.Option("--length-km", help="length of the path in kilometres")],
+    band_um: Annotated[str, typer.Option("--band-um", metavar="MIN-MAX", help="band in micrometres, such as 3.7-4.2")],
+    co2_ppmv: Annotated[float, typer.Option("--co2-ppmv", help="carbon dioxide, parts per million of dry air")] = 0.0,
+    o3_ppmv: Annotated[float, typer.Option("--o3-ppmv", help="ozone, parts per million of dry air")] = 0.0,
+    n2o_ppmv: Annotated[float, typer.Option("--n2o-ppmv", help="nitrous oxide, parts per million of dry air")] = 0.0,
+    co_ppmv: Annotated[float, typer.Option("--co-ppmv", help="carbon monoxide, parts per million of dry air")] = 0.0,
+    ch4_ppmv: Annotated[float, typer.Option("--ch4-ppmv", help="methane, parts per million of dry air")] = 0.0,
+    spectroscopy: Annotated[str, typer.Option("--spectroscopy", help="absorption: lblrtm or lowtran7")] = "lblrtm",
+    haze: Annotated[str, typer.Option("--haze", help="aerosol, as atmosphere.haze of a scenario")] = "none",
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="F.csv", help="file for the spectrum")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+) -> None:
+    """Print the transmittance of a path through air of one temperature and pressure.
+
+    The mean over the band, weighted with the blackbody at that temperature. Besides the gases given the air is nitrogen, oxygen and water.
+    """
+    from seaglint.api import homogeneous_path
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.files.outputs import refuse_existing, require_ending
+
+    show_logs()
+    if output is not None:
+        refuse_existing(require_ending(output, (".csv",), "a table is .csv"), overwrite=overwrite, inputs=[])
+    try:
+        low, high = (float(part) for part in band_um.split("-"))
+    except ValueError:
+        raise DataError(f"--band-um {band_um}: give the shortest and the longest wavelength in micrometres, as 3.7-4.2") from None
+    mean, spectrum = homogeneous_path(
+        temperature_k=temperature_k,
+        pressure_hpa=pressure_hpa,
+        vapour_pressure_hpa=vapour_pressure_hpa,
+        length_km=length_km,
+        band_um=(low, high),
+        co2_ppmv=co2_ppmv,
+        o3_ppmv=o3_ppmv,
+        n2o_ppmv=n2o_ppmv,
+        co_ppmv=co_ppmv,
+        ch4_ppmv=ch4_ppmv,
+        spectroscopy=cast("Spectroscopy", spectroscopy),
+        haze=haze,
+        return_spectrum=True,
+    )
+    typer.echo(f"transmittance {mean:.4f} of {low:g}-{high:g} um, {length_km:g} km")
+    if output is not None:
+        from seaglint.files.tables.columns import write_columns
+
+        write_columns(
+            {"wavenumber_cm": spectrum["wavenumber_cm"].to_numpy(), "transmittance": spectrum.to_numpy()}, output, overwrite=overwrite
+        )
+        log(f"{output} written")
 
 
 _WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")

@@ -24,6 +24,12 @@ from seaglint.base.conventions import FloatArray
 VISIBILITIES: Final = (50.0, 23.0, 10.0, 5.0, 2.0)
 """Visibilities of the profiles up to 2 km [km]."""
 
+NAMES: Final = (
+    "none", "rural-23km", "rural-5km", "navy-maritime", "maritime-23km", "urban", "tropospheric", "advective-fog", "radiative-fog",
+    "desert",
+)  # fmt: skip
+"""Hazes of the boundary layer."""
+
 DEFAULT_VISIBILITY: Final = {
     "rural-23km": 23.0, "rural-5km": 5.0, "maritime-23km": 23.0, "urban": 5.0, "tropospheric": 50.0, "advective-fog": 0.2,
     "radiative-fog": 0.5,

@@ -1,0 +1,176 @@
+"""Transmittance of a path through air of one temperature and pressure: a cell, a lidar's path, a level line over the sea."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from seaglint.air.profile.absorber_densities import absorber_densities, cold_share
+from seaglint.air.profile.air_profile import GASES, AirProfile
+from seaglint.air.profile.band_laws import BandLaws
+from seaglint.air.profile.band_numbers import HIGHEST, Spectroscopy
+from seaglint.air.profile.hazes import HazeWeather, aerosols
+from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.limits import PROFILE_BAND_UM
+from seaglint.base.reports import REPORTS
+from seaglint.optics.band import Band
+from seaglint.optics.blackbody import planck_wavenumber
+
+MOST_PPMV: Final = 50_000.0
+"""Largest amount of a trace gas [1e-6 of the volume of dry air]: laws for traces in air do not hold for more."""
+
+OXYGEN: Final = 0.209
+"""Oxygen of dry air [1 of the volume]."""
+
+OF_AIR: Final = {4: (2390.0, 2680.0), 63: (1480.0, 1800.0), 1: (1480.0, 1800.0), 2: (1480.0, 1800.0)}
+"""Amounts of nitrogen and oxygen by number, and the bands [cm-1] in which RRTMGP's tables hold their absorption."""
+
+_GRAM_PER_HPA: Final = 216.68
+"""Water vapour of 1 hPa at 1 K [g m-3]."""
+
+_LIMITS: Final = {
+    "temperature_k": (150.0, 400.0, "K"),
+    "pressure_hpa": (0.01, 1100.0, "hPa"),
+    "length_km": (0.0, 10_000.0, "km"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class PathSpectrum:
+    """Spectrum of a path.
+
+    Attributes
+    ----------
+    wavenumber_cm, transmittance : ndarray
+        Channels [cm-1] and transmittance [1]; (n,).
+    mean : float
+        Mean over the band, weighted with the blackbody at the path's temperature [1].
+    """
+
+    wavenumber_cm: FloatArray
+    transmittance: FloatArray
+    mean: float
+
+
+def homogeneous_spectrum(
+    *,
+    temperature_k: float,
+    pressure_hpa: float,
+    vapour_pressure_hpa: float,
+    length_km: float,
+    band_um: tuple[float, float],
+    ppmv: dict[str, float],
+    spectroscopy: Spectroscopy,
+    haze: HazeWeather,
+) -> PathSpectrum:
+    """Compute the transmittance of a path through air of one temperature [K] and pressure [hPa].
+
+    Parameters
+    ----------
+    temperature_k, pressure_hpa, vapour_pressure_hpa, length_km : float
+        Temperature [K], pressure of all air and of its water vapour [hPa], length [km].
+    band_um : (float, float)
+        Shortest and longest wavelength [um], within 0.7-14.7.
+    ppmv : dict of float
+        Gases of :data:`~seaglint.air.profile.air_profile.GASES` but water [1e-6 of the volume of dry air]; 0 where not named. Nitrogen
+        and oxygen are those of air and, with ``lblrtm``, absorb where RRTMGP's tables have them: in 2390-2680 and 1480-1800 cm-1.
+    spectroscopy : str
+        Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
+    haze : HazeWeather
+        Aerosol at the sea.
+
+    Raises
+    ------
+    DomainError
+        A number outside its range, a name that is not known, or a band outside 0.7-14.7 um.
+    """
+    given = {"temperature_k": temperature_k, "pressure_hpa": pressure_hpa, "length_km": length_km}
+    for name, (low, high, unit) in _LIMITS.items():
+        if not low <= given[name] <= high:
+            raise DomainError(
+                f"{name} = {given[name]:g} is not within {low:g} to {high:g} {unit}", name=name, value=given[name], allowed=(low, high)
+            )
+    if not 0.0 <= vapour_pressure_hpa < pressure_hpa:
+        raise DomainError(
+            f"vapour_pressure_hpa = {vapour_pressure_hpa:g} is not from 0 to below the pressure, {pressure_hpa:g} hPa; "
+            "give the part of the pressure that is water vapour",
+            name="vapour_pressure_hpa",
+            value=vapour_pressure_hpa,
+            allowed=(0.0, pressure_hpa),
+        )
+    for name, amount in ppmv.items():
+        if not 0.0 <= amount <= MOST_PPMV:
+            key = f"{name.lower()}_ppmv"
+            raise DomainError(
+                f"{key} = {amount:g} is not within 0 to {MOST_PPMV:g} parts per million of dry air; "
+                "the laws are those of traces of a gas in air",
+                name=key,
+                value=amount,
+                allowed=(0.0, MOST_PPMV),
+            )
+    if spectroscopy not in ("lblrtm", "lowtran7"):
+        raise DomainError(
+            f"spectroscopy = {spectroscopy!r} is not known; give lblrtm or lowtran7",
+            name="spectroscopy",
+            value=spectroscopy,
+            allowed="lblrtm, lowtran7",
+        )
+    band = _band(band_um, spectroscopy)
+    nu = lowtran_numbers()["wavenumber_cm"]
+    low, high = 1e4 / band.max_um, 1e4 / band.min_um
+    nu = nu[(nu > low - 5.0 - 1e-6) & (nu < high + 5.0 + 1e-6)]
+    laws = BandLaws.of(nu, spectroscopy)
+    profile = _even_air(temperature_k, pressure_hpa, vapour_pressure_hpa, ppmv)
+    amounts = length_km * absorber_densities(profile, laws.columns, laws.numbers.scaled)[:, 0]
+    amounts[laws.columns.index(9)] = amounts[laws.columns.index(5)] * cold_share(np.array(temperature_k), laws.numbers.cold_kelvin)
+    depth = laws.optical_depth(amounts[None])[0]
+    if spectroscopy == "lblrtm":
+        for column, (first, last) in OF_AIR.items():
+            outside = (nu < first) | (nu >= last)
+            row = laws.columns.index(column)
+            depth -= np.where(outside, amounts[row] * laws.continuum[row], 0.0)
+    if haze.haze != "none":
+        held = aerosols(profile, haze, nu, float(profile.relative_humidity[0]))
+        depth = depth + length_km * held.density[:, 0] @ held.extinction
+    passed = np.exp(-depth)
+    weights = band.weights(nu) * planck_wavenumber(nu, temperature_k)
+    return PathSpectrum(nu, passed, float(weights @ passed / weights.sum()))
+
+
+def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:
+    """Rectangular band, whose numbers are all there."""
+    shortest, longest = (float(edge) for edge in band_um)
+    if not PROFILE_BAND_UM[0] <= shortest < longest <= PROFILE_BAND_UM[1]:
+        raise DomainError(
+            f"band_um = {shortest:g} to {longest:g} is not an ascending band within {PROFILE_BAND_UM[0]:g} to {PROFILE_BAND_UM[1]:g} um, "
+            "for which absorption is known",
+            name="band_um",
+            value=(shortest, longest),
+            allowed=PROFILE_BAND_UM,
+        )
+    if spectroscopy == "lblrtm" and 1e4 / shortest > HIGHEST * (1.0 + 1e-9):
+        REPORTS.warning(
+            "band %g-%g um: wavelengths below %.4g um (%g cm-1) have LOWTRAN7's absorption, that of LBLRTM ends there",
+            shortest,
+            longest,
+            1e4 / HIGHEST,
+            HIGHEST,
+        )
+    return Band.rectangular(shortest, longest)
+
+
+def _even_air(kelvin: float, pressure: float, vapour_pressure: float, ppmv: dict[str, float]) -> AirProfile:
+    """Profile of two levels of the same air, whose gases are of the volume of all air."""
+    dry = 1.0 - vapour_pressure / pressure
+    gas = np.zeros((len(GASES), 2))
+    gas[GASES.index("O2")] = 1e6 * OXYGEN * dry
+    for name, amount in ppmv.items():
+        gas[GASES.index(name)] = amount * dry
+    two = np.ones(2)
+    vapour = _GRAM_PER_HPA * vapour_pressure / kelvin
+    height = np.array([0.0, 1e3])
+    return AirProfile("even air", height, pressure * two, kelvin * two, vapour * two, gas, 6371.23e3, "spring")
