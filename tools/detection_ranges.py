@@ -119,6 +119,31 @@ class Case:
         side = 2 * half + 1
         return np.asarray(total.reshape(side, steps, side, steps).sum(axis=(1, 3)))
 
+    def gains(self) -> np.ndarray:
+        """Answers of the filter over its own size, ``h.s / |h|``, at 25 places in the pixel."""
+        places = (np.arange(5) + 0.5) / 5 - 0.5
+        centred = self.spot(0.0, 0.0)
+        kept = centred[3:-3, 3:-3]
+        weights = kept - kept.mean()
+        found = []
+        for down in places:
+            for right in places:
+                s = self.spot(down, right)
+                answer = [
+                    (weights * s[3 + i : 10 + i, 3 + j : 10 + j]).sum() for i in (-1, 0, 1) for j in (-1, 0, 1)
+                ]  # the largest pixel beside it is the detection
+                found.append(max(answer) / math.sqrt((weights**2).sum()))
+        return np.array(found)
+
+    def step_per_noise(self) -> float:
+        """Difference of object and background without air, over the noise of a pixel [1]."""
+        if self.netd_k is not None:
+            sigma = self.netd_k * (self.radiance(300.05) - self.radiance(299.95)) / 0.1
+            return abs(self.radiance(self.temperature_k) - self.radiance(AIR_K)) / sigma
+        seen = math.pi / (4.0 * self.f_number**2) * (self.pitch_um * 1e-6) ** 2 * self.integration_s * self.efficiency
+        sigma = math.sqrt(seen * self.photons(AIR_K) + self.read_noise_e**2)
+        return seen * abs(self.photons(self.temperature_k) - self.photons(AIR_K)) / sigma
+
     def closed_form(self) -> float:
         """Range in the cavity at which ``< Q(Q^-1(P_fa) - c g / sigma) >`` is 0.9 [m], over places in the pixel.
 
@@ -126,30 +151,12 @@ class Case:
         filter whose weights are the centred spot's less their mean, and the noise ``sigma``: NETD times the slope of Planck's law at
         300 K, or the square root of the electrons of background and reading.
         """
-        places = (np.arange(5) + 0.5) / 5 - 0.5
-        centred = self.spot(0.0, 0.0)
-        kept = centred[3:-3, 3:-3]
-        weights = kept - kept.mean()
-        gains = []
-        for down in places:
-            for right in places:
-                s = self.spot(down, right)
-                answer = [
-                    (weights * s[3 + i : 10 + i, 3 + j : 10 + j]).sum() for i in (-1, 0, 1) for j in (-1, 0, 1)
-                ]  # the largest pixel beside it is the detection
-                gains.append(max(answer) / math.sqrt((weights**2).sum()))
+        gains = self.gains()
         angle = (self.pitch_um * 1e-6 / self.focal_length_m) ** 2
-        if self.netd_k is not None:
-            sigma = self.netd_k * (self.radiance(300.05) - self.radiance(299.95)) / 0.1
-            step = abs(self.radiance(self.temperature_k) - self.radiance(AIR_K))
-        else:
-            seen = math.pi / (4.0 * self.f_number**2) * (self.pitch_um * 1e-6) ** 2 * self.integration_s * self.efficiency
-            sigma = math.sqrt(seen * self.photons(AIR_K) + self.read_noise_e**2)
-            step = seen * abs(self.photons(self.temperature_k) - self.photons(AIR_K))
-        contrast = step * math.pi * self.radius_m**2 / angle
+        contrast = self.step_per_noise() * math.pi * self.radius_m**2 / angle
 
         def rate(at: float) -> float:
-            signal = contrast * math.exp(-1e-3 * self.extinction_per_km * at) / at**2 * np.array(gains) / sigma
+            signal = contrast * math.exp(-1e-3 * self.extinction_per_km * at) / at**2 * gains
             return float(norm.sf(norm.isf(self.p_fa) - signal).mean()) - 0.9
 
         return float(brentq(rate, 10.0, 1e6))
