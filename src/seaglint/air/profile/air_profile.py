@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.air.profile.ozone_above import joined_ozone
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
@@ -182,6 +183,8 @@ def sounding_profile(
     temperature: FloatArray,
     relative_humidity: FloatArray,
     above: FloatArray | None = None,
+    *,
+    ozone_ppmv: FloatArray | None = None,
 ) -> AirProfile:
     """Sounding from the sea up, with the gases of a model atmosphere and its air above.
 
@@ -195,6 +198,8 @@ def sounding_profile(
         Ascending levels, the first at the sea: [m], [hPa], [K], over water [%]; (levels,).
     above : ndarray, optional
         Levels of the model above [m]; by default its own.
+    ozone_ppmv : ndarray, optional
+        Ozone of the sounding [1e-6 of the volume, (levels,)], NaN where missing; the model's is joined to it above. By default the model's.
 
     Notes
     -----
@@ -209,4 +214,7 @@ def sounding_profile(
     p[:n], kelvin[:n] = pressure, temperature
     molecules = saturation_density(temperature) * _MOLECULES_OF_GRAM * relative_humidity / 100.0
     vapour[:n] = _GRAM_OF_MOLECULES * molecules / (_AIR_OF_HUMIDITY / _AIR) * 1e6
+    if ozone_ppmv is not None:
+        ozone = GASES.index("O3")
+        gas[ozone] = joined_ozone(z, gas[ozone], ozone_ppmv)
     return AirProfile(name, z, p, kelvin, vapour, gas, 6371.23e3, "spring")

@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.absorber_densities import refractivity
-from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.air_profile import GASES, AirProfile, model_profile
 from seaglint.air.profile.bent_ray import trapping_layers
+from seaglint.air.profile.ozone_above import ozone_dobson
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.base.errors import DataError
@@ -63,6 +64,8 @@ class AirSummary:
         Temperature of the sea to compare with [K].
     notes : tuple of str
         What the reader did.
+    ozone_top : float or None
+        Height of the highest level with ozone of the sounding [m]; None where all ozone is the model's.
     """
 
     profile: AirProfile
@@ -73,6 +76,7 @@ class AirSummary:
     misfit: float | None
     sea_kelvin: float
     notes: tuple[str, ...] = field(default=())
+    ozone_top: float | None = None
 
     @property
     def refractivity_units(self) -> FloatArray:
@@ -107,6 +111,18 @@ class AirSummary:
         return self.profile.water_above(self.lowest)
 
     @property
+    def ozone(self) -> float:
+        """Ozone of the whole air above the sea [Dobson units]."""
+        return self.ozone_above(0.0)
+
+    def ozone_above(self, height: float) -> float:
+        """Ozone of the air from the first level at or above a height on [Dobson units, from m]."""
+        air = self.profile
+        above = air.height >= height
+        rows = (air.height, air.pressure, air.temperature, air.gas[GASES.index("O3")])
+        return ozone_dobson(*(row[above] for row in rows))
+
+    @property
     def lines(self) -> list[str]:
         """Listing, a fact a line."""
         air = self.profile
@@ -117,6 +133,9 @@ class AirSummary:
         ]
         if self.lowest > STATION:
             out[-1] += f", {self.water_above_station:.2f} from the lowest level at {self.lowest:.0f} m up"
+        if self.ozone_top is not None:
+            above = self.ozone_above(self.ozone_top)
+            out.append(f"ozone {self.ozone:.0f} Dobson units from the sea up, {above:.0f} of them above its last level, by the model")
         if self.misfit is not None:
             out.append(f"heights against pressures (hydrostatic) {100.0 * self.misfit:+.2f} %")
         out.append(f"air at 10 m less sea of {self.sea_kelvin:g} K  {self.air_minus_sea:+.1f} K")
@@ -144,6 +163,7 @@ class AirSummary:
             "surface_relative_humidity_percent": float(self.profile.relative_humidity[0]),
             "precipitable_water_kg_m2": self.profile.precipitable_water,
             "precipitable_water_above_station_kg_m2": self.water_above_station,
+            **({} if self.ozone_top is None else {"ozone_dobson": self.ozone}),
             "hydrostatic_misfit": self.misfit,
             "air_minus_sea_k": self.air_minus_sea,
             "refractivity_gradient_per_m": 1e-9 * self.lowest_gradient,
@@ -185,12 +205,13 @@ def summarise_air(
         _misfit(profile, read.height.size),
         sea_kelvin,
         (*(note for note in read.notes if not _is_continuation(note)), *(part.text for part in continuations(read, profile, model))),
+        read.ozone_top,
     )
 
 
 def _is_continuation(note: str) -> bool:
     """Return true for a note of which the continuations say more."""
-    return " ends at " in note or note.startswith("humidity begins")
+    return (" ends at " in note and not note.startswith("ozone")) or note.startswith("humidity begins")
 
 
 def _misfit(profile: AirProfile, count: int) -> float:

@@ -10,8 +10,9 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.files.netcdf import open_netcdf
+from seaglint.files.soundings.ozone_columns import ozone_columns, with_ozone
 from seaglint.files.soundings.raw_sounding import Humidity, RawSounding, others_left
-from seaglint.files.soundings.sonde_netcdf import is_sonde, read_sonde
+from seaglint.files.soundings.sonde_netcdf import is_sonde, numeric_variables, read_sonde
 
 LEVELS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
 TIMES: Final = ("valid_time", "time")
@@ -54,9 +55,13 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
         if str(data[names["level"]].attrs.get("units", "hPa")) == "Pa" or pressure.max() > 2000.0:
             pressure = 0.01 * pressure
         humidity = np.asarray(at[moist].values, dtype=np.float64).ravel()
-        if not pressure.size == height.size == humidity.size == column["temperature"].size:
+        ozone = ozone_columns(path, *numeric_variables(data), what="variable")
+        amounts = {one.place: np.asarray(at[one.name].values, dtype=np.float64).ravel() for one in ozone}
+        if not pressure.size == height.size == humidity.size == column["temperature"].size or any(
+            v.size != pressure.size for v in amounts.values()
+        ):
             raise DataError(f"{path}: its variables have more dimensions than level, time, latitude and longitude; select one member")
-        return RawSounding(
+        raw = RawSounding(
             "ERA5 pressure levels",
             pressure,
             height,
@@ -68,6 +73,7 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
             notes,
             resolution=(0.01, 5.0),
         )
+        return with_ozone(raw, ozone, amounts, packed=True)
 
 
 def _first(data: Any, known: tuple[str, ...]) -> str | None:

@@ -158,6 +158,7 @@ def _merged(raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatA
         height=z[first],
         temperature=mean(raw.temperature),
         humidity_value=mean(raw.humidity_value),
+        ozone=None if raw.ozone is None else mean(raw.ozone),
     )
     return raw, mean(humidity), merged
 

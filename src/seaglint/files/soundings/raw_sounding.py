@@ -51,11 +51,15 @@ class RawSounding:
     geopotential : bool
         True for geopotential heights.
     names : dict
-        Columns of the file by quantity: pressure, height, temperature, humidity.
+        Columns of the file by quantity: pressure, height, temperature, humidity, and ozone where it has that.
     notes : tuple of str
         What the reader chose.
     resolution : (float, float)
         Steps that pressures [hPa] and heights [m] are rounded to.
+    ozone : ndarray or None
+        Ozone, NaN where missing; None for files without it.
+    ozone_unit : str
+        Its unit, ``ppmv`` for parts per million of the volume of air.
     """
 
     kind: str
@@ -68,6 +72,8 @@ class RawSounding:
     names: dict[str, str]
     notes: tuple[str, ...] = ()
     resolution: tuple[float, float] = (0.1, 1.0)
+    ozone: FloatArray | None = None
+    ozone_unit: str = "ppmv"
 
     def kept(self, where: NDArray[np.bool_] | NDArray[np.intp]) -> RawSounding:
         """Return some of the levels."""
@@ -77,6 +83,7 @@ class RawSounding:
             height=self.height[where],
             temperature=self.temperature[where],
             humidity_value=self.humidity_value[where],
+            ozone=None if self.ozone is None else self.ozone[where],
         )
 
     def relative_humidity(self) -> FloatArray:

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.files.soundings.ozone_columns import OzoneColumn, ozone_columns, with_ozone
 from seaglint.files.soundings.raw_sounding import RawSounding
 from seaglint.files.soundings.sounding_columns import SoundingColumn, plain_unit, sounding_column, sounding_of
 
@@ -43,6 +44,16 @@ def _columns(data: Any) -> list[SoundingColumn]:
     return out
 
 
+def numeric_variables(data: Any) -> tuple[list[str], list[str]]:
+    """Return the names of all variables of a dataset, empty for those without levels of numbers, and their units."""
+    names, units = [], []
+    for name in map(str, data.variables):
+        levels = data[name].ndim > 0 and np.issubdtype(data[name].dtype, np.number)
+        names.append(name if levels else "")
+        units.append(str(data[name].attrs.get("units", "")))
+    return names, units
+
+
 def read_sonde(path: Path, data: Any) -> RawSounding:
     """Read the records of one sonde.
 
@@ -52,7 +63,10 @@ def read_sonde(path: Path, data: Any) -> RawSounding:
         Variables missing, or several sondes in one file.
     """
     columns, numbers = _columns(data), {}
-    for column in columns:
+    names, units = numeric_variables(data)
+    ozone = ozone_columns(path, names, units, what="variable")
+    read: list[SoundingColumn | OzoneColumn] = [*columns, *ozone]
+    for column in read:
         variable = data[column.name]
         long = [str(name) for name in variable.dims if variable.sizes[name] > 1]
         if len(long) > 1:
@@ -62,7 +76,7 @@ def read_sonde(path: Path, data: Any) -> RawSounding:
     if missing:
         raise DataError(f"{path}: variables are {', '.join(str(v) for v in data.variables)}; missing: {', '.join(missing)}")
     if len({v.size for v in numbers.values()}) > 1:
-        sizes = ", ".join(f"{column.name} {numbers[column.place].size}" for column in columns)
+        sizes = ", ".join(f"{column.name} {numbers[column.place].size}" for column in read)
         raise DataError(f"{path}: its variables differ in length ({sizes}); give a file of one sonde")
     geopotential = any(
         "geopotential" in str(data[column.name].attrs.get("long_name", "")).lower() for column in columns if column.kind == "height"
@@ -70,4 +84,4 @@ def read_sonde(path: Path, data: Any) -> RawSounding:
     steps = {column.place: ROUNDED.get(column.kind, 1.0) / column.factor for column in columns}
     attributes = " ".join(str(value) for value in data.attrs.values() if isinstance(value, str)).lower()
     form = "AVAPS (NetCDF)" if "avaps" in attributes else "ARM sonde (NetCDF)" if "base_time" in data.variables else "sonde (NetCDF)"
-    return sounding_of(form, columns, numbers, steps, geopotential=geopotential)
+    return with_ozone(sounding_of(form, columns, numbers, steps, geopotential=geopotential), ozone, numbers)

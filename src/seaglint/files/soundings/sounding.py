@@ -20,6 +20,7 @@ from seaglint.base.errors import DataError
 from seaglint.files.failures import storage_errors
 from seaglint.files.netcdf import NETCDF_MAGIC
 from seaglint.files.soundings.level_order import in_order, upwards
+from seaglint.files.soundings.ozone_columns import with_ozone_in_ppmv
 from seaglint.files.soundings.raw_sounding import RawSounding
 from seaglint.files.soundings.sounding_checks import DRY_AIR, check_hydrostatics, virtual_temperature, whole_humidity
 from seaglint.files.soundings.unit_suspicions import check_units
@@ -61,6 +62,9 @@ class Sounding:
         Number of levels of the file that are used.
     humidity_begins : float or None
         Height of the lowest level with humidity [m], where levels below it have none.
+    ozone_ppmv : ndarray or None
+        Ozone [1e-6 of the volume, (levels,)]; NaN above the highest level that has it, where a model atmosphere continues it. None for
+        files without ozone.
     """
 
     path: str
@@ -75,6 +79,7 @@ class Sounding:
     lowest_given: float
     given: int
     humidity_begins: float | None = None
+    ozone_ppmv: FloatArray | None = None
 
     @property
     def top(self) -> float:
@@ -86,13 +91,19 @@ class Sounding:
         """Height of the highest level with humidity [m]."""
         return float(self.height[np.isfinite(self.relative_humidity)][-1])
 
+    @property
+    def ozone_top(self) -> float | None:
+        """Height of the highest level with ozone [m]; None for files without ozone."""
+        return None if self.ozone_ppmv is None else float(self.height[np.isfinite(self.ozone_ppmv)][-1])
+
     def humidity(self, model: str) -> FloatArray:
         """Relative humidity over water [%, (levels,)], continued by a model atmosphere above the highest level that has one."""
         return continued_humidity(model, self.height, self.pressure, self.temperature, self.relative_humidity)
 
     def profile(self, model: str) -> AirProfile:
         """Return the profile up to 100 km, continued by a model atmosphere."""
-        return sounding_profile(self.path, model, self.height, self.pressure, self.temperature, self.humidity(model))
+        air = (self.height, self.pressure, self.temperature, self.humidity(model))
+        return sounding_profile(self.path, model, *air, ozone_ppmv=self.ozone_ppmv)
 
     @property
     def provenance(self) -> dict[str, str]:
@@ -203,6 +214,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
 
     raw = _with_values(path, raw, report)
     check_units(path, raw)
+    raw = with_ozone_in_ppmv(path, raw)
     raw, turned = upwards(path, raw)
     if turned:
         notes.append("levels stand from the top down in the file and are turned round")
@@ -229,6 +241,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
     if begins is not None:
         notes.append(f"humidity begins at {begins:.0f} m; below it is the relative humidity of that level")
     humidity = _without_gaps(path, raw.height, humidity, report)
+    ozone = None if raw.ozone is None else _whole_ozone(raw.height, raw.ozone, notes.append, report)
     check_hydrostatics(path, raw, whole_humidity(raw.pressure, humidity))
     lowest = float(raw.height[0])
     if lowest > HIGHEST_FIRST_LEVEL:
@@ -242,6 +255,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
         at_sea = float(pressure[0]) * math.exp(GRAVITY * lowest / (DRY_AIR * warm))
         height, pressure = np.append(0.0, height), np.append(at_sea, pressure)
         kelvin, humidity = np.append(kelvin[0], kelvin), np.append(humidity[0], humidity)
+        ozone = None if ozone is None else np.append(ozone[0], ozone)
         if lowest > 2.0:
             notes.append(f"the lowest level, at {lowest:.0f} m, is continued to the sea with its temperature and humidity")
     top = float(height[np.isfinite(humidity)][-1])
@@ -249,7 +263,8 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
         notes.append(f"humidity ends at {1e-3 * top:.1f} km; the model atmosphere's goes on above")
     if height[-1] < LOW_TOP:
         notes.append(f"the sounding ends at {1e-3 * height[-1]:.1f} km; the model atmosphere goes on above")
-    return Sounding(str(path), raw.kind, height, pressure, kelvin, humidity, tuple(notes), tuple(reported), digest, lowest, given, begins)
+    air = (height, pressure, kelvin, humidity)
+    return Sounding(str(path), raw.kind, *air, tuple(notes), tuple(reported), digest, lowest, given, begins, ozone)
 
 
 def _with_values(path: Path, raw: RawSounding, report: Callable[[str], None]) -> RawSounding:
@@ -301,6 +316,26 @@ def _without_gaps(path: Path, height: FloatArray, humidity: FloatArray, report: 
     if gaps:
         report(f"{gaps} of {known.size} levels lack humidity between others; their relative humidity is interpolated in height")
     out = np.interp(height, height[known], humidity[known])
+    out[last + 1 :] = np.nan
+    return out
+
+
+def _whole_ozone(height: FloatArray, ozone: FloatArray, note: Callable[[str], None], report: Callable[[str], None]) -> FloatArray | None:
+    """Ozone [1e-6 of the volume], linear in height between known levels and constant below the first; NaN above the last."""
+    known = np.flatnonzero(np.isfinite(ozone))
+    if not known.size:
+        report("ozone is missing from the sea to 100 km; it is that of the model atmosphere")
+        return None
+    first, last = int(known[0]), int(known[-1])
+    gaps = last + 1 - first - known.size
+    if gaps:
+        report(f"{gaps} of {ozone.size} levels lack ozone between others; it is interpolated in height")
+    if first:
+        note(f"ozone begins at {height[first]:.0f} m; below it is that of this level")
+    top = float(height[last])
+    # most of the ozone lies around 22 km: a sounding that ends below gives the smaller part of it
+    (report if top < LOW_TOP else note)(f"ozone ends at {1e-3 * top:.1f} km; the model atmosphere's goes on above, joined to it over 5 km")
+    out = np.interp(height, height[known], ozone[known])
     out[last + 1 :] = np.nan
     return out
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.files.soundings.ozone_columns import OzoneColumn, ozone_columns, with_ozone
 from seaglint.files.soundings.raw_sounding import RawSounding, is_missing_text
 from seaglint.files.soundings.sounding_columns import SoundingColumn, columns_of, plain_name, sounding_of
 from seaglint.files.tables.table_text import cells_of, plain_number
@@ -61,15 +62,16 @@ def read_sounding_table(path: Path, text: str) -> RawSounding:
     heading = _heading(path, lines)
     columns = columns_of(heading.names, heading.units)
     _require(path, heading, columns)
+    ozone = ozone_columns(path, heading.names, heading.units, where=f"line {heading.number}: ")
     rows = [pair for pair in lines[heading.first :] if not _is_rule(pair[1])]
     if not rows:
         raise DataError(f"{path}: has column names and no rows; it needs levels")
-    numbers, digits = _numbers(path, heading, rows, columns)
+    numbers, digits = _numbers(path, heading, rows, [*columns, *ozone])
     named = {plain_name(column.name) for column in columns}
     form = "AVAPS (EOL sounding format)" if _is_eol(lines[: heading.place]) else "table with a line of column names"
     # siphon's data frames of University of Wyoming's list: geopotential heights, and no unit in any name
     frame = {"pressure", "height", "temperature", "dewpoint"} <= named
-    return sounding_of(form, columns, numbers, digits, geopotential=frame)
+    return with_ozone(sounding_of(form, columns, numbers, digits, geopotential=frame), ozone, numbers)
 
 
 def _is_eol(header: list[tuple[int, str]]) -> bool:
@@ -192,7 +194,7 @@ def _alike(given: list[str], used: list[str], missing: list[str]) -> str:
 
 
 def _numbers(
-    path: Path, heading: _Heading, rows: list[tuple[int, str]], columns: list[SoundingColumn]
+    path: Path, heading: _Heading, rows: list[tuple[int, str]], columns: list[SoundingColumn | OzoneColumn]
 ) -> tuple[dict[int, FloatArray], dict[int, float]]:
     """Values of the columns as written, NaN where missing, and the steps that they are rounded to, by column of the file."""
     places = [column.place for column in columns]

@@ -101,7 +101,8 @@ class _Profile(Record):
         InputFile | None,
         Field(
             description="sounding: a table with columns height_m, pressure_hpa, temperature_k (or temperature_c), "
-            "relative_humidity_percent (or dewpoint_k, dewpoint_c), or the file of an archive or a sonde (guide: Atmospheres)"
+            "relative_humidity_percent (or dewpoint_k, dewpoint_c) and, if known, ozone_ppmv (or ozone_mmr, ozone_mpa), or the file of an "
+            "archive or a sonde (guide: Atmospheres)"
         ),
     ] = None
     haze: Annotated[

@@ -88,6 +88,8 @@ def program_sounding(
 
     sounding = scenario_sounding(wanted, scenario)
     report_sounding(sounding, wanted.model, scenario, over)
+    if sounding.ozone_ppmv is not None:
+        REPORTS.warning("%s: LOWTRAN7's program and decks take no ozone of it but that of %s", sounding.path, wanted.model)
     return levels_of(sounding, wanted.model)
 
 
