@@ -32,7 +32,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Look": {
         "view": CommandEntry("view.view", "Look at sequences, maps and scenarios in a browser."),
         "info": CommandEntry("facts.info", "Say what a file holds and how it was made."),
-        "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, computed anew."),
+        "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, and measured spectra."),
     },
     "Compute": {
         "mean": CommandEntry("mean.mean", "Map mean radiance and apparent temperature over the view."),
