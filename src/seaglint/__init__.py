@@ -9,13 +9,28 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from seaglint.api import analyze, apparent_temperature, dataset, detect, ensemble, export, image, load, mean, render, sense, sensor
+    from seaglint.api import (
+        analyze,
+        apparent_temperature,
+        compare_spectrum,
+        dataset,
+        detect,
+        ensemble,
+        export,
+        image,
+        load,
+        mean,
+        render,
+        sense,
+        sensor,
+    )
     from seaglint.version import __version__
 
 __all__ = [
     "__version__",
     "analyze",
     "apparent_temperature",
+    "compare_spectrum",
     "dataset",
     "detect",
     "ensemble",

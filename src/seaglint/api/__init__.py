@@ -14,6 +14,7 @@ Each is a few lines over the rooms below, which have more to choose: :mod:`seagl
 :mod:`seaglint.analysis`.
 """
 
+from seaglint.api.comparing import compare_spectrum
 from seaglint.api.judging import detect
 from seaglint.api.many import dataset, ensemble
 from seaglint.api.runs import export, render, sense, sensor
@@ -23,6 +24,7 @@ from seaglint.api.statistics import analyze, apparent_temperature
 __all__ = [
     "analyze",
     "apparent_temperature",
+    "compare_spectrum",
     "dataset",
     "detect",
     "ensemble",

@@ -48,6 +48,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Analyse": {
         "analyze": CommandEntry("analyze.analyze", "Clutter statistics and false alarms of a recording, by region."),
         "detect": CommandEntry("detect.detect", "Probabilities of detection and false alarm of a detector."),
+        "compare": CommandEntry("compare.compare", "Compare a measured spectrum with that of a scenario."),
         "likelihood": CommandEntry("likelihood.likelihood", "Tell how often glint is brighter than thresholds."),
     },
     "Share": {

@@ -195,7 +195,7 @@ def modtran_path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Me
                 reason=MODEL_REASONS[name],
             )
             rows.append(row)
-    return rows, [SpectraBeside(title, "transmittance", nu, theirs, {**ours}, "1", "MODTRAN 4")]
+    return rows, [SpectraBeside(title, "transmittance", nu, theirs, dict(ours.items()), "1", "MODTRAN 4")]
 
 
 def _light_rows(
