@@ -127,8 +127,8 @@ SKY_BANDS: Final[dict[BandRange, str]] = {(3.6, 4.0): "a model", (4.0, 4.4): "a 
 """Bands in which MODTRAN 4's zenith is compared [um]."""
 
 MODEL_REASONS: Final = {
-    "lowtran7": "LOWTRAN7's water continuum by air is many times today's at 3.5-4.2 um; MODTRAN 4 has lines of 1996 and CKD 2.",
-    "lblrtm": "MODTRAN 4 has lines of 1996 and the continuum CKD 2; measurements at 3.5-4.2 um lie above MT_CKD's.",
+    "lowtran7": "LOWTRAN7's water continuum by air is many times today's at 3.7-4.2 um; MODTRAN 4 has lines of 1996 and CKD 2.",
+    "lblrtm": "MODTRAN 4 has lines of 1996 and the continuum CKD 2; measurements at 3.7-4.2 um lie above MT_CKD's.",
 }
 
 PATH_BANDS: Final = ((3.5, 4.15), (3.5, 5.0), (8.0, 12.0), (10.0, 12.0))
