@@ -25,10 +25,10 @@ OUT = Path(__file__).resolve().parents[1] / "src" / "seaglint" / "studies" / "da
 
 TRIANGLE = "averaged with a triangle of 20 cm-1 full width at half maximum, every 5 cm-1"
 
-ARM = "data of the ARM programme of the US Department of Energy, free to use; cite ARM"
-SSEC = "public web page of the Space Science and Engineering Center, University of Wisconsin"
-NASA = "NASA, public domain"
-MIT = "MIT licence, Copyright (c) pyradi's authors"
+ARM = "data of the ARM programme of the US Department of Energy; cite ARM. The repository has no licence file"
+SSEC = "public web page of the Space Science and Engineering Center, University of Wisconsin. The repository has no licence file"
+NASA = "NASA, public domain. The repository has no licence file"
+MIT = "MIT licence of pyradi"
 BSD = "numbers computed here from the k-distributions of RTE+RRTMGP (BSD-3; LBLRTM, HITRAN, MT_CKD)"
 CDIP = "CDIP: may be redistributed and used without restriction"
 
@@ -72,6 +72,7 @@ def spectra(folder: Path) -> None:
             "sgp_20010722_aeri.csv",
             "sgp_20010722_sounding.csv",
             1780.0,
+            ("sgp_aeri_20010722_0522Z.txt", "sgp_aeri.full_atm"),
             f"AERI, zenith sky over the ARM Southern Great Plains site, 22 July 2001 0522 UT; {mlib}/sgp_example",
             ARM,
         ),
@@ -79,6 +80,7 @@ def spectra(folder: Path) -> None:
             "camex_1993_his.csv",
             "camex_1993_sounding.csv",
             1060.0,
+            ("camex_19930922_00Z.txt", "camex.full_atm"),
             f"HIS on the ER-2 at 19.97 km over the sea off Wallops Island, September 1993, mean of 24 spectra; {mlib}/camex_example",
             SSEC,
         ),
@@ -86,21 +88,22 @@ def spectra(folder: Path) -> None:
             "iris_19700427.csv",
             "iris_sounding.csv",
             1450.0,  # beyond it a few samples are negative: noise
+            ("iris_spectrum_042770.txt", "iris.full_atm"),
             f"IRIS-D on Nimbus 4 over the sea off Guam, 27 April 1970 0202 UT; {mlib}/iris_example",
             NASA,
         ),
     }
-    for name, (spectrum, sounding, last, source, terms) in cases.items():
+    for name, (spectrum, sounding, last, files, source, terms) in cases.items():
         path = folder / spectrum
         fine, grid = columns(path), np.arange(700.0, last + 1.0, 5.0)
         nu = fine.pop("wavenumber_cm")
         held = {key: triangular_average(nu, values, grid) for key, values in fine.items()}
-        write(f"measured_{name}.csv", (path,), source, terms, TRIANGLE, {"wavenumber_cm": grid, **held})
+        write(f"measured_{name}.csv", (path,), f"{source}/{files[0]}", terms, TRIANGLE, {"wavenumber_cm": grid, **held})
         path = folder / sounding
         levels = columns(path)
         whole = np.all([np.isfinite(values) for values in levels.values()], axis=0)
         levels = {key: values[whole] for key, values in levels.items()}
-        write(f"measured_{name}_sounding.csv", (path,), f"sounding for {source}", terms, "levels as given there", levels)
+        write(f"measured_{name}_sounding.csv", (path,), f"sounding for {source}/{files[1]}", terms, "levels as given there", levels)
 
 
 def modtran(folder: Path) -> None:

@@ -24,8 +24,8 @@ def shipped(name: str) -> ShippedTable:
 
     Examples
     --------
-    >>> shipped("iris").facts["terms"]
-    'NASA, public domain'
+    >>> shipped("modtran_path").facts["terms"]
+    'MIT licence of pyradi'
     """
     lines = files("seaglint.studies").joinpath("data", f"measured_{name}.csv").read_text(encoding="utf-8").splitlines()
     facts = dict(line.removeprefix("# ").split(": ", 1) for line in lines if line.startswith("#"))
