@@ -23,7 +23,7 @@ PAGES = [
     *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "api") for page in (DOCS / folder).glob("*.md")),
 ]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
-RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
+RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/radiometer.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
 """Pages whose Python the quick suite runs, in a folder with a small scenario."""
 
 VISITED = ["README.md", "docs/guide/tour.md"]

@@ -3,7 +3,8 @@
     python tools/make_figures.py
 
 ``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
-``fig2.png`` to ``fig4.png``, ``fig10.png`` and ``fig12.png`` (some minutes) those of ``seaglint reproduce``, ``near_horizon.png`` that of
+``fig2.png`` to ``fig4.png``, ``fig10.png``, ``fig12.png`` (some minutes) and ``measured.png`` those of ``seaglint reproduce``,
+``near_horizon.png`` that of
 ``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four seconds (which take some
 minutes to render). Names after the script draw only these: ``make_figures.py fig2 fig3``.
 """
@@ -99,7 +100,7 @@ def clutter(name: str, folder: Path) -> Path:
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
     pictures = {"demo": render, "mean": mean, "near_horizon": near_horizon} | {
-        name: partial(figure, name) for name in ("fig2", "fig3", "fig4", "fig10", "fig12")
+        name: partial(figure, name) for name in ("fig2", "fig3", "fig4", "fig10", "fig12", "measured")
     }
     pictures |= {f"clutter_{name}": partial(clutter, name) for name in CLUTTER}
     if unknown := set(names) - set(pictures):

@@ -61,6 +61,13 @@ def headline() -> Pairs:
     return whole("headline", headline())
 
 
+def measured() -> Pairs:
+    """Measured spectra beside ours, all of them."""
+    from validation_tables import measured
+
+    return whole("measured", measured())
+
+
 def lowtran() -> Pairs:
     """Errors of the table over the reference cases."""
     from validation_tables import lowtran

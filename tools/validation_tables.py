@@ -35,6 +35,7 @@ from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
+from seaglint.studies.measured.measured_row import MeasuredRow
 from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
@@ -318,6 +319,42 @@ def departure(scene: dict[str, object], *, flat: bool = False) -> float:
     return worst
 
 
+def measured() -> Lines:
+    """Measured spectra, other models and a buoy beside ours; a sentence on what is left of each."""
+    from seaglint.studies.measured.against_measurements import against_measurements
+
+    rows = against_measurements().rows
+    names = list(dict.fromkeys(row.spectroscopy for row in rows if row.spectroscopy))
+    head = ("", "measured, or the model named", *(f"{name}: ours, difference, rms" for name in names), "uncertainty")
+    for case in dict.fromkeys(row.case for row in rows):
+        own = [row for row in rows if row.case == case]
+        body = []
+        for quantity in dict.fromkeys(row.quantity for row in own):
+            same = [row for row in own if row.quantity == quantity]
+            unit = "" if same[0].unit == "1" else f" {same[0].unit}"
+            body.append((quantity, f"{_digits(same[0].measured, same[0].unit)}{unit}", *map(_measured_cell, same), same[0].uncertainty))
+        yield f"**{case}**"
+        yield ""
+        yield from table(head if own[0].spectroscopy else ("", "measured", "ours, difference", "uncertainty"), body)
+        yield ""
+        for spectroscopy, reason in dict.fromkeys((row.spectroscopy, row.reason) for row in own):
+            yield f"- {f'{spectroscopy}: ' if spectroscopy else ''}{reason}"
+        yield ""
+
+
+def _digits(value: float, unit: str) -> str:
+    return f"{value:.2f}" if unit == "K" else f"{value:.4g}"
+
+
+def _measured_cell(row: MeasuredRow) -> str:
+    """Ours, its difference in the units there are, and the rms."""
+    parts = [_digits(row.ours, row.unit)]
+    parts += [] if row.difference_k is None else [f"{row.difference_k:+.2f} K"]
+    parts += [f"{row.ours - row.measured:+.1f} deg"] if row.unit == "deg" else [f"{row.difference_percent:+.1f} %"]
+    parts += [] if row.rms is None else [f"{row.rms:.2f} K" if row.unit == "K" else f"{row.rms:.3f}"]
+    return ", ".join(parts)
+
+
 TABLES: dict[str, Callable[[], Lines]] = {
     "headline": headline,
     "lowtran": lowtran,
@@ -328,6 +365,7 @@ TABLES: dict[str, Callable[[], Lines]] = {
     "sea": sea,
     "buoy": buoy,
     "scenes": scenes,
+    "measured": measured,
 }
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from seaglint.api import (
         analyze,
         apparent_temperature,
+        compare_spectrum,
         dataset,
         detect,
         ensemble,
@@ -30,6 +31,7 @@ __all__ = [
     "__version__",
     "analyze",
     "apparent_temperature",
+    "compare_spectrum",
     "dataset",
     "detect",
     "ensemble",

@@ -14,6 +14,7 @@ Each is a few lines over the rooms below, which have more to choose: :mod:`seagl
 :mod:`seaglint.analysis`.
 """
 
+from seaglint.api.comparing import compare_spectrum
 from seaglint.api.judging import detect
 from seaglint.api.laboratory import homogeneous_path
 from seaglint.api.many import dataset, ensemble
@@ -24,6 +25,7 @@ from seaglint.api.statistics import analyze, apparent_temperature
 __all__ = [
     "analyze",
     "apparent_temperature",
+    "compare_spectrum",
     "dataset",
     "detect",
     "ensemble",

@@ -32,7 +32,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Look": {
         "view": CommandEntry("view.view", "Look at sequences, maps and scenarios in a browser."),
         "info": CommandEntry("facts.info", "Say what a file holds and how it was made."),
-        "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, computed anew."),
+        "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, and measured spectra."),
     },
     "Compute": {
         "mean": CommandEntry("mean.mean", "Map mean radiance and apparent temperature over the view."),
@@ -48,6 +48,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Analyse": {
         "analyze": CommandEntry("analyze.analyze", "Clutter statistics and false alarms of a recording, by region."),
         "detect": CommandEntry("detect.detect", "Probabilities of detection and false alarm of a detector."),
+        "compare": CommandEntry("compare.compare", "Compare a measured spectrum with that of a scenario."),
         "likelihood": CommandEntry("likelihood.likelihood", "Tell how often glint is brighter than thresholds."),
     },
     "Share": {

@@ -1,7 +1,8 @@
-"""``seaglint reproduce``: results of the source article, computed anew."""
+"""``seaglint reproduce``: results of the source article, and measured spectra, computed anew."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,9 +13,17 @@ from seaglint.cli.terminal.messages import log, print_json, tell
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 
-reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
+reproduce = typer.Typer(help="Results of the source article, and measured spectra.", no_args_is_help=True)
 
 Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the picture and the numbers; the current one")]
+
+
+class SpectroscopyChoice(StrEnum):
+    """Absorptions of the air to compare."""
+
+    LBLRTM = "lblrtm"
+    LOWTRAN7 = "lowtran7"
+    BOTH = "both"
 
 
 @reproduce.command()
@@ -187,6 +196,41 @@ def table1(
 
     tell(table(result.rows()))
     typer.echo("; ".join(f"{key} = {value}" for key, value in result.settings().items()))
+
+
+@reproduce.command()
+def measured(
+    output: Folder = Path(),
+    spectroscopy: Annotated[
+        SpectroscopyChoice, typer.Option("--spectroscopy", help="absorption of the air: today's line-by-line models or LOWTRAN7's; both")
+    ] = SpectroscopyChoice.BOTH,
+    overwrite: Overwrite = False,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+) -> None:
+    """Print measured spectra of sky and sea beside ours.
+
+    Writes DIR/measured.csv and measured.png.
+
+    Measured are AERI's zenith sky, HIS over the sea from 20 km, IRIS from space and a wave buoy. MODTRAN 4's path and sky and RRTMGP's
+    paths and skies are those of models. The data come with the package, and their sources are in measured.csv.
+    """
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.text_file import write_text
+
+    _made(output)
+    picture, numbers = (refuse_existing(output / f"measured.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
+    from seaglint.plot.beside_figure import write_beside
+    from seaglint.studies.measured.against_measurements import against_measurements
+
+    result = against_measurements(spectroscopy.value)
+    write_text(result.csv(), numbers)
+    if as_json:
+        print_json([row.as_dict() for row in result.rows])
+    else:
+        tell(result.lines())
+    log(f"{numbers} written")
+    write_beside(result.spectra, picture)
+    log(f"{picture} written")
 
 
 def _made(folder: Path) -> Path:

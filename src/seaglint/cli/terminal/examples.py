@@ -36,6 +36,11 @@ _BOAT = (
     'printf \'[[objects]]\\nname = "boat"\\npreset = "small-boat"\\n\' >> boat.toml',
     "printf 'east_m = 0\\nnorth_m = -600\\nheading_deg = 60\\n' >> boat.toml",
 )
+_RADIOMETER = (
+    "printf '[band]\\nmin_um = 8\\nmax_um = 12\\n[sensor]\\nheight_m = 20\\n' > radiometer.toml",
+    "printf '# resolution_cm: 20\\nwavelength_um,brightness_temperature_k\\n' > sky.csv",
+    "printf '8.5,262\\n8.7,259\\n8.9,257\\n9.1,254\\n' >> sky.csv",
+)
 _WINDS = (
     *_BOAT,
     "printf 'base = \"boat.toml\"\\n[ensemble]\\nscenes = 4\\nframes = 2\\n' > winds.toml",
@@ -66,6 +71,11 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "reproduce fig5": ("seaglint reproduce fig5 -o article",),
     "reproduce fig10": ("seaglint reproduce fig10 -o article",),
     "reproduce fig12": ("seaglint reproduce fig12 --frames 60:80 --pixels 128 -o article",),
+    "compare": (
+        *_RADIOMETER,
+        "seaglint compare sky.csv radiometer.toml --zenith-deg 30 -o sky.png --overwrite",
+    ),
+    "reproduce measured": ("seaglint reproduce measured -o measured --overwrite",),
     "reproduce table1": ("seaglint reproduce table1 -o article",),
     "mean": (_SCENE, "seaglint mean example.toml -o mean.nc --preview"),
     "render": (_SCENE, "seaglint render example.toml -o example.zarr --frames 0:8 --preview --resume"),

@@ -1,0 +1,79 @@
+"""The command ``seaglint compare``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from seaglint.cli.terminal.messages import files_read, log, naming_file, tell
+from seaglint.cli.terminal.options import Overwrite
+
+
+def compare(
+    spectrum: Annotated[
+        Path,
+        typer.Argument(metavar="SPECTRUM.csv", help="CSV with wavenumber_cm or wavelength_um, and a radiance with its unit"),
+    ],
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario of the place: sea, air, Sun, height of the sensor")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="F.png", help="picture to write: .png, .pdf or .svg")] = None,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="F.csv", help="file for both spectra as compared")] = None,
+    zenith_deg: Annotated[float | None, typer.Option("--zenith-deg", help="zenith angle of the sky looked at; the camera's axis")] = None,
+    depression_deg: Annotated[
+        float | None, typer.Option("--depression-deg", help="angle below the horizontal at which the sea is looked at; 90 is the nadir")
+    ] = None,
+    resolution_cm: Annotated[
+        float | None, typer.Option("--resolution-cm", help="full width at half maximum of the spectrum in cm-1; that of the file")
+    ] = None,
+    spectroscopy: Annotated[
+        str | None, typer.Option("--spectroscopy", help="absorption of the air, lblrtm or lowtran7; that of the scenario")
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Compare a measured spectrum with that of a scenario.
+
+    Prints temperatures and differences by band.
+
+    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, the same with _um for those per wavelength, and
+    brightness_temperature_k. A column or comment resolution_cm states the resolution. A spectrum finer than 20 cm-1 is averaged to that; of
+    a coarser one ours is averaged.
+    """
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.files.outputs import refuse_existing, require_ending
+    from seaglint.scenario.load import load_scenario
+
+    show_logs()
+    loaded = load_scenario(scenario)
+    inputs = [spectrum, *files_read(scenario, loaded)]
+    for path, endings, what in ((output, (".png", ".pdf", ".svg"), "a picture is .png, .pdf or .svg"), (csv, (".csv",), "a table is .csv")):
+        if path is not None:
+            if not path.suffix:
+                raise DataError(f"{path}: {what}; give a name that ends so")
+            refuse_existing(require_ending(path, endings, what), overwrite=overwrite, inputs=inputs)
+    from seaglint.studies.measured.compare_spectrum import compare_spectrum, stated_spectrum
+
+    light = stated_spectrum(spectrum)
+    with naming_file(scenario, loaded):
+        result = compare_spectrum(
+            light,
+            loaded,
+            resolution_cm=resolution_cm,
+            zenith_deg=zenith_deg,
+            depression_deg=depression_deg,
+            spectroscopy=spectroscopy,
+        )
+    for note in result.notes:
+        log(note)
+    tell(result.lines())
+    if csv is not None:
+        from seaglint.files.tables.columns import write_columns
+
+        write_columns(result.columns(), csv, overwrite=overwrite)
+        log(f"{csv} written")
+    if output is not None:
+        from seaglint.plot.beside_figure import write_beside
+
+        write_beside([result.beside()], output)
+        log(f"{output} written")

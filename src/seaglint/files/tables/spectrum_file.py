@@ -1,0 +1,155 @@
+"""Reader of a radiometer's spectrum: CSV with a column of wavenumber or wavelength and a column of radiance in a named unit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.tables.table_text import plain_number, read_cell_lines, read_text_table
+from seaglint.optics.blackbody import planck_wavenumber
+
+PLACES: Final = ("wavenumber_cm", "wavelength_um")
+"""Columns that say where a sample lies."""
+
+PER_CM: Final = {"radiance_w_m2_sr_cm": 1.0, "radiance_mw_m2_sr_cm": 1e-3, "radiance_w_cm2_sr_cm": 1e4}
+"""Columns of radiance per wavenumber, and their factors to W m-2 sr-1 per cm-1."""
+
+PER_UM: Final = {"radiance_w_m2_sr_um": 1.0, "radiance_mw_m2_sr_um": 1e-3, "radiance_w_cm2_sr_um": 1e4}
+"""Columns of radiance per wavelength, and their factors to W m-2 sr-1 per um."""
+
+KELVIN: Final = "brightness_temperature_k"
+
+UNITS: Final = (*PER_CM, *PER_UM, KELVIN)
+
+HOTTEST_K: Final = 6500.0
+
+_RESOLUTION = re.compile(r"resolution(?:_cm)?\s*[:=]\s*([0-9.eE+-]+)")
+
+_HINT: Final = f"it needs a column {' or '.join(PLACES)} and one of {', '.join(UNITS)}"
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLight:
+    """Spectrum of a radiometer.
+
+    Attributes
+    ----------
+    name : str
+        File, or words for what is no file.
+    wavenumber_cm : ndarray
+        Ascending samples [cm-1, (n,)].
+    radiance : ndarray
+        [W m-2 sr-1 per cm-1, (n,)].
+    unit : str
+        Column that it was read from.
+    resolution_cm : float or None
+        Full width at half maximum that the file states [cm-1]; None where it states none.
+    """
+
+    name: str
+    wavenumber_cm: FloatArray
+    radiance: FloatArray
+    unit: str
+    resolution_cm: float | None
+
+
+def read_spectrum(path: str | Path) -> MeasuredLight:
+    """Read a spectrum; a column ``resolution_cm`` or a comment ``# resolution_cm: 4`` states its resolution.
+
+    Raises
+    ------
+    DataError
+        A missing or damaged file, a radiance without a unit, negative or missing numbers.
+    """
+    path = Path(path)
+    table = read_text_table(path, (f"one of {', '.join(PLACES)}", f"one of {', '.join(UNITS)}"))
+    place, unit = table.one_of(*PLACES), _unit_of(table.columns, f"{path}: line {table.header_line}")
+    high = HOTTEST_K if unit == KELVIN else np.inf
+    where = np.array([table.number(row, place, 1e-3) for row in table.rows])
+    values = np.array([table.number(row, unit, 0.0, high) for row in table.rows])
+    stated = None
+    if "resolution_cm" in table.columns:
+        stated = max(table.number(row, "resolution_cm", 1e-6) for row in table.rows)
+    else:
+        for comment in read_cell_lines(path, _HINT)[1]:
+            if match := _RESOLUTION.search(comment):
+                stated = _positive(match[1], f"{path}: the comment '{comment}'")
+    return _spectrum(str(path), place, unit, where, values, stated)
+
+
+def spectrum_of_columns(columns: Mapping[str, ArrayLike], name: str = "the spectrum") -> MeasuredLight:
+    """Return a spectrum from columns of numbers with the names that a file has.
+
+    Raises
+    ------
+    DataError
+        As :func:`read_spectrum`.
+
+    Examples
+    --------
+    >>> light = spectrum_of_columns({"wavelength_um": [9.0, 10.0, 11.0], "brightness_temperature_k": [280.0, 281.0, 282.0]})
+    >>> light.wavenumber_cm.round(1)
+    array([ 909.1, 1000. , 1111.1])
+    """
+    unit = _unit_of(tuple(columns), name)
+    present = [place for place in PLACES if place in columns]
+    if len(present) != 1:
+        raise DataError(f"{name}: columns are {', '.join(columns)}; give one of {' and '.join(PLACES)}")
+    where, values = (np.asarray(columns[key], dtype=np.float64) for key in (present[0], unit))
+    if where.ndim != 1 or where.shape != values.shape:
+        raise DataError(f"{name}: {present[0]} and {unit} are of shapes {where.shape} and {values.shape}; give two lists of one length")
+    for key, column, low in ((present[0], where, 1e-3), (unit, values, 0.0)):
+        wrong = ~(np.isfinite(column) & (column >= low))
+        if wrong.any():
+            raise DataError(f"{name}: {key} holds {column[wrong][0]:g} at place {int(np.argmax(wrong))}; give numbers of {low:g} or more")
+    stated = float(np.max(np.asarray(columns["resolution_cm"], dtype=np.float64))) if "resolution_cm" in columns else None
+    return _spectrum(name, present[0], unit, where, values, stated)
+
+
+def _unit_of(names: tuple[str, ...], where: str) -> str:
+    """Return the one column of radiance with a known unit."""
+    known = [name for name in names if name in UNITS]
+    if len(known) == 1:
+        return known[0]
+    if known:
+        raise DataError(f"{where}: columns {' and '.join(known)} are both there; leave one")
+    bare = [name for name in names if name.startswith(("radiance", "brightness", "temperature"))]
+    said = f"'{bare[0]}' names no unit that is known" if bare else f"columns are {', '.join(names)}; none is a radiance with its unit"
+    raise DataError(f"{where}: {said}; name the column one of {', '.join(UNITS)}")
+
+
+def _positive(text: str, where: str) -> float:
+    try:
+        value = plain_number(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < np.inf:
+        raise DataError(f"{where} states no resolution above 0 cm-1; write # resolution_cm: 4")
+    return value
+
+
+def _spectrum(name: str, place: str, unit: str, where: FloatArray, values: FloatArray, stated: float | None) -> MeasuredLight:
+    nu = where if place == "wavenumber_cm" else 1e4 / where
+    order = np.argsort(nu, kind="stable")
+    nu, values = nu[order], values[order]
+    if nu.size < 3:
+        raise DataError(f"{name}: has {nu.size} samples; a spectrum needs at least 3")
+    twice = np.flatnonzero(np.diff(nu) <= 0.0)
+    if twice.size:
+        raise DataError(f"{name}: {place} = {where[order][twice[0]]:g} stands twice; leave one of the two lines")
+    if unit in PER_CM:
+        light = PER_CM[unit] * values
+    elif unit in PER_UM:
+        light = PER_UM[unit] * values * 1e4 / nu**2
+    else:
+        cold = values <= 0.0
+        light = np.where(cold, 0.0, planck_wavenumber(nu, np.where(cold, 1.0, values)))
+    return MeasuredLight(name, nu, light, unit, stated)

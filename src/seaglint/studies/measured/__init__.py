@@ -1,0 +1,1 @@
+"""Measured spectra of sky and sea, and outputs of other models, beside ours."""
