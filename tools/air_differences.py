@@ -9,11 +9,10 @@ import math
 from functools import cache
 
 import numpy as np
-from detection_ranges import AIR_K, CASES, Case
 from scipy.optimize import brentq
 from scipy.stats import norm
-from validation_tables import PAGE, replace
 
+from detection_ranges import AIR_K, CASES, Case
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_numbers import Spectroscopy
@@ -22,6 +21,7 @@ from seaglint.air.profile.own_gases import OwnGases, with_gases
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
+from validation_tables import PAGE, replace
 
 MODELS = ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976")
 BANDS = ((3.0, 5.0), (8.0, 12.0))

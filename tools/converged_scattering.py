@@ -13,8 +13,8 @@ import argparse
 
 import numpy as np
 
-from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.absorber_densities import cold_share
+from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.bent_ray import BentRay
 from seaglint.air.profile.hazes import HazeWeather, aerosols

