@@ -1,5 +1,6 @@
 """Ozone of soundings: units, layouts, gaps, the model's above, what is refused, and the sky that it makes."""
 
+import logging
 from datetime import UTC, datetime
 
 import numpy as np
@@ -14,7 +15,11 @@ from seaglint.air.profile.ozone_above import ozone_dobson
 from seaglint.base.errors import DataError
 from seaglint.files.soundings.air_summary import summarise_air
 from seaglint.files.soundings.sounding import read_sounding
+from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.scenario.load import parse_scenario
+from seaglint.studies.prepare.profile_air import profile_atmosphere
+from seaglint.studies.prepare.sounding_air import program_sounding
 
 OZONE = GASES.index("O3")
 MODEL = "midlatitude-summer"
@@ -271,3 +276,15 @@ def test_no_ozone_at_all_is_taken_as_said():
     assert np.all(air.gas[OZONE][: z.size] == 0.0)
     assert np.all(np.isfinite(air.gas))
     assert 0.0 < air.gas[OZONE][z.size] < 0.1 * model_levels(MODEL, air.height[z.size :])[3][OZONE][0]
+
+
+def test_a_scenario_notes_its_ozone_and_the_program_says_that_it_takes_none(tmp_path, caplog):
+    air = {"source": "lowtran", "sounding": str(table(tmp_path, "ozone_ppmv", PPMV))}
+    scenario = parse_scenario({"sensor": {"pixels": [4, 4], "fov_deg": [1, 1], "height_m": 20.0}, "atmosphere": air})
+    band = Band.rectangular(9.0, 10.0)
+    with caplog.at_level(logging.WARNING, "seaglint"):
+        assert "ozone ends at 30.0 km" in profile_atmosphere(scenario.atmosphere, scenario, band).provenance["sounding_notes"]
+        assert not caplog.records
+        program_sounding(scenario.atmosphere, scenario, band)
+    (said,) = [record.getMessage() for record in caplog.records]
+    assert said.endswith("LOWTRAN7's program and decks take no ozone of it but that of midlatitude-summer")
