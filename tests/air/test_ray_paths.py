@@ -135,3 +135,23 @@ def test_many_levels_are_followed_as_fast():
     many = LayeredIndex(z, n, one.earth_radius)
     assert many.levels[0].size < 500
     assert many.horizon(30.0, 5e5) == pytest.approx(one.horizon(30.0, 5e5), rel=0.02)
+
+
+@pytest.mark.parametrize("height", [2.0, 5.0, 10.0, 40.0, 300.0])
+@pytest.mark.parametrize("kind", [*(f"us-standard-1976:{change:+d}" for change in (-20, -12, -6, -1, 0, 2, 6, 12, 20)), "tropical:duct"])
+def test_the_horizon_is_the_last_ray_of_a_scan_that_meets_the_sea(kind, height):
+    """Air up to 20 K colder or warmer than the sea: the horizon lies from far below the standard one to far above the horizontal."""
+    air = air_of(kind)
+    scan = np.linspace(-horizon_depression(height) - 0.01, 0.02, 3001)
+    rays = air.paths(height, scan, 5e5)
+    last = int(np.flatnonzero(rays.sea)[-1])
+    assert scan[last] - 1e-9 <= air.lowest_sky(height, 5e5) <= scan[last + 1] + 1e-9
+    assert rays.end[last] - 1.0 <= air.horizon(height, 5e5) < 5e5
+
+
+def test_the_horizon_of_a_sea_so_warm_that_no_ray_near_the_standard_horizon_meets_it():
+    """Fall of the refractivity towards the sea of 100 times a model's: the search goes down to where there is sea."""
+    z = np.array([0.0, 2.0, 1e5])
+    air = LayeredIndex(z, np.array([1.0e-4, 3.0e-4, 1e-15]), 6371e3)
+    # Snell's law between 2 m and 0 m, the Earth flat over them
+    assert air.lowest_sky(2.0, 5e5) == pytest.approx(-math.sqrt(2.0 * (2.0e-4 - 0.0)), rel=0.01)
