@@ -20,11 +20,13 @@ from seaglint.air.profile.air_sums import AirSums, RaySpectra
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.lowtran_numbers import numbers_provenance
 from seaglint.air.profile.ray_paths import LayeredIndex
+from seaglint.air.profile.refined_nodes import LIMIT, refined_nodes
 from seaglint.air.protocol import ClearAir, require_height, require_line, require_solar_zenith, slant_range
 from seaglint.air.sky_spline import brightness_temperature, radiance_of
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import REPORTS
 
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir
@@ -101,8 +103,9 @@ class ProfileAtmosphere(ClearAir):
 
     Notes
     -----
-    Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined; of band
-    temperatures the splines leave less than 0.01 K (docs, validation). Heights 1 cm to 50 km.
+    Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined, with more
+    rays where two splines through half of them disagree (:mod:`seaglint.air.profile.refined_nodes`); errors of band temperatures above
+    0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 50 km.
     """
 
     def __init__(
@@ -123,6 +126,7 @@ class ProfileAtmosphere(ClearAir):
         self.provenance: JsonObject = {"table": profile.name, **numbers_provenance(), "levels": levels, **(provenance or {})}
         self._scattering = scattering
         self._moving = moving
+        self._said = False
         self._paths: dict[float, _Paths] = {}
         self._skies: dict[float, CubicSpline[np.float64]] = {}
         self._suns: dict[float, CubicSpline[np.float64]] = {}
@@ -147,7 +151,9 @@ class ProfileAtmosphere(ClearAir):
         horizon = float(straight_slant(height, 0.0))
         if self.levels == "continuous":
             slant = height * (BEYOND * horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)
-            results = [self.sums.between(height, 0.0, float(s)) for s in slant]
+            nodes = refined_nodes(np.log(slant), lambda x: self._sea_values(height, np.exp(x)), self._path_errors)
+            self._say(height, nodes.left)
+            x, values = nodes.place, nodes.value
         else:
             cosine = np.clip(straight_sea_cosine(height, height * (horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)), 1e-5, 1.0)
             cosine[0] = 1.0
@@ -156,12 +162,45 @@ class ProfileAtmosphere(ClearAir):
             slant = slant_range(height, [ray.ray.arc[-1] * self.sums.air.earth_radius for ray in rays])
             keep = np.concatenate([[True], np.diff(slant) > 1e-6 * slant[1:]])
             slant = slant[keep]
-            results = [(ray.transmittance[-1], ray.emitted) for ray, kept in zip(rays, keep, strict=True) if kept]
-        depth = np.maximum(-np.log(np.maximum([tau for tau, _ in results], 1e-300)), CLEAR)
-        kelvin = brightness_temperature(self.wavenumber_cm, np.array([light for _, light in results]) / -np.expm1(-depth))
-        x = np.log(slant)
-        spline = CubicSpline(x, np.stack([encode_optical_depth(depth), kelvin], axis=1), axis=0)
-        return self._paths.setdefault(height, _Paths(float(slant[0]), float(x[-1]), spline))
+            x = np.log(slant)
+            values = self._encoded([(ray.transmittance[-1], ray.emitted) for ray, kept in zip(rays, keep, strict=True) if kept])
+        return self._paths.setdefault(height, _Paths(float(slant[0]), float(x[-1]), CubicSpline(x, values, axis=0)))
+
+    def _sea_values(self, height: float, slant: FloatArray) -> FloatArray:
+        """Encoded depth and air temperature of the paths of some lengths [m] from the sea to a height [m] (lengths, 2, n)."""
+        return self._encoded([self.sums.between(height, 0.0, float(s)) for s in slant])
+
+    def _encoded(self, paths: list[tuple[FloatArray, FloatArray]]) -> FloatArray:
+        depth = np.maximum(-np.log(np.maximum([tau for tau, _ in paths], 1e-300)), CLEAR)
+        kelvin = brightness_temperature(self.wavenumber_cm, np.array([light for _, light in paths]) / -np.expm1(-depth))
+        return np.stack([encode_optical_depth(depth), kelvin], axis=1)
+
+    def _decoded(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1] and path radiance [W m-2 sr-1 per cm-1] of splined values (..., 2, n), both (..., n)."""
+        depth = decode_optical_depth(values[..., 0, :])
+        return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, values[..., 1, :])
+
+    def _path_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
+        """Errors of splined paths in band temperature [K], before a sea as warm as the lowest air and of the path's own light."""
+        warm = np.full(self.wavenumber_cm.size, float(self.sums.profile.temperature[0]))
+        sea = radiance_of(self.wavenumber_cm, warm)
+        (tau, light), (own, lit) = self._decoded(splined), self._decoded(values)
+        path = np.sum(light - lit, axis=-1)
+        off = np.maximum(np.abs(path), np.abs(path + np.sum((tau - own) * sea, axis=-1)))
+        return np.asarray(off / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
+
+    def _sky_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
+        """Errors of splined brightness temperatures of the sky in band temperature [K]."""
+        slope = radiance_of(self.wavenumber_cm, values + 1.0) - radiance_of(self.wavenumber_cm, values)
+        return np.asarray(np.abs(np.sum((splined - values) * slope, axis=-1)) / np.sum(slope, axis=-1))
+
+    def _say(self, height: float, left: float) -> None:
+        """Report an error between nodes [K] that is left, once."""
+        if left > LIMIT and not self._said:
+            self._said = True
+            REPORTS.warning(
+                "%s: the air seen from %g m changes so fast that up to %.2g K are left between its rays", self.name, height, left
+            )
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
@@ -217,8 +256,7 @@ class ProfileAtmosphere(ClearAir):
         for node, weight in self._around(height):
             at = slant if node == height else node * (straight_slant(node, 0.0) / node) ** share
             both += weight * self._sea_paths(node)(at)
-        depth = decode_optical_depth(both[..., 0, :])
-        return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, both[..., 1, :])
+        return self._decoded(both)
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Transmittance of the path from a point to the sensor [1, (..., n)]."""
@@ -296,16 +334,23 @@ class ProfileAtmosphere(ClearAir):
         above = np.linspace(0.0, float(_sky_coordinate(0.5 * np.pi)), SKY_NODES)
         below = np.linspace(float(_sky_coordinate(-dip)), 0.0, DIP_NODES, endpoint=False) if dip > 0.0 else above[:0]
         lowest = np.arange(LOWEST_STEP, height - LOWEST_STEP, LOWEST_STEP)
-        below = np.concatenate([below, _sky_coordinate(-dip * np.sqrt(1.0 - lowest / max(height, 1.0)))])
+        grazing = np.arcsin(self.sums.air.cosine(height, self.sums.air.invariant(lowest)))
+        below = np.concatenate([below, _sky_coordinate(-grazing / bent)])
         x = np.concatenate([np.unique(below), above])
-        elevation = np.minimum(_sky_elevation(x), 0.5 * np.pi)
-        elevation = np.where(elevation < 0.0, elevation * bent, elevation)
-        if dip > 0.0:
-            elevation[0] *= 1.0 - 1e-9  # the ray that grazes the sea sees sky
-        kelvin = brightness_temperature(
-            self.wavenumber_cm, np.array([self._ray(height, 0.5 * np.pi - float(e)).emitted for e in elevation])
-        )
-        return self._skies.setdefault(height, CubicSpline(x, kelvin, axis=0))
+
+        def kelvin(place: FloatArray) -> FloatArray:
+            elevation = np.minimum(_sky_elevation(place), 0.5 * np.pi)
+            elevation = np.where(elevation < 0.0, elevation * bent, elevation)
+            if dip > 0.0 and place[0] == x[0]:
+                elevation[0] *= 1.0 - 1e-9  # the ray that grazes the sea sees sky
+            light = np.array([self._ray(height, 0.5 * np.pi - float(e)).emitted for e in elevation])
+            return brightness_temperature(self.wavenumber_cm, light)
+
+        if self.levels == "lowtran":
+            return self._skies.setdefault(height, CubicSpline(x, kelvin(x), axis=0))
+        nodes = refined_nodes(x, kelvin, self._sky_errors)
+        self._say(height, nodes.left)
+        return self._skies.setdefault(height, CubicSpline(nodes.place, nodes.value, axis=0))
 
 
 def _sky_coordinate(elevation: ArrayLike) -> FloatArray:
