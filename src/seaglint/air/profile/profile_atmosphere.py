@@ -26,15 +26,13 @@ from seaglint.air.sky_spline import brightness_temperature, radiance_of
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.limits import PROFILE_HEIGHTS
 from seaglint.base.reports import REPORTS
 
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir
 
 Levels = Literal["continuous", "lowtran"]
-
-HEIGHTS: Final = (0.01, 50e3)
-"""Heights of sensors and points [m]."""
 
 THERMAL_UM: Final = 5.5
 """Wavelengths [um] from which on scattered sunlight counts for nothing (at 7 m/s at most 1e-3 of the thermal radiance in the warmer
@@ -46,8 +44,8 @@ SKY_NODES: Final = 44
 DIP_NODES: Final = 20
 """Numbers of rays between which spectra are splined."""
 
-LOWEST_STEP: Final = 200.0
-"""Steps of the lowest height of rays that start downwards [m]."""
+LOWEST_STEPS: Final = ((0.0, 200.0), (20e3, 1e3), (50e3, 5e3))
+"""Steps of the lowest height of rays that start downwards [m] above heights [m]."""
 
 BEYOND: Final = 1.1
 """Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and go on along their tangent."""
@@ -57,6 +55,9 @@ SKY_SCALE: Final = 0.004
 
 ANGLE_SLACK: Final = 1e-6
 """Tolerance of angles at the edges [rad]."""
+
+COLD: Final = 200.0
+"""Temperature [K] of colder sky in what an error of its radiance is worth: a band of no light has no temperature."""
 
 CLEAR: Final = 1e-9
 """Smallest optical depth whose emission is evaluated."""
@@ -105,7 +106,7 @@ class ProfileAtmosphere(ClearAir):
     -----
     Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined, with more
     rays where two splines through half of them disagree (:mod:`seaglint.air.profile.refined_nodes`); errors of band temperatures above
-    0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 50 km.
+    0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 100 km.
     """
 
     def __init__(
@@ -190,9 +191,11 @@ class ProfileAtmosphere(ClearAir):
         return np.asarray(off / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
 
     def _sky_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
-        """Errors of splined brightness temperatures of the sky in band temperature [K]."""
-        slope = radiance_of(self.wavenumber_cm, values + 1.0) - radiance_of(self.wavenumber_cm, values)
-        return np.asarray(np.abs(np.sum((splined - values) * slope, axis=-1)) / np.sum(slope, axis=-1))
+        """Errors of splined brightness temperatures of the sky in band temperature [K]; of colder sky the radiance as at :data:`COLD`."""
+        warm = np.maximum(values, COLD)
+        slope = radiance_of(self.wavenumber_cm, warm + 1.0) - radiance_of(self.wavenumber_cm, warm)
+        off = radiance_of(self.wavenumber_cm, splined) - radiance_of(self.wavenumber_cm, values)
+        return np.asarray(np.abs(np.sum(off, axis=-1)) / np.sum(slope, axis=-1))
 
     def _say(self, height: float, left: float) -> None:
         """Report an error between nodes [K] that is left, once."""
@@ -212,24 +215,24 @@ class ProfileAtmosphere(ClearAir):
         range_m : array_like
             Arc along the sea to the point looked at [m, (...)].
         target_height : array_like
-            Height of that point [m], broadcast with ``range_m``; up to 50 km.
+            Height of that point [m], broadcast with ``range_m``; up to 100 km.
 
         Raises
         ------
         DomainError
-            Heights outside 1 cm to 50 km, or a line too deep below the sea.
+            Heights outside 1 cm to 100 km, or a line too deep below the sea.
         """
-        require_height(height, *HEIGHTS, "choose a height inside it")
+        require_height(height, *PROFILE_HEIGHTS, "choose a height inside it")
         arc, target = require_line(height, range_m, target_height)
         slant = slant_range(height, arc, target)
         if not target.any():
             return self._sea(height, slant)
-        if np.any(target > HEIGHTS[1]):
+        if np.any(target > PROFILE_HEIGHTS[1]):
             raise DomainError(
-                f"target_height = {target.max():g} m is above {HEIGHTS[1]:g} m of this atmosphere; choose heights below it",
+                f"target_height = {target.max():g} m is above {PROFILE_HEIGHTS[1]:g} m of this atmosphere; choose heights below it",
                 name="target_height",
                 value=float(target.max()),
-                allowed=(0.0, HEIGHTS[1]),
+                allowed=(0.0, PROFILE_HEIGHTS[1]),
             )
         n = self.wavenumber_cm.size
         tau, light = np.empty((arc.size, n)), np.empty((arc.size, n))
@@ -243,12 +246,12 @@ class ProfileAtmosphere(ClearAir):
 
     def _around(self, height: float) -> tuple[tuple[float, float], ...]:
         """Heights [m] whose rays are used for a height, and their shares."""
-        if not self._moving or height <= HEIGHTS[0]:
+        if not self._moving or height <= PROFILE_HEIGHTS[0]:
             return ((height, 1.0),)
         x = np.log(height) / np.log(HEIGHT_RATIO)
         low = float(np.floor(x))
         ends = HEIGHT_RATIO ** np.array([low, low + 1.0])
-        return ((float(np.clip(ends[0], *HEIGHTS)), 1.0 - (x - low)), (float(np.clip(ends[1], *HEIGHTS)), x - low))
+        return ((float(np.clip(ends[0], *PROFILE_HEIGHTS)), 1.0 - (x - low)), (float(np.clip(ends[1], *PROFILE_HEIGHTS)), x - low))
 
     def _sea(self, height: float, slant: FloatArray) -> tuple[FloatArray, FloatArray]:
         share = np.log(np.maximum(slant / height, 1.0)) / np.log(straight_slant(height, 0.0) / height)
@@ -288,7 +291,7 @@ class ProfileAtmosphere(ClearAir):
         ``solar_zenith`` is the apparent (refracted) zenith angle, there, of the point of the Sun looked at [rad, (...)]; below the sea's
         horizon, at the sea beyond pi/2, there is no light.
         """
-        require_height(height, 0.0, HEIGHTS[1], "choose a height inside it")
+        require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
         elevation = 0.5 * np.pi - require_solar_zenith(solar_zenith)
         dip = horizon_depression(height) if height > 0.0 else 0.0
         encoded = self._blended(self._sun, height, np.maximum(elevation, -dip))
@@ -306,7 +309,7 @@ class ProfileAtmosphere(ClearAir):
         From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
         and are refused.
         """
-        require_height(height, 0.0, HEIGHTS[1], "choose a height inside it")
+        require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
         dip = horizon_depression(height) if height > 0.0 else 0.0
         elevation = 0.5 * np.pi - np.broadcast_arrays(np.asarray(zenith, dtype=np.float64), azimuth)[0]
         if not np.all((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK)):
@@ -333,7 +336,12 @@ class ProfileAtmosphere(ClearAir):
         bent = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
         above = np.linspace(0.0, float(_sky_coordinate(0.5 * np.pi)), SKY_NODES)
         below = np.linspace(float(_sky_coordinate(-dip)), 0.0, DIP_NODES, endpoint=False) if dip > 0.0 else above[:0]
-        lowest = np.arange(LOWEST_STEP, height - LOWEST_STEP, LOWEST_STEP)
+        ends = (*(start for start, _ in LOWEST_STEPS[1:]), np.inf)
+        steps = [
+            np.arange(start + step, min(end + 0.5 * step, height - step), step)
+            for (start, step), end in zip(LOWEST_STEPS, ends, strict=True)
+        ]
+        lowest = np.concatenate(steps)
         grazing = np.arcsin(self.sums.air.cosine(height, self.sums.air.invariant(lowest)))
         below = np.concatenate([below, _sky_coordinate(-grazing / bent)])
         x = np.concatenate([np.unique(below), above])
