@@ -97,3 +97,15 @@ def test_the_haze_keeps_the_humidity_of_ten_metres():
     air = with_marine_layer(base, 5.0, SEA, -2.0)
     assert air.haze_humidity == pytest.approx(float(np.interp(10.0, base.height, base.relative_humidity)))
     assert air.relative_humidity[0] > 95.0
+
+
+@pytest.mark.parametrize("difference", [-8.0, -1.0, 0.0, 4.0])
+@pytest.mark.parametrize("model", ["midlatitude-summer", "subarctic-winter"])
+def test_the_humidity_at_ten_metres_is_that_of_the_profile(model, difference):
+    """The vapour there makes it at the new temperature; at the sea it is that of salt water, 98 % of saturation (Fairall et al. 2003)."""
+    base = model_profile(model)
+    asked = float(np.interp(10.0, base.height, base.relative_humidity))
+    air = with_marine_layer(base, 6.0, SEA, difference)
+    at = list(air.height).index(10.0)
+    assert air.relative_humidity[at] == pytest.approx(asked, abs=0.5)
+    assert air.relative_humidity[0] == pytest.approx(98.0, abs=0.1)

@@ -115,10 +115,33 @@ def test_a_warm_sea_shows_a_second_image_below_and_an_inversion_one_above():
     below = images("us-standard-1976:-12", 10.0, 9e3, 15.0)
     assert below.size == 2  # inferior mirage
     above = images("midlatitude-summer:inversion", 12.0, 18e3, 12.0)
-    assert above.size == 2  # superior mirage: upright, and inverted above it
+    assert above.size == 3  # superior mirage: upright, inverted above it, and upright again by way of the inversion's top
     tops = images("midlatitude-summer:inversion", 12.0, 18e3, 13.0)
     assert tops[0] > above[0]
     assert tops[1] < above[1]  # what is higher is lower in the inverted image
+
+
+@pytest.mark.parametrize(
+    ("kind", "height", "arc", "up", "images"),
+    [
+        ("us-standard-1976", 10.0, 9e3, 15.0, 1),
+        ("us-standard-1976:-12", 10.0, 9e3, 15.0, 2),
+        ("midlatitude-summer:inversion", 12.0, 18e3, 12.0, 3),  # the highest turns in the inversion 4.4 mrad above the line
+        ("tropical:duct", 5.0, 30e3, 8.0, 1),
+        ("us-standard-1976:+20", 10.0, 12e3, 10.0, 1),  # 6.7 mrad above it
+        ("us-standard-1976", 10.0, 150.0, 140.0, 1),
+    ],
+)
+def test_all_images_of_a_point_are_found(kind, height, arc, up, images):
+    """Those of a scan of the rays from straight down to straight up that pass the point, the highest one too."""
+    bent = Bending(air_of(kind), height, 285.0)
+    scan = np.concatenate([np.linspace(-1.5, -0.03, 500), np.linspace(-0.03, 0.03, 20_001)[1:], np.linspace(0.03, 1.5, 500)[1:]])
+    off = np.concatenate([bent.paths(part).at(arc) for part in np.array_split(scan, 8)]) - up
+    met = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
+    met = met[np.isfinite(off[met]) & np.isfinite(off[met + 1])]
+    found = bent.elevation(up, arc)
+    assert met.size == found.size == images
+    assert np.all((scan[met] <= found) & (found <= scan[met + 1]))
 
 
 def test_a_duct_lifts_the_horizon_and_lengthens_it():
@@ -135,3 +158,23 @@ def test_many_levels_are_followed_as_fast():
     many = LayeredIndex(z, n, one.earth_radius)
     assert many.levels[0].size < 500
     assert many.horizon(30.0, 5e5) == pytest.approx(one.horizon(30.0, 5e5), rel=0.02)
+
+
+@pytest.mark.parametrize("height", [2.0, 5.0, 10.0, 40.0, 300.0])
+@pytest.mark.parametrize("kind", [*(f"us-standard-1976:{change:+d}" for change in (-20, -12, -6, -1, 0, 2, 6, 12, 20)), "tropical:duct"])
+def test_the_horizon_is_the_last_ray_of_a_scan_that_meets_the_sea(kind, height):
+    """Air up to 20 K colder or warmer than the sea: the horizon lies from far below the standard one to far above the horizontal."""
+    air = air_of(kind)
+    scan = np.linspace(-horizon_depression(height) - 0.01, 0.02, 3001)
+    rays = air.paths(height, scan, 5e5)
+    last = int(np.flatnonzero(rays.sea)[-1])
+    assert scan[last] - 1e-9 <= air.lowest_sky(height, 5e5) <= scan[last + 1] + 1e-9
+    assert rays.end[last] - 1.0 <= air.horizon(height, 5e5) < 5e5
+
+
+def test_the_horizon_of_a_sea_so_warm_that_no_ray_near_the_standard_horizon_meets_it():
+    """Fall of the refractivity towards the sea of 100 times a model's: the search goes down to where there is sea."""
+    z = np.array([0.0, 2.0, 1e5])
+    air = LayeredIndex(z, np.array([1.0e-4, 3.0e-4, 1e-15]), 6371e3)
+    # Snell's law between 2 m and 0 m, the Earth flat over them
+    assert air.lowest_sky(2.0, 5e5) == pytest.approx(-math.sqrt(2.0 * (2.0e-4 - 0.0)), rel=0.01)

@@ -6,9 +6,13 @@ import xarray as xr
 from sounding_files import humidity_of_dew_point
 
 from seaglint.air.profile.air_profile import model_profile, saturation_density
+from seaglint.air.profile.air_sums import AirSums
+from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.errors import DataError
+from seaglint.files.soundings.raw_sounding import RawSounding
 from seaglint.files.soundings.sounding import geometric_height, read_sounding
-from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
+from seaglint.files.soundings.sounding_checks import DRY_AIR, hydrostatic_thickness, virtual_temperature
 
 HEAD = "height_m,pressure_hpa,temperature_k,relative_humidity_percent\n"
 Z = np.array([5.0, 120.0, 300.0, 640.0, 1010.0, 1560.0, 2200.0, 3150.0, 4350.0, 5900.0, 7600.0, 9700.0, 12_300.0, 16_600.0, 20_700.0])
@@ -327,3 +331,56 @@ def test_a_folder_and_nothing_are_named(tmp_path):
         read_sounding(tmp_path / "none.csv")
     with pytest.raises(DataError, match="is a folder"):
         read_sounding(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("celsius", "saturation", "mixing_ratio", "pressure", "virtual"),
+    [
+        # Wallace and Hobbs (2006), Atmospheric Science, 2nd ed., chapter 3: 20 g/kg at 30 degC add 3.7 K
+        (30.0, 42.43, 20.0, 1000.0, 303.15 + 3.7),
+        # the IFS documentation's T (1 + 0.6078 q), q the specific humidity
+        (20.0, 23.37, 10.0, 1000.0, 293.15 * (1.0 + 0.6078 * 0.010 / 1.010)),
+        (0.0, 6.11, 3.0, 850.0, 273.15 * (1.0 + 0.6078 * 0.003 / 1.003)),
+    ],
+)
+def test_virtual_temperatures_are_the_published_ones(celsius, saturation, mixing_ratio, pressure, virtual):
+    """Saturation over water [hPa] by WMO-No. 8, from which the relative humidity of a mixing ratio follows."""
+    vapour = pressure * mixing_ratio / (621.98 + mixing_ratio)
+    assert float(virtual_temperature(celsius + 273.15, pressure, 100.0 * vapour / saturation)) == pytest.approx(virtual, abs=0.1)
+
+
+@pytest.mark.parametrize(("kelvin", "metres"), [(288.0, 5846.0), (233.0, 4730.0)])
+def test_thicknesses_are_the_published_ones(kelvin, metres):
+    """From 1000 to 500 hPa at mean virtual temperatures of the tropics and the pole (Wallace and Hobbs 2006, ch. 3), geopotential."""
+    level = np.array([kelvin, kelvin])
+    raw = RawSounding(
+        "test", np.array([1000.0, 500.0]), np.array([0.0, metres]), level, "relative_humidity_percent", np.zeros(2), False, {}
+    )
+    thick = hydrostatic_thickness(raw, np.zeros(2))
+    # 5 m more by gravity's fall with height
+    np.testing.assert_allclose(thick, metres, rtol=1.5e-3)
+
+
+def two_levels(folder, extra=()):
+    """Sounding of two levels 1 km apart, hydrostatic at 280 K without vapour, and any levels more, all on one line."""
+    z = np.array(sorted({0.0, 1000.0, *extra}))
+    p = 1013.0 * np.exp(-9.80665 * z / (287.05 * (280.0 - 0.5 * 0.006 * z)))
+    rows = (z, p, 280.0 - 0.006 * z, np.full(z.size, 40.0))
+    return write(folder, table(("height_m", "pressure_hpa", "temperature_k", "relative_humidity_percent"), rows), f"{z.size}.csv")
+
+
+def test_two_levels_are_a_sounding_and_one_is_none(tmp_path):
+    two, many = (read_sounding(two_levels(tmp_path, extra)) for extra in ((), np.arange(50.0, 1000.0, 50.0)))
+    assert (two.given, two.top, many.given) == (2, 1000.0, 21)
+    air, finer = two.profile("subarctic-winter"), many.profile("subarctic-winter")
+    assert np.interp(500.0, air.height, air.temperature) == pytest.approx(277.0)
+    nu = wavenumber_grid(8.0, 12.0)
+    haze = HazeWeather(wind=5.0, wind_24h=5.0)
+    light = [AirSums(one, haze, nu).along(10.0, zenith).emitted for zenith in (0.3, 1.5) for one in (air, finer)]
+    # vapour and pressure exponential between two levels instead of by 20 steps
+    np.testing.assert_allclose(light[0::2], light[1::2], rtol=0.01)
+    one = write(
+        tmp_path, table(("height_m", "pressure_hpa", "temperature_k", "relative_humidity_percent"), ([0.0], [1013.0], [280.0], [40.0]))
+    )
+    with pytest.raises(DataError, match="2 at least"):
+        read_sounding(one)

@@ -302,6 +302,18 @@ def test_range_is_found_by_bisection(path: Path, tmp_path: Path, monkeypatch) ->
         placed_at(scenario, "raft", 2000.0, None)
 
 
+@pytest.mark.parametrize("range_m", [2e3, 8e3, 20e3])
+@pytest.mark.parametrize("height", [0.0, 12.0])
+def test_the_camera_points_at_the_object_over_the_round_earth(path: Path, range_m: float, height: float) -> None:
+    """Line of sight between two points of the effective Earth by vectors; at 20 km the sea lies 1.4 mrad below a plane's."""
+    scenario = cases_of(path)[0].scenario
+    boat = scenario.objects[0].model_copy(update={"height_m": height})
+    sensor = placed_at(scenario.model_copy(update={"objects": (boat,)}), "boat", range_m, 90.0).sensor
+    angle, eye, point = range_m / EFFECTIVE_EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS + sensor.height_m, EFFECTIVE_EARTH_RADIUS + height
+    elevation = math.degrees(math.atan2(point * math.cos(angle) - eye, point * math.sin(angle)))
+    assert sensor.elevation_deg == pytest.approx(elevation, abs=1e-3)
+
+
 @dataclass(frozen=True)
 class WarmHorizon(WhiteSeas):
     """White noise over a sea that brightens towards a horizon 12 pixels above the object, and a sky brighter still."""
@@ -616,6 +628,40 @@ def test_rows_near_the_object_are_those_of_its_background() -> None:
     frames = near.read(0, 3)
     assert (near.rows, near.columns, frames.shape) == (50, 32, (3, 50, 32))
     assert frames.std() == pytest.approx(noise.std(), rel=0.03)
+
+
+def plane_elevations(sensor: dict[str, Any]) -> np.ndarray:
+    """Elevations [deg] of the pixels of a plane image, its right side down by the roll, by vectors (forward, right, up)."""
+    pitch, roll = math.radians(sensor["elevation_deg"]), math.radians(sensor["roll_deg"])
+    (columns, rows), (width, height) = sensor["pixels"], sensor["fov_deg"]
+    x = math.tan(math.radians(0.5 * width)) * (2.0 * (np.arange(columns) + 0.5) / columns - 1.0)
+    y = math.tan(math.radians(0.5 * height)) * (1.0 - 2.0 * (np.arange(rows)[:, np.newaxis] + 0.5) / rows)
+    right, up = np.array([0.0, 1.0, 0.0]), np.array([-math.sin(pitch), 0.0, math.cos(pitch)])
+    across, along = math.cos(roll) * right - math.sin(roll) * up, math.cos(roll) * up + math.sin(roll) * right
+    lines = np.array([math.cos(pitch), 0.0, math.sin(pitch)]) + x[..., np.newaxis] * across + y[..., np.newaxis] * along
+    return np.degrees(np.arcsin(lines[..., 2] / np.linalg.norm(lines, axis=-1)))
+
+
+@pytest.mark.parametrize("roll", [0.0, 25.0, -40.0, 180.0])
+def test_rows_of_a_plane_or_rolled_image_are_sea_or_sky_where_all_their_pixels_are(roll: float) -> None:
+    sensor = {"pixels": [60, 200], "fov_deg": [6.0, 20.0], "elevation_deg": 0.0, "azimuth_deg": 0.0, "height_m": 20.0}
+    sensor |= {"projection": "pinhole", "roll_deg": roll}
+    seas = IndependentSeas.of(parse_scenario({"sensor": sensor, "render": {"tile_size": 128}, "sea": {"shortest_wave_m": 4.0}}))
+    over = plane_elevations(sensor) + math.degrees(math.sqrt(40.0 / EFFECTIVE_EARTH_RADIUS))
+    # two pixels and four: the three rows that optics blur, and the pixels' size in the corners
+    surely = {"sea": (over < -0.4).all(axis=1), "sky": (over > 0.4).all(axis=1)}
+    perhaps = {"sea": (over < -0.2).all(axis=1), "sky": (over > 0.2).all(axis=1)}
+    kinds = set()
+    for row in range(200):
+        kind, first, end = background_of(seas, row, 2)
+        kinds.add(kind)
+        around = slice(max(row - 24, 0), row + 25)
+        for name in ("sea", "sky"):
+            if surely[name][around].all():
+                assert (kind, first, end) == (name, max(row - 24, 0), min(row + 25, 200))
+        assert first <= row < end
+        assert kind == "horizon" or perhaps[kind][first:end].all()
+    assert kinds == {"sea", "sky", "horizon"}
 
 
 @pytest.mark.parametrize("projection", ["equal-angle", "pinhole"])

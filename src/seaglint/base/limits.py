@@ -39,6 +39,12 @@ TABLE_BANDS_UM: Final = ((2.0, 5.5), (7.5, 14.0))
 LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)
 """Sensor heights for which LOWTRAN7 is run [m]: those for which the geometry is valid."""
 
+TOP_OF_AIR: Final = 100_000.0
+"""Height above which there is no air [m]: the top of the model atmospheres, and the greatest height of a sensor."""
+
+PROFILE_HEIGHTS: Final = (0.01, TOP_OF_AIR)
+"""Sensor heights from which air from a profile is summed [m]."""
+
 LOWTRAN_BAND_UM: Final = (0.2, 28.0)
 """Wavelengths for which LOWTRAN7's program is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1."""
 

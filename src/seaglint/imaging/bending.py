@@ -35,6 +35,9 @@ BROKEN: Final = 8.0
 HALVINGS: Final = 12
 """Number of times that the gap between such rays is halved."""
 
+STRAYED: Final = 0.012
+"""Angle from the straight line to a point within which its images are sought [rad]."""
+
 FINER: Final = 3
 """Rows of the standard picture in a row of the camera."""
 
@@ -109,8 +112,9 @@ class Bending:
         ``height`` above the sea and ``arc`` of the point [m].
         """
         middle = math.atan2(height - self.height, arc) - 0.5 * arc / EFFECTIVE_EARTH_RADIUS
-        wide = 3e-3 + 0.2 * arc / EFFECTIVE_EARTH_RADIUS
-        tried = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 4001)
+        # images by way of a duct, or grazing a warm sea, lie up to 10 mrad from the straight line
+        wide = STRAYED + 0.2 * arc / EFFECTIVE_EARTH_RADIUS
+        tried = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 8001)
         off = self.paths(tried).at(arc) - height
         found = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
         found = found[np.isfinite(off[found]) & np.isfinite(off[found + 1])]

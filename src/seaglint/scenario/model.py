@@ -14,7 +14,15 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.free_form import TomlTables
-from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, PROFILE_BAND_UM, TABLE_BANDS_UM, TABLE_HEIGHTS
+from seaglint.base.limits import (
+    LOWTRAN_BAND_UM,
+    LOWTRAN_HEIGHTS,
+    NAVY_AEROSOL_WIND,
+    PROFILE_BAND_UM,
+    PROFILE_HEIGHTS,
+    TABLE_BANDS_UM,
+    TABLE_HEIGHTS,
+)
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
@@ -27,7 +35,7 @@ from seaglint.scenario.records.record import YEARS, Record, rule
 from seaglint.scenario.records.render_table import Render
 from seaglint.scenario.records.sea import Sea
 from seaglint.scenario.records.sea_slopes import FlatSlopes, SpectrumSlopes
-from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR, Sensor
+from seaglint.scenario.records.sensor_table import Sensor
 from seaglint.scenario.records.wind import Wind
 
 
@@ -126,11 +134,12 @@ class Scenario(Record):
     def _lowtran_covers_sensor_band_and_wind(self) -> Self:
         if not isinstance(self.atmosphere, LowtranAtmosphere | LowtranFortranAtmosphere):
             return self
-        height, lowest = self.sensor.height_m, LOWTRAN_HEIGHTS[0]
-        if height < lowest:
-            text = f"= {height:g} is too low for LOWTRAN7; allowed: {lowest:g} to {HIGHEST_SENSOR:g} m"
-            raise rule("sensor.height_m", text, value=height, allowed=(lowest, HIGHEST_SENSOR))
         program = isinstance(self.atmosphere, LowtranFortranAtmosphere)
+        height, (lowest, highest) = self.sensor.height_m, LOWTRAN_HEIGHTS if program else PROFILE_HEIGHTS
+        if not lowest <= height <= highest:
+            other = ", or set atmosphere.source = 'lowtran'" if height > highest else ""
+            text = f"= {height:g} is too {'high' if other else 'low'} for LOWTRAN7; allowed: {lowest:g} to {highest:g} m{other}"
+            raise rule("sensor.height_m", text, value=height, allowed=(lowest, highest))
         low, high = allowed = LOWTRAN_BAND_UM if program else PROFILE_BAND_UM
         wider = "" if program else ", or set atmosphere.source = 'lowtran-fortran' (0.2 to 28 um; needs a Fortran compiler)"
         for key, edge in (("min_um", self.band.min_um), ("max_um", self.band.max_um)):

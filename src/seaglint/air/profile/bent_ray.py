@@ -25,8 +25,17 @@ GROWTH: Final = 1.2
 THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))
 """Largest thickness of a piece [m] above heights [m]."""
 
+THICKEST_OF_MANY: Final = ((0.0, 25.0), (2e3, 100.0), (5e3, 250.0), (12e3, 500.0), (30e3, 5e3))
+"""Largest thickness of a piece [m] above heights [m] in a profile of more than :data:`MOST_NODE_LEVELS` levels."""
+
 MOST_NODE_LEVELS: Final = 100
 """Levels of a profile are nodes of every ray where there are no more of them; of more, means between nodes are taken."""
+
+NEARLY_LEVEL: Final = 0.003
+"""Cosine of the zenith angle at its lower end below which a ray has nodes :data:`ABOVE_LOWEST` there."""
+
+ABOVE_LOWEST: Final = (4.0, 16.0, 60.0, 130.0, 300.0, 600.0)
+"""Heights of nodes above the lowest point of a ray [m], on either side of which it passes most air."""
 
 STEEPEST: Final = 0.95
 """Gradient of refractivity, in parts of the one that bends a ray like the Earth, up to which rays are followed: layers that trap rays are
@@ -151,9 +160,8 @@ class RefractingAir:
         """
         share = FIRST_PIECE * (np.exp(np.arange(0.0, math.log(1.0 + length / FIRST_PIECE), math.log(GROWTH))) - 1.0) / length
         crossed = self.height[(self.height > min(height, target)) & (self.height < max(height, target))]
-        if crossed.size <= MOST_NODE_LEVELS and abs(target - height) > 1.0:
-            share = np.concatenate([share, (crossed - height) / (target - height)])
-            rise = _ladder(min(height, target), max(height, target))
+        if abs(target - height) > 1.0:
+            rise = np.concatenate(_ladder(crossed, min(height, target), max(height, target)))
             share = np.concatenate([share, (rise - height) / (target - height)])
         share = np.unique(share)
         share = share[(share > 1e-9) & (share < 1.0 - 1e-6)]
@@ -236,7 +244,8 @@ class RefractingAir:
             cosine, base = float(self.cosine(low, invariant)), max(far, FIRST_PIECE)
             s = base * (np.exp(np.arange(0.0, math.log(1.0 + farthest / base), math.log(GROWTH))) - 1.0)
             z = low + cosine * s + s * s / (2.0 * radius)
-        nodes = np.concatenate([z, levels if levels.size <= MOST_NODE_LEVELS else levels[:0], _ladder(low, high)])
+        level = float(self.cosine(low, invariant)) < NEARLY_LEVEL
+        nodes = np.concatenate([z, low + np.array(ABOVE_LOWEST if level else ()), *_ladder(levels, low, high)])
         nodes = np.unique(nodes[(nodes > low + CLOSEST) & (nodes < high - CLOSEST)])
         nodes = np.concatenate([[low], nodes, [high]])
         keep = np.concatenate([[True], np.diff(nodes) > CLOSEST])
@@ -255,11 +264,13 @@ def trapping_layers(height: FloatArray, refractivity: FloatArray, earth_radius: 
     return [(float(height[a]), float(height[b])) for a, b in zip(edge[::2], edge[1::2], strict=True)]
 
 
-def _ladder(low: float, high: float) -> FloatArray:
-    """Heights of even spacing between two heights, by :data:`THICKEST`."""
-    ends = [*(start for start, _ in THICKEST[1:]), np.inf]
+def _ladder(levels: FloatArray, low: float, high: float) -> tuple[FloatArray, FloatArray]:
+    """Levels that are nodes, and heights of even spacing between two heights [m]: finer ones where there are too many levels."""
+    few = levels.size <= MOST_NODE_LEVELS
+    thickest = THICKEST if few else THICKEST_OF_MANY
+    ends = [*(start for start, _ in thickest[1:]), np.inf]
     steps = [
         np.arange(step * math.ceil(max(low, start) / step), min(high, stop), step)
-        for (start, step), stop in zip(THICKEST, ends, strict=True)
+        for (start, step), stop in zip(thickest, ends, strict=True)
     ]
-    return np.concatenate(steps)
+    return levels if few else levels[:0], np.concatenate(steps)

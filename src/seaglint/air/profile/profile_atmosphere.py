@@ -20,19 +20,19 @@ from seaglint.air.profile.air_sums import AirSums, RaySpectra
 from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.ray_paths import LayeredIndex
+from seaglint.air.profile.refined_nodes import LIMIT, refined_nodes
 from seaglint.air.protocol import ClearAir, require_height, require_line, require_solar_zenith, slant_range
 from seaglint.air.sky_spline import brightness_temperature, radiance_of
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.limits import PROFILE_HEIGHTS
+from seaglint.base.reports import REPORTS
 
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir
 
 Levels = Literal["continuous", "lowtran"]
-
-HEIGHTS: Final = (0.01, 50e3)
-"""Heights of sensors and points [m]."""
 
 THERMAL_UM: Final = 5.5
 """Wavelengths [um] from which on scattered sunlight counts for nothing (at 7 m/s at most 1e-3 of the thermal radiance in the warmer
@@ -44,8 +44,8 @@ SKY_NODES: Final = 44
 DIP_NODES: Final = 20
 """Numbers of rays between which spectra are splined."""
 
-LOWEST_STEP: Final = 200.0
-"""Steps of the lowest height of rays that start downwards [m]."""
+LOWEST_STEPS: Final = ((0.0, 200.0), (20e3, 1e3), (50e3, 5e3))
+"""Steps of the lowest height of rays that start downwards [m] above heights [m]."""
 
 BEYOND: Final = 1.1
 """Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and go on along their tangent."""
@@ -55,6 +55,9 @@ SKY_SCALE: Final = 0.004
 
 ANGLE_SLACK: Final = 1e-6
 """Tolerance of angles at the edges [rad]."""
+
+COLD: Final = 200.0
+"""Temperature [K] of colder sky in what an error of its radiance is worth: a band of no light has no temperature."""
 
 CLEAR: Final = 1e-9
 """Smallest optical depth whose emission is evaluated."""
@@ -103,8 +106,9 @@ class ProfileAtmosphere(ClearAir):
 
     Notes
     -----
-    Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined; of band
-    temperatures the splines leave less than 0.01 K (docs, validation). Heights 1 cm to 50 km.
+    Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined, with more
+    rays where two splines through half of them disagree (:mod:`seaglint.air.profile.refined_nodes`); errors of band temperatures above
+    0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 100 km.
     """
 
     def __init__(
@@ -126,6 +130,7 @@ class ProfileAtmosphere(ClearAir):
         self.provenance: JsonObject = {"table": profile.name, **self.sums.laws.numbers.provenance, "levels": levels, **(provenance or {})}
         self._scattering = scattering
         self._moving = moving
+        self._said = False
         self._paths: dict[float, _Paths] = {}
         self._skies: dict[float, CubicSpline[np.float64]] = {}
         self._suns: dict[float, CubicSpline[np.float64]] = {}
@@ -150,7 +155,9 @@ class ProfileAtmosphere(ClearAir):
         horizon = float(straight_slant(height, 0.0))
         if self.levels == "continuous":
             slant = height * (BEYOND * horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)
-            results = [self.sums.between(height, 0.0, float(s)) for s in slant]
+            nodes = refined_nodes(np.log(slant), lambda x: self._sea_values(height, np.exp(x)), self._path_errors)
+            self._say(height, nodes.left)
+            x, values = nodes.place, nodes.value
         else:
             cosine = np.clip(straight_sea_cosine(height, height * (horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)), 1e-5, 1.0)
             cosine[0] = 1.0
@@ -159,12 +166,47 @@ class ProfileAtmosphere(ClearAir):
             slant = slant_range(height, [ray.ray.arc[-1] * self.sums.air.earth_radius for ray in rays])
             keep = np.concatenate([[True], np.diff(slant) > 1e-6 * slant[1:]])
             slant = slant[keep]
-            results = [(ray.transmittance[-1], ray.emitted) for ray, kept in zip(rays, keep, strict=True) if kept]
-        depth = np.maximum(-np.log(np.maximum([tau for tau, _ in results], 1e-300)), CLEAR)
-        kelvin = brightness_temperature(self.wavenumber_cm, np.array([light for _, light in results]) / -np.expm1(-depth))
-        x = np.log(slant)
-        spline = CubicSpline(x, np.stack([encode_optical_depth(depth), kelvin], axis=1), axis=0)
-        return self._paths.setdefault(height, _Paths(float(slant[0]), float(x[-1]), spline))
+            x = np.log(slant)
+            values = self._encoded([(ray.transmittance[-1], ray.emitted) for ray, kept in zip(rays, keep, strict=True) if kept])
+        return self._paths.setdefault(height, _Paths(float(slant[0]), float(x[-1]), CubicSpline(x, values, axis=0)))
+
+    def _sea_values(self, height: float, slant: FloatArray) -> FloatArray:
+        """Encoded depth and air temperature of the paths of some lengths [m] from the sea to a height [m] (lengths, 2, n)."""
+        return self._encoded([self.sums.between(height, 0.0, float(s)) for s in slant])
+
+    def _encoded(self, paths: list[tuple[FloatArray, FloatArray]]) -> FloatArray:
+        depth = np.maximum(-np.log(np.maximum([tau for tau, _ in paths], 1e-300)), CLEAR)
+        kelvin = brightness_temperature(self.wavenumber_cm, np.array([light for _, light in paths]) / -np.expm1(-depth))
+        return np.stack([encode_optical_depth(depth), kelvin], axis=1)
+
+    def _decoded(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1] and path radiance [W m-2 sr-1 per cm-1] of splined values (..., 2, n), both (..., n)."""
+        depth = decode_optical_depth(values[..., 0, :])
+        return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, values[..., 1, :])
+
+    def _path_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
+        """Errors of splined paths in band temperature [K], before a sea as warm as the lowest air and of the path's own light."""
+        warm = np.full(self.wavenumber_cm.size, float(self.sums.profile.temperature[0]))
+        sea = radiance_of(self.wavenumber_cm, warm)
+        (tau, light), (own, lit) = self._decoded(splined), self._decoded(values)
+        path = np.sum(light - lit, axis=-1)
+        off = np.maximum(np.abs(path), np.abs(path + np.sum((tau - own) * sea, axis=-1)))
+        return np.asarray(off / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
+
+    def _sky_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
+        """Errors of splined brightness temperatures of the sky in band temperature [K]; of colder sky the radiance as at :data:`COLD`."""
+        warm = np.maximum(values, COLD)
+        slope = radiance_of(self.wavenumber_cm, warm + 1.0) - radiance_of(self.wavenumber_cm, warm)
+        off = radiance_of(self.wavenumber_cm, splined) - radiance_of(self.wavenumber_cm, values)
+        return np.asarray(np.abs(np.sum(off, axis=-1)) / np.sum(slope, axis=-1))
+
+    def _say(self, height: float, left: float) -> None:
+        """Report an error between nodes [K] that is left, once."""
+        if left > LIMIT and not self._said:
+            self._said = True
+            REPORTS.warning(
+                "%s: the air seen from %g m changes so fast that up to %.2g K are left between its rays", self.name, height, left
+            )
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
@@ -176,24 +218,24 @@ class ProfileAtmosphere(ClearAir):
         range_m : array_like
             Arc along the sea to the point looked at [m, (...)].
         target_height : array_like
-            Height of that point [m], broadcast with ``range_m``; up to 50 km.
+            Height of that point [m], broadcast with ``range_m``; up to 100 km.
 
         Raises
         ------
         DomainError
-            Heights outside 1 cm to 50 km, or a line too deep below the sea.
+            Heights outside 1 cm to 100 km, or a line too deep below the sea.
         """
-        require_height(height, *HEIGHTS, "choose a height inside it")
+        require_height(height, *PROFILE_HEIGHTS, "choose a height inside it")
         arc, target = require_line(height, range_m, target_height)
         slant = slant_range(height, arc, target)
         if not target.any():
             return self._sea(height, slant)
-        if np.any(target > HEIGHTS[1]):
+        if np.any(target > PROFILE_HEIGHTS[1]):
             raise DomainError(
-                f"target_height = {target.max():g} m is above {HEIGHTS[1]:g} m of this atmosphere; choose heights below it",
+                f"target_height = {target.max():g} m is above {PROFILE_HEIGHTS[1]:g} m of this atmosphere; choose heights below it",
                 name="target_height",
                 value=float(target.max()),
-                allowed=(0.0, HEIGHTS[1]),
+                allowed=(0.0, PROFILE_HEIGHTS[1]),
             )
         n = self.wavenumber_cm.size
         tau, light = np.empty((arc.size, n)), np.empty((arc.size, n))
@@ -207,12 +249,12 @@ class ProfileAtmosphere(ClearAir):
 
     def _around(self, height: float) -> tuple[tuple[float, float], ...]:
         """Heights [m] whose rays are used for a height, and their shares."""
-        if not self._moving or height <= HEIGHTS[0]:
+        if not self._moving or height <= PROFILE_HEIGHTS[0]:
             return ((height, 1.0),)
         x = np.log(height) / np.log(HEIGHT_RATIO)
         low = float(np.floor(x))
         ends = HEIGHT_RATIO ** np.array([low, low + 1.0])
-        return ((float(np.clip(ends[0], *HEIGHTS)), 1.0 - (x - low)), (float(np.clip(ends[1], *HEIGHTS)), x - low))
+        return ((float(np.clip(ends[0], *PROFILE_HEIGHTS)), 1.0 - (x - low)), (float(np.clip(ends[1], *PROFILE_HEIGHTS)), x - low))
 
     def _sea(self, height: float, slant: FloatArray) -> tuple[FloatArray, FloatArray]:
         share = np.log(np.maximum(slant / height, 1.0)) / np.log(straight_slant(height, 0.0) / height)
@@ -220,8 +262,7 @@ class ProfileAtmosphere(ClearAir):
         for node, weight in self._around(height):
             at = slant if node == height else node * (straight_slant(node, 0.0) / node) ** share
             both += weight * self._sea_paths(node)(at)
-        depth = decode_optical_depth(both[..., 0, :])
-        return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, both[..., 1, :])
+        return self._decoded(both)
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Transmittance of the path from a point to the sensor [1, (..., n)]."""
@@ -253,7 +294,7 @@ class ProfileAtmosphere(ClearAir):
         ``solar_zenith`` is the apparent (refracted) zenith angle, there, of the point of the Sun looked at [rad, (...)]; below the sea's
         horizon, at the sea beyond pi/2, there is no light.
         """
-        require_height(height, 0.0, HEIGHTS[1], "choose a height inside it")
+        require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
         elevation = 0.5 * np.pi - require_solar_zenith(solar_zenith)
         dip = horizon_depression(height) if height > 0.0 else 0.0
         encoded = self._blended(self._sun, height, np.maximum(elevation, -dip))
@@ -271,7 +312,7 @@ class ProfileAtmosphere(ClearAir):
         From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
         and are refused.
         """
-        require_height(height, 0.0, HEIGHTS[1], "choose a height inside it")
+        require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
         dip = horizon_depression(height) if height > 0.0 else 0.0
         elevation = 0.5 * np.pi - np.broadcast_arrays(np.asarray(zenith, dtype=np.float64), azimuth)[0]
         if not np.all((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK)):
@@ -298,17 +339,29 @@ class ProfileAtmosphere(ClearAir):
         bent = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
         above = np.linspace(0.0, float(_sky_coordinate(0.5 * np.pi)), SKY_NODES)
         below = np.linspace(float(_sky_coordinate(-dip)), 0.0, DIP_NODES, endpoint=False) if dip > 0.0 else above[:0]
-        lowest = np.arange(LOWEST_STEP, height - LOWEST_STEP, LOWEST_STEP)
-        below = np.concatenate([below, _sky_coordinate(-dip * np.sqrt(1.0 - lowest / max(height, 1.0)))])
+        ends = (*(start for start, _ in LOWEST_STEPS[1:]), np.inf)
+        steps = [
+            np.arange(start + step, min(end + 0.5 * step, height - step), step)
+            for (start, step), end in zip(LOWEST_STEPS, ends, strict=True)
+        ]
+        lowest = np.concatenate(steps)
+        grazing = np.arcsin(self.sums.air.cosine(height, self.sums.air.invariant(lowest)))
+        below = np.concatenate([below, _sky_coordinate(-grazing / bent)])
         x = np.concatenate([np.unique(below), above])
-        elevation = np.minimum(_sky_elevation(x), 0.5 * np.pi)
-        elevation = np.where(elevation < 0.0, elevation * bent, elevation)
-        if dip > 0.0:
-            elevation[0] *= 1.0 - 1e-9  # the ray that grazes the sea sees sky
-        kelvin = brightness_temperature(
-            self.wavenumber_cm, np.array([self._ray(height, 0.5 * np.pi - float(e)).emitted for e in elevation])
-        )
-        return self._skies.setdefault(height, CubicSpline(x, kelvin, axis=0))
+
+        def kelvin(place: FloatArray) -> FloatArray:
+            elevation = np.minimum(_sky_elevation(place), 0.5 * np.pi)
+            elevation = np.where(elevation < 0.0, elevation * bent, elevation)
+            if dip > 0.0 and place[0] == x[0]:
+                elevation[0] *= 1.0 - 1e-9  # the ray that grazes the sea sees sky
+            light = np.array([self._ray(height, 0.5 * np.pi - float(e)).emitted for e in elevation])
+            return brightness_temperature(self.wavenumber_cm, light)
+
+        if self.levels == "lowtran":
+            return self._skies.setdefault(height, CubicSpline(x, kelvin(x), axis=0))
+        nodes = refined_nodes(x, kelvin, self._sky_errors)
+        self._say(height, nodes.left)
+        return self._skies.setdefault(height, CubicSpline(nodes.place, nodes.value, axis=0))
 
 
 def _sky_coordinate(elevation: ArrayLike) -> FloatArray:

@@ -34,6 +34,9 @@ DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e
 HIGHEST: Final = 0.01
 """Elevation up to which a ray in a duct may come back to the sea [rad]."""
 
+STEEPER: Final = 16
+"""Elevations tried between straight down and where the horizon of standard air is, in even ratios."""
+
 MOST_CROSSINGS: Final = 20_000
 """Largest number of levels that a ray crosses; one in a duct crosses some tens in 10 km."""
 
@@ -151,14 +154,18 @@ class LayeredIndex:
 
     def lowest_sky(self, height: float, farthest: float) -> float:
         """Elevation of the sea's horizon from a height [rad]: no ray above it meets the sea within an arc [m]."""
-        depth = np.sqrt(2.0 * height / self.earth_radius) + 1e-3
-        low, high = -min(1.6 * depth, 0.5 * np.pi), max(1.6 * depth, HIGHEST)
-        for _ in range(7):
-            tried = np.linspace(low, high, 65)
+        depth = 1.6 * (np.sqrt(2.0 * height / self.earth_radius) + 1e-3)
+        low, high = -min(depth, 0.5 * np.pi), max(depth, HIGHEST)
+        # a sea warmer than the air bends rays upwards, so that its horizon may lie below any guess; straight down is always sea
+        below = -np.geomspace(0.5 * np.pi, -low, STEEPER, endpoint=False)
+        tried = np.concatenate([below, np.linspace(low, high, 65)])
+        for _ in range(8):
             met = np.flatnonzero(self.paths(height, tried, farthest).sea)
-            if met.size == 0 or met[-1] == tried.size - 1:
-                break
-            low, high = float(tried[met[-1]]), float(tried[met[-1] + 1])
+            last = int(met[-1]) if met.size else 0
+            if last == tried.size - 1:
+                return float(tried[-1])
+            low, high = float(tried[last]), float(tried[last + 1])
+            tried = np.linspace(low, high, 33)
         return float(high)
 
     def horizon(self, height: float, farthest: float) -> float:

@@ -106,7 +106,7 @@ def by_pint(value: float, written: str, unit: str) -> float:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a scenario number: its unit and its closed (``ge``, ``le``) or open (``gt``, ``lt``) range."""
+    """Annotation of a scenario number: unit, closed (``ge``, ``le``) or open (``gt``, ``lt``) range, and advice to those outside."""
 
     unit: str = ""
     gt: float | None = None
@@ -114,6 +114,7 @@ class Quantity:
     lt: float | None = None
     le: float | None = None
     integer: bool = False
+    advice: str = ""
 
     @property
     def allowed(self) -> str:
@@ -155,7 +156,7 @@ class Quantity:
             and (self.le is None or value <= self.le)
         )
         if not inside:
-            raise self._error(f"is outside the allowed range: {self.allowed}")
+            raise self._error(f"is outside the allowed range: {self.allowed}{'; ' if self.advice else ''}{self.advice}")
         return value if self.integer else float(value)
 
     def _error(self, text: str) -> PydanticCustomError:

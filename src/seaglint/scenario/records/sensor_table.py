@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, model_validator
+from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError, ValidationInfo, model_validator
 
-from seaglint.base.limits import WIDEST_PINHOLE_DEG
+from seaglint.base.limits import TOP_OF_AIR, WIDEST_PINHOLE_DEG
+from seaglint.base.reports import REPORTS
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import Record, rule
 from seaglint.scenario.records.sensor_detector import Detector, PhotonDetector
@@ -15,8 +16,11 @@ from seaglint.scenario.records.sensor_noise import Noise
 from seaglint.scenario.records.sensor_optics import Optics
 from seaglint.scenario.records.sensor_scan import Scan
 
-HIGHEST_SENSOR = 10_000.0
+HIGHEST_SENSOR = TOP_OF_AIR
 """Greatest height of a sensor [m]."""
+
+SPACE = "space"
+"""Word for the height of the top of the air, above which nothing changes on the way to a satellite but the range."""
 
 SQUARE_PIXEL_TOLERANCE = 0.01
 """Relative difference of the pixel's two angular sides up to which it counts as square."""
@@ -35,11 +39,23 @@ _PIXELS = (512, 256)
 _DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)
 
 
+def _from_space(raw: object) -> object:
+    """Top of the air for the word ``space``, reported; anything else as it is."""
+    if raw != SPACE:
+        return raw
+    text = "sensor.height_m = 'space': the sensor is at the top of the air, %g m; ranges and pixels are those seen from there"
+    REPORTS.warning(text, TOP_OF_AIR)
+    return TOP_OF_AIR
+
+
 class Sensor(Record):
     """Where the sensor stands and looks, and its pixels."""
 
     height_m: Annotated[
-        float, Quantity("m", gt=0, le=HIGHEST_SENSOR), Field(description="height above the mean sea; from 2 m with the table atmosphere")
+        float,
+        Quantity("m", gt=0, le=HIGHEST_SENSOR, advice="for a satellite write 'space', the top of the air"),
+        BeforeValidator(_from_space),
+        Field(description="height above the mean sea, or 'space' for the top of the air, 100 km; with the table atmosphere 2 m to 10 km"),
     ] = 30.0
     azimuth_deg: Annotated[
         float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the image centre, clockwise from north")

@@ -19,7 +19,7 @@ from seaglint.air.table.batch import BatchAtmosphere
 from seaglint.air.table.table_file import table_models
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, travel_azimuth
 from seaglint.base.errors import DomainError
-from seaglint.base.limits import COX_MUNK_WIND, WIND_PROFILE
+from seaglint.base.limits import COX_MUNK_WIND, TOP_OF_AIR, WIND_PROFILE
 from seaglint.base.parameters import documented
 from seaglint.files.tables.cases import Cases, Column
 from seaglint.optics.band import Band, apparent_temperature
@@ -55,9 +55,6 @@ _CHUNK: Final = 1024
 """Rows at a time: their spectra (2 MB each) stay near the processor."""
 
 _THREADS: Final = min(os.cpu_count() or 1, 4)
-
-_HIGHEST: Final = 1e5
-"""Top of LOWTRAN7's air [m], beyond which not even extrapolation goes."""
 
 
 @dataclass(frozen=True)
@@ -253,7 +250,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     cases.require(MEAN_INPUTS)
     airs = _airs(cases, bands, extrapolate)
     covered = next(iter(airs[bands[0].label].values()))
-    wind, height, marks = _wind_and_height(cases, covered, extrapolate)
+    wind, height, marks = _wind_and_height(cases, covered, extrapolate, (covered.height_range[0], TOP_OF_AIR))
     depression = _angles(cases, "depression_deg", -90.0, 90.0)
     sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)
     temperature = cases.within(Column("sea_temperature_k", 260.0, 320.0, what="K"))
@@ -332,7 +329,7 @@ def evaluate_scattered(
     is_path = np.array([kind == "path" for kind in cases.choice("kind", ("path", "sky"))])
     wind, windy = _ranged(cases, "wind_speed_m_s", covered.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
     heights = (0.0, covered.height_range[1])
-    height, high = _ranged(cases, "sensor_height_m", heights, (0.0, _HIGHEST), "m of the atmosphere tables", extrapolate)
+    height, high = _ranged(cases, "sensor_height_m", heights, (0.0, TOP_OF_AIR), "m of the atmosphere tables", extrapolate)
     lowest = 1e-3 if extrapolate else covered.height_range[0]
     cases.check(~is_path | (height >= lowest), "sensor_height_m", lambda i: f"{height[i]:g} m is below {lowest:g} m, the lowest of paths")
     elevation = _angles(cases, "elevation_deg", -90.0, 90.0)
@@ -403,10 +400,13 @@ def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[s
     return tables
 
 
-def _wind_and_height(cases: Cases, air: BatchAtmosphere, extrapolate: bool) -> tuple[FloatArray, FloatArray, Columns]:
-    """Winds [m s-1], heights [m], and the column that marks those outside the table where that is asked for."""
+def _wind_and_height(
+    cases: Cases, air: BatchAtmosphere, extrapolate: bool, heights: tuple[float, float] | None = None
+) -> tuple[FloatArray, FloatArray, Columns]:
+    """Winds [m s-1], heights [m], and the column that marks those outside the table, or outside ``heights``, where that is asked for."""
     wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
-    height, high = _ranged(cases, "sensor_height_m", air.height_range, (1e-3, _HIGHEST), "m of the atmosphere tables", extrapolate)
+    what = "m of the atmosphere tables" if heights is None else "m"
+    height, high = _ranged(cases, "sensor_height_m", heights or air.height_range, (1e-3, TOP_OF_AIR), what, extrapolate)
     return wind, height, {EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {}
 
 

@@ -12,7 +12,7 @@ from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.base.limits import LOWTRAN_HEIGHTS
+from seaglint.base.limits import PROFILE_HEIGHTS
 from seaglint.base.reports import REPORTS
 from seaglint.files.soundings.continuation import Continuation, continuations
 from seaglint.optics.band import Band, apparent_temperature
@@ -95,7 +95,7 @@ def program_sounding(
 
 def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: Band) -> str:
     """Apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
-    height = float(np.clip(scenario.sensor.height_m, *LOWTRAN_HEIGHTS))
+    height = float(np.clip(scenario.sensor.height_m, *PROFILE_HEIGHTS))
     profile = _thinned(profile, part.height)
     there = profile.height < part.height if part.below else profile.height > part.height
     dry = replace(profile, vapour=np.where(there, ALMOST_NONE, 1.0) * profile.vapour)
