@@ -71,7 +71,7 @@ def cold_share(kelvin: FloatArray, cold_kelvin: float) -> FloatArray:
     With ``cold_kelvin`` it follows ``exp(cold_kelvin / T)``, below 0 in warmer air; with 0 it is LOWTRAN7's, linear and within 0-1.
 
     >>> cold_share(np.array([308.0, 296.0, 278.0, 260.0]), 1800.0).round(3)
-    array([-0.159,  0.   ,  0.367,  1.   ])
+    array([-0.16 ,  0.   ,  0.365,  1.   ])
     """
     if cold_kelvin == 0.0:
         return np.asarray(np.clip((WARM - kelvin) / (WARM - COLD), 0.0, 1.0))
