@@ -103,7 +103,7 @@ SCENES: Final = (
         bands_um={(10.5, 12.5): "0.3-0.7 K (of 24 spectra)", (13.0, 14.0): "0.3-0.7 K (of 24 spectra)"},
         reasons={
             "lowtran7": "The far wing of carbon dioxide is too opaque from above at 13-14 um; the skin's 293.3 K is chosen, not measured.",
-            "lblrtm": "The skin's 293.3 K is chosen, not measured; inside a band the channels' shape is still LOWTRAN7's.",
+            "lblrtm": "At 13-14 um -3 K and +3 K cancel, as a band's shape is LOWTRAN7's; the skin's 293.3 K is chosen, not measured.",
         },
         height=19970.0,
         skin=293.3,
@@ -116,7 +116,7 @@ SCENES: Final = (
         bands_um={(8.0, 9.2): _IRIS, (10.0, 12.0): _IRIS, (13.0, 14.0): _IRIS},
         reasons={
             "lowtran7": "The far wing of carbon dioxide is too opaque at 13-14 um; skin of 301.2 K and lowest air are not measured.",
-            "lblrtm": "Skin of 301.2 K and lowest air are not measured: RRTMGP itself is 2 K too warm at 10-12 and 13-14 um.",
+            "lblrtm": "Skin and lowest air are not measured, and RRTMGP itself is 2 K too warm at 10-12 and 13-14 um; beyond 13.7 um ours is up to 8 K.",
         },
         height=1e5,
         skin=301.2,
