@@ -116,7 +116,7 @@ SCENES: Final = (
         bands_um={(8.0, 9.2): _IRIS, (10.0, 12.0): _IRIS, (13.0, 14.0): _IRIS},
         reasons={
             "lowtran7": "The far wing of carbon dioxide is too opaque at 13-14 um; skin of 301.2 K and lowest air are not measured.",
-            "lblrtm": "Skin and lowest air are not measured, and RRTMGP itself is 2 K too warm at 10-12 and 13-14 um; beyond 13.7 um ours is up to 8 K.",
+            "lblrtm": "Skin and lowest air are not measured; RRTMGP itself is 2 K too warm, ours up to 8 K beyond 13.7 um.",
         },
         height=1e5,
         skin=301.2,
