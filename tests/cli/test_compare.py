@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from seaglint.studies.measured.spectroscopies import available_spectroscopies
+from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES
 
 SPECTRUM = "# resolution_cm: 20\nwavelength_um,brightness_temperature_k\n8.5,262\n8.7,259\n8.9,257\n9.1,254\n"
 
@@ -77,5 +77,5 @@ def test_measured_writes_table_and_picture(seaglint, tmp_path) -> None:
 def test_measured_as_json(seaglint, tmp_path) -> None:
     answer = seaglint("reproduce", "measured", "-o", tmp_path, "--json")
     rows = json.loads(answer.out)
-    assert {row["spectroscopy"] for row in rows} == {"", *available_spectroscopies()}
+    assert {row["spectroscopy"] for row in rows} == {"", *SPECTROSCOPIES}
     assert all(row["reason"] for row in rows)

@@ -16,7 +16,7 @@ from seaglint.studies.measured.buoy_against import TITLE, buoy_rows
 from seaglint.studies.measured.paths_against import ABSENT, BANDS_CM, homogeneous_air, path_rows, sky_rows
 from seaglint.studies.measured.shipped import shipped
 from seaglint.studies.measured.spectra_against import SCENES, modtran_path_rows, modtran_sky_rows, scene_rows
-from seaglint.studies.measured.spectroscopies import available_spectroscopies, chosen_spectroscopies, with_gas
+from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES, chosen_spectroscopies, with_gas
 
 BOUNDS_K = {
     ("aeri", "8-9.2 um"): 0.6,
@@ -57,15 +57,11 @@ def test_lowtran7_differs_from_measurements_as_its_laws_do() -> None:
 
 
 def test_refitted_numbers_lie_within_the_published_bounds() -> None:
-    if "lblrtm" not in available_spectroscopies():
-        pytest.skip("the air has LOWTRAN7's numbers alone")
     found = differences("lblrtm")
     assert {key: found[key] for key, bound in BOUNDS_K.items() if abs(found[key]) > bound} == {}
 
 
 def test_refitted_numbers_follow_paths_and_skies_more_closely() -> None:
-    if "lblrtm" not in available_spectroscopies():
-        pytest.skip("the air has LOWTRAN7's numbers alone")
     for compute in (path_rows, sky_rows):
         rms = {name: np.mean([row.rms for row in compute((name,))]) for name in ("lblrtm", "lowtran7")}
         assert rms["lblrtm"] < 0.7 * rms["lowtran7"]
@@ -167,6 +163,6 @@ def test_gases_are_scaled_to_their_lowest_level() -> None:
 
 
 def test_other_words_name_no_spectroscopy() -> None:
-    assert chosen_spectroscopies("both") == available_spectroscopies()
+    assert chosen_spectroscopies("both") == SPECTROSCOPIES
     with pytest.raises(DomainError, match=r"spectroscopy = 'hitran' is not one of .*both"):
         chosen_spectroscopies("hitran")

@@ -53,7 +53,7 @@ class AgainstMeasurements:
 
 
 def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
-    """Compute all that was measured, with ``lblrtm``, ``lowtran7`` or ``both``; ``both`` is all that this version has.
+    """Compute all that was measured, with ``lblrtm``, ``lowtran7`` or ``both``.
 
     Raises
     ------

@@ -31,7 +31,7 @@ from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.atmosphere_table import LowtranAtmosphere, TableAtmosphereSettings
 from seaglint.studies.measured.measured_row import band_difference
-from seaglint.studies.measured.spectroscopies import available_spectroscopies
+from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES
 from seaglint.studies.prepare import prepare
 
 OURS_CM: Final = 20.0
@@ -153,9 +153,8 @@ def compare_spectrum(
         A spectrum without unit, negative, too short or outside the air's wavelengths; a direction or resolution that cannot be.
     """
     light = stated_spectrum(spectrum)
-    known = available_spectroscopies()
-    if spectroscopy is not None and spectroscopy not in known:
-        raise DataError(f"spectroscopy = '{spectroscopy}' is not one of {', '.join(known)}")
+    if spectroscopy is not None and spectroscopy not in SPECTROSCOPIES:
+        raise DataError(f"spectroscopy = '{spectroscopy}' is not one of {', '.join(SPECTROSCOPIES)}")
     elevation = _elevation(scenario, zenith_deg, depression_deg)
     light, notes = _inside(light)
     width, more = _resolution(light, resolution_cm)

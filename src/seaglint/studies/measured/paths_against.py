@@ -12,13 +12,14 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.air_profile import GASES, AirProfile, model_profile
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.studies.measured.measured_row import MeasuredRow
 from seaglint.studies.measured.shipped import shipped
 from seaglint.studies.measured.spectra_against import NO_HAZE
-from seaglint.studies.measured.spectroscopies import Spectroscopy, sums_with, with_gas, without_gases
+from seaglint.studies.measured.spectroscopies import sums_with, with_gas, without_gases
 
 BANDS_CM: Final = (
     *((700, 820), (820, 980), (980, 1080), (1080, 1180), (1180, 1390)),
@@ -38,15 +39,24 @@ ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
 }
 """Further gases that it does not have in a band."""
 
+LOWER_CM: Final = ((820, 980), (1800, 2080), (2080, 2250), (2390, 2680))
+"""Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared."""
+
+TOP_HPA: Final = 100.0
+"""Pressure above which RRTMGP has other gases [hPa]: 99.5, where its troposphere ends."""
+
 NEAR: Final = 60
 """Paths of 400-1030 hPa in the table; the others are of 5-400 hPa."""
 
 MODELS: Final = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical")
 
 _REASONS: Final = {
-    "lowtran7": "Lines and continua are those of the 1980s: too opaque in cold dry air at 4.4-4.8 um, and at 3.1-4.2 um.",
+    "lowtran7": "Lines and continua are those of the 1980s: too opaque at 3.1-4.2 um, carbon dioxide at 12.2-14.3 um.",
     "lblrtm": "One power of the amount for a gas and band cannot follow a line-by-line model from thin paths to thick ones.",
 }
+
+_COLD_CM: Final = (2080, 2250)
+_COLD: Final = "At 4.4-4.8 um nitrous oxide, carbon monoxide and carbon dioxide absorb too much in cold dry air, with either numbers."
 
 _SKY_REASONS: Final = {
     "lowtran7": "Water's continuum by air is too strong at 3.1-4.2 um, its self continuum by a fifth to a half at 8-9.6 um.",
@@ -67,7 +77,9 @@ def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
         for case, some in (("RRTMGP, paths of 400-1030 hPa", slice(0, NEAR)), ("RRTMGP, paths of 5-400 hPa", slice(NEAR, None))):
             for j, (low, high) in enumerate(BANDS_CM):
                 theirs, mine = held[f"transmittance_{low}-{high}"][some], ours[some, j]
-                rows.append(_row(case, (low, high), name, "1", mine, theirs))
+                there = held["pressure_hpa"][some] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
+                row = _row(case, (low, high), name, "1", mine[there], theirs[there])
+                rows.append(replace(row, reason=_COLD) if (low, high) == _COLD_CM else row)
     return rows
 
 

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.air_profile import AirProfile, model_profile, sounding_profile
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.sky_spline import brightness_temperature
 from seaglint.base.conventions import FloatArray
@@ -21,7 +22,7 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.studies.measured.measured_row import MeasuredRow, band_difference
 from seaglint.studies.measured.shipped import shipped
-from seaglint.studies.measured.spectroscopies import Spectroscopy, sums_with, with_gas
+from seaglint.studies.measured.spectroscopies import sums_with, with_gas
 
 NO_HAZE: Final = HazeWeather("none")
 
@@ -91,7 +92,7 @@ SCENES: Final = (
         bands_um={(8.0, 9.2): _AERI, (8.0, 12.0): _AERI, (10.0, 12.0): _AERI, (13.0, 14.0): _AERI},
         reasons={
             "lowtran7": "LOWTRAN7's water continuum by air is too weak at 10-12 um; haze, left out here, adds about 1 K.",
-            "lblrtm": "The continuum is that of 2018, a little weak at 10-12 um; haze, left out here, adds about 1 K.",
+            "lblrtm": "Inside a band the channels' shape is still LOWTRAN7's; haze, left out here, would make the windows warmer.",
         },
     ),
     MeasuredScene(
@@ -102,7 +103,7 @@ SCENES: Final = (
         bands_um={(10.5, 12.5): "0.3-0.7 K (of 24 spectra)", (13.0, 14.0): "0.3-0.7 K (of 24 spectra)"},
         reasons={
             "lowtran7": "The far wing of carbon dioxide is too opaque from above at 13-14 um; the skin's 293.3 K is chosen, not measured.",
-            "lblrtm": "The skin's 293.3 K is chosen, not measured; the band's own 20 cm-1 structure is LOWTRAN7's.",
+            "lblrtm": "At 13-14 um -3 K and +3 K cancel, as a band's shape is LOWTRAN7's; the skin's 293.3 K is chosen, not measured.",
         },
         height=19970.0,
         skin=293.3,
@@ -115,7 +116,7 @@ SCENES: Final = (
         bands_um={(8.0, 9.2): _IRIS, (10.0, 12.0): _IRIS, (13.0, 14.0): _IRIS},
         reasons={
             "lowtran7": "The far wing of carbon dioxide is too opaque at 13-14 um; skin of 301.2 K and lowest air are not measured.",
-            "lblrtm": "Skin of 301.2 K and lowest air are not measured: line-by-line models miss it by the same 2 K.",
+            "lblrtm": "Skin and lowest air are not measured; RRTMGP itself is 2 K too warm, ours up to 8 K beyond 13.7 um.",
         },
         height=1e5,
         skin=301.2,
