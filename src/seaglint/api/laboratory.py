@@ -107,14 +107,9 @@ def homogeneous_path(
     >>> round(sg.homogeneous_path(band_um=(10.2, 12.2), **air), 2)
     0.1
     """
-    from seaglint.air.profile.hazes import NAMES, HazeWeather
+    from seaglint.air.profile.hazes import HazeWeather
     from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
-    from seaglint.base.errors import DomainError
 
-    if haze not in NAMES:
-        raise DomainError(
-            f"haze = {haze!r} is not known; give one of {', '.join(NAMES)}", name="haze", value=haze, allowed=", ".join(NAMES)
-        )
     found = homogeneous_spectrum(
         temperature_k=temperature_k,
         pressure_hpa=pressure_hpa,

@@ -186,11 +186,12 @@ def path_command(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="F.csv", help="file for the spectrum")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """Print the transmittance of a path through air of one temperature and pressure.
+    """Print the transmittance of a path through even air.
 
     The mean over the band, weighted with the blackbody at that temperature. Besides the gases given the air is nitrogen, oxygen and water.
     """
-    from seaglint.api import homogeneous_path
+    from seaglint.air.profile.hazes import HazeWeather
+    from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.files.outputs import refuse_existing, require_ending
@@ -202,28 +203,21 @@ def path_command(
         low, high = (float(part) for part in band_um.split("-"))
     except ValueError:
         raise DataError(f"--band-um {band_um}: give the shortest and the longest wavelength in micrometres, as 3.7-4.2") from None
-    mean, spectrum = homogeneous_path(
+    found = homogeneous_spectrum(
         temperature_k=temperature_k,
         pressure_hpa=pressure_hpa,
         vapour_pressure_hpa=vapour_pressure_hpa,
         length_km=length_km,
         band_um=(low, high),
-        co2_ppmv=co2_ppmv,
-        o3_ppmv=o3_ppmv,
-        n2o_ppmv=n2o_ppmv,
-        co_ppmv=co_ppmv,
-        ch4_ppmv=ch4_ppmv,
+        ppmv={"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv},
         spectroscopy=cast("Spectroscopy", spectroscopy),
-        haze=haze,
-        return_spectrum=True,
+        haze=HazeWeather(haze),
     )
-    typer.echo(f"transmittance {mean:.4f} of {low:g}-{high:g} um, {length_km:g} km")
+    typer.echo(f"transmittance {found.mean:.4f} of {low:g}-{high:g} um, {length_km:g} km")
     if output is not None:
         from seaglint.files.tables.columns import write_columns
 
-        write_columns(
-            {"wavenumber_cm": spectrum["wavenumber_cm"].to_numpy(), "transmittance": spectrum.to_numpy()}, output, overwrite=overwrite
-        )
+        write_columns({"wavenumber_cm": found.wavenumber_cm, "transmittance": found.transmittance}, output, overwrite=overwrite)
         log(f"{output} written")
 
 

@@ -11,7 +11,7 @@ from seaglint.air.profile.absorber_densities import absorber_densities, cold_sha
 from seaglint.air.profile.air_profile import GASES, AirProfile
 from seaglint.air.profile.band_laws import BandLaws
 from seaglint.air.profile.band_numbers import HIGHEST, Spectroscopy
-from seaglint.air.profile.hazes import HazeWeather, aerosols
+from seaglint.air.profile.hazes import NAMES, HazeWeather, aerosols
 from seaglint.air.profile.lowtran_numbers import lowtran_numbers
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
@@ -119,6 +119,9 @@ def homogeneous_spectrum(
             value=spectroscopy,
             allowed="lblrtm, lowtran7",
         )
+    if haze.haze not in NAMES:
+        known = ", ".join(NAMES)
+        raise DomainError(f"haze = {haze.haze!r} is not known; give one of {known}", name="haze", value=haze.haze, allowed=known)
     band = _band(band_um, spectroscopy)
     nu = lowtran_numbers()["wavenumber_cm"]
     low, high = 1e4 / band.max_um, 1e4 / band.min_um
