@@ -54,6 +54,21 @@ def rows(name: str, made: Iterable[Sequence[str]]) -> Pairs:
         yield " | ".join(cells(name, row[0])), " | ".join(row)
 
 
+def air_differences() -> Pairs:
+    """What today's absorption changes, all of it."""
+    import air_differences as made
+
+    for name, text in (("air-paths", made.paths_table()), ("air-skies", made.skies_table()), ("air-ranges", made.ranges_table())):
+        yield from whole(name, text.splitlines())
+
+
+def fitted_bands() -> Pairs:
+    """Differences from RRTMGP's paths, all of them."""
+    from fitted_bands import lines
+
+    yield from whole("fitted-bands", lines())
+
+
 def headline() -> Pairs:
     """The article's numbers, all of them."""
     from validation_tables import headline
