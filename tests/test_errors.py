@@ -91,8 +91,8 @@ def test_fields_cannot_change_and_travel_between_processes(error, fields):
 @pytest.mark.parametrize(
     ("values", "key", "value", "allowed"),
     [
-        ({"sensor": {"height_m": -3}}, "sensor.height_m", -3, "above 0 to 10000 m"),
-        ({"sensor": {"height_m": 1.5}}, "sensor.height_m", 1.5, (2.0, 10_000.0)),
+        ({"sensor": {"height_m": -3}}, "sensor.height_m", -3, "above 0 to 100000 m"),
+        ({"sensor": {"height_m": 0.001}}, "sensor.height_m", 0.001, (0.01, 100_000.0)),
         ({"wind": {"speed_m_s": 25}}, "wind.speed_m_s", 25.0, (0.0, 20.0)),
         ({"sensor": {"frames": "many"}}, "sensor.frames", "many", "1 to 10000000"),
         (

@@ -21,7 +21,6 @@ from seaglint.base.limits import (
     PROFILE_BAND_UM,
     PROFILE_HEIGHTS,
     TABLE_BANDS_UM,
-    TABLE_HEIGHTS,
 )
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
@@ -116,11 +115,11 @@ class Scenario(Record):
     def _table_covers_sensor_and_band(self) -> Self:
         if self.atmosphere.source != "table":
             return self
-        height, (lowest, highest) = self.sensor.height_m, TABLE_HEIGHTS
-        other = "or set atmosphere.source = 'none', or 'lowtran' for other bands and heights"
+        height, (lowest, highest) = self.sensor.height_m, PROFILE_HEIGHTS
+        other = "or set atmosphere.source = 'none', or 'lowtran' for other bands"
         if not lowest <= height <= highest:
             text = f"= {height:g} is outside the heights of the table atmosphere; allowed: {lowest:g} to {highest:g} m, {other}"
-            raise rule("sensor.height_m", text, value=height, allowed=TABLE_HEIGHTS)
+            raise rule("sensor.height_m", text, value=height, allowed=PROFILE_HEIGHTS)
         low, high = self.band.min_um, self.band.max_um
         if low is not None and high is not None and not any(bottom <= low and high <= top for bottom, top in TABLE_BANDS_UM):
             # Named by the edge that is wrong; where both are inside, the band spans the gap and its far edge is told.

@@ -10,7 +10,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, Mistake, ScenarioError
-from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS, TABLE_HEIGHTS
+from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.files.mesh import METRES, read_mesh
 from seaglint.files.tables.track import OBJECT_COLUMNS, read_track
 from seaglint.imaging.camera.pose import Track
@@ -322,7 +322,7 @@ def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSourc
     corners = _corners(parts)
     if not len(corners):
         corners = np.zeros((1, 3))
-    tops = {"table": TABLE_HEIGHTS[1], "lowtran": PROFILE_HEIGHTS[1], "lowtran-fortran": LOWTRAN_HEIGHTS[1]}
+    tops = {"table": PROFILE_HEIGHTS[1], "lowtran": PROFILE_HEIGHTS[1], "lowtran-fortran": LOWTRAN_HEIGHTS[1]}
     limit = tops.get(scenario.atmosphere.source, np.inf)
     for time in times:
         at = base.at(float(time))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from seaglint.base.errors import ScenarioError
-from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS, TABLE_HEIGHTS
+from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.imaging.camera.pose import Track
 from seaglint.objects.floating import Swell
 from seaglint.objects.floating_track import MOST_SAMPLES, FloatingTrack
@@ -28,7 +28,7 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
         heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
         times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
         floating = FloatingTrack.create(floating, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
-    covered = {"table": TABLE_HEIGHTS, "lowtran": PROFILE_HEIGHTS, "lowtran-fortran": LOWTRAN_HEIGHTS}
+    covered = {"table": PROFILE_HEIGHTS, "lowtran": PROFILE_HEIGHTS, "lowtran-fortran": LOWTRAN_HEIGHTS}
     lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
     if floating.lowest < lowest or floating.highest > highest:
         raise ScenarioError(
