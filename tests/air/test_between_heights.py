@@ -203,7 +203,7 @@ def test_points_behind_the_bulge_are_taken_down_to_a_depth(any_air):
     assert any_air.transmittance(HEIGHT, 500.0, -2.0).mean() <= any_air.transmittance(HEIGHT, 500.0, 0.0).mean()
 
 
-@pytest.mark.parametrize(("target", "names"), [(np.nan, "finite heights"), (np.inf, "finite heights"), (50.1e3, "above 50000 m")])
+@pytest.mark.parametrize(("target", "names"), [(np.nan, "finite heights"), (np.inf, "finite heights"), (100.1e3, "above 100000 m")])
 def test_impossible_points_are_refused(table, target, names):
     with pytest.raises(DomainError, match=names):
         table.transmittance(HEIGHT, 500.0, target)

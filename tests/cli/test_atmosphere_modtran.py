@@ -71,7 +71,7 @@ def run_lowtran7(program, folder, samples):
 def test_decks_run_and_read_back_give_the_same_air(seaglint, program, tmp_path, height, scattered):
     """Three printed digits and other nodes leave 0.1 %, at 2500 m, where rays graze levels, 0.4 % of single pixels; 0.5 % is promised."""
     light = "" if scattered == "--scattered" else "scattered_sunlight = false\n"
-    ours = write_scenario(tmp_path, "low.toml", 'source = "lowtran"\nlevels = "lowtran"\n' + light, height)
+    ours = write_scenario(tmp_path, "low.toml", 'source = "lowtran"\nlevels = "lowtran"\nspectroscopy = "lowtran7"\n' + light, height)
     theirs = write_scenario(tmp_path, "file.toml", 'source = "file"\npath = "air.nc"\n' + light, height)
     answer = seaglint("atmosphere", "write", ours, "--format", "tape5-lowtran7", "-o", tmp_path / "d", scattered)
     assert (answer.code, answer.out) == (0, "")

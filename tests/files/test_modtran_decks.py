@@ -60,7 +60,7 @@ def test_the_lines_of_a_scenario(refraction):
 
 
 def cards(modtran, lines=LINES, air=AIR):
-    return deck(lines, air, 76.0, modtran=modtran).splitlines()
+    return deck(lines, air, 76.0, modtran=modtran, co2_ppmv=425.0).splitlines()
 
 
 def test_lowtran7_cards_stand_in_their_columns():
@@ -80,7 +80,7 @@ def test_modtran_cards_stand_in_their_columns():
     found = cards(True)
     assert (found[0][:2], int(found[0][2:5]), int(found[0][5:10]), int(found[0][10:15])) == ("TM", 3, 2, 2)
     assert (float(found[0][65:73]), float(found[0][73:80])) == (0.001, 0.0)
-    assert (found[1][:2], int(found[1][2:5]), float(found[1][10:20])) == ("FF", 2, 365.0)
+    assert (found[1][:2], int(found[1][2:5]), float(found[1][10:20])) == ("FF", 2, 425.0)
     assert found[1][40:] == " F F F F F     0.000"  # LSUNFL, LBMNAM, LFLTNM, H2OAER, LDATDR, SOLCON in columns 51-60
     assert found[2] == cards(False)[1]
     assert found[6][30:40].split() == ["20.0"]
@@ -100,11 +100,12 @@ def test_a_sounding_goes_into_the_cards():
         assert int(found[0][2:5]) == 7
         assert any(line.startswith("    3    0    0sounding") for line in found)
     with pytest.raises(DataError, match="modtran6-json takes model atmospheres"):
-        json_deck(LINES, air, 76.0, "x")
+        json_deck(LINES, air, 76.0, "x", 425.0)
 
 
 def test_modtran6_input_by_its_keys():
-    path, sky, sun = (case["MODTRANINPUT"] for case in json.loads(json_deck(LINES, AIR, 76.0, "x"))["MODTRAN"])
+    assert json.loads(json_deck(LINES, AIR, 76.0, "x", 425.0))["MODTRAN"][0]["MODTRANINPUT"]["ATMOSPHERE"]["CO2MX"] == 425.0
+    path, sky, sun = (case["MODTRANINPUT"] for case in json.loads(json_deck(LINES, AIR, 76.0, "x", 425.0))["MODTRAN"])
     assert path["RTOPTIONS"]["IEMSCT"] == "RT_SOLAR_AND_THERMAL"
     assert path["ATMOSPHERE"]["MODEL"] == "ATM_MIDLAT_WINTER"
     assert path["AEROSOLS"] == {"IHAZE": "AER_MARITIME_NAVY", "IPH": 2, "ICSTL": 3, "WSS": 7.0, "WHH": 5.0}

@@ -8,6 +8,7 @@ import pytest
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.profile.own_gases import OwnGases, with_gases
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.files.tables.cases import read_cases
 from seaglint.optics.blackbody import planck_wavenumber
@@ -39,7 +40,11 @@ def scenario(height, elevation=-90.0, **tables):
 def sums_of(view):
     """Own sums over the model's profile, and the weights of the band on their channels."""
     nu = view.atmosphere.wavenumber_cm
-    return AirSums(model_profile("midlatitude-summer"), HazeWeather(wind=7.0, wind_24h=7.0), nu), view.band.weights(nu), nu
+    return (
+        AirSums(with_gases(model_profile("midlatitude-summer"), OwnGases().of("lblrtm")), HazeWeather(wind=7.0, wind_24h=7.0), nu),
+        view.band.weights(nu),
+        nu,
+    )
 
 
 @pytest.mark.parametrize("height", HEIGHTS)

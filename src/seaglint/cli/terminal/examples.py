@@ -94,6 +94,10 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "atmosphere export": (_SCENE, "seaglint atmosphere export example.toml -o air.nc"),
     "atmosphere write": (_SCENE, "seaglint atmosphere write example.toml --format tape5 -o decks"),
     "atmosphere info": ("seaglint atmosphere info midlatitude-summer --plot air.png",),
+    "atmosphere path": (
+        "seaglint atmosphere path --temperature-k 300 --pressure-hpa 1013 --vapour-pressure-hpa 26 --length-km 5 --band-um 3.7-4.2 "
+        "--co2-ppmv 425",
+    ),
     "atmosphere read": (
         _SCENE,
         "seaglint atmosphere write example.toml --format tape5 -o modtran",

@@ -39,7 +39,7 @@ HAZES: Final[dict[Haze, str]] = {
 }
 
 
-def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, name: str) -> str:
+def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, name: str, co2_ppmv: float) -> str:
     """Return the text of the input; results go to ``name.json`` and ``name.csv``.
 
     Raises
@@ -49,11 +49,11 @@ def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: f
     """
     if air.levels:
         raise DataError("modtran6-json takes model atmospheres, not atmosphere.sounding; choose format='tape5', which MODTRAN 6 reads too")
-    cases = [{"MODTRANINPUT": _case(i, line, air, solar_zenith_deg, name)} for i, line in enumerate(lines)]
+    cases = [{"MODTRANINPUT": _case(i, line, air, solar_zenith_deg, name, co2_ppmv)} for i, line in enumerate(lines)]
     return json.dumps({"MODTRAN": cases}, indent=1) + "\n"
 
 
-def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, name: str) -> JsonObject:
+def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, name: str, co2_ppmv: float) -> JsonObject:
     model, aerosol = MODELS[air.model], air.aerosol
     geometry: JsonObject = {
         "ITYPE": 2 if line.kind == "path" else 3,
@@ -83,7 +83,7 @@ def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: floa
             "IEMSCT": "RT_SOLAR_AND_THERMAL" if lit else "RT_THERMAL_ONLY",
             "IMULT": "RT_NO_MULTIPLE_SCATTER",
         },
-        "ATMOSPHERE": {"MODEL": model, **{f"M{i}": model for i in range(1, 7)}},
+        "ATMOSPHERE": {"MODEL": model, **{f"M{i}": model for i in range(1, 7)}, "CO2MX": co2_ppmv},
         "AEROSOLS": aerosols,
         "GEOMETRY": geometry,
         "SURFACE": {"SURFTYPE": "REFL_CONSTANT", "SURREF": 0.0, "TPTEMP": 0.001, "GNDALT": 0.0},

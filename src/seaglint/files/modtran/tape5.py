@@ -16,6 +16,9 @@ from seaglint.files.modtran.lines import ModtranCase
 FWHM_CM: Final = 20
 """Width of MODTRAN's slit function [cm-1], which is LOWTRAN7's resolution."""
 
+LOWTRAN7_CO2_PPMV: Final = 330.0
+"""Carbon dioxide of LOWTRAN7's models [1e-6 of the volume]."""
+
 AT_1_AU: Final = 93
 """Day of the year on which both programs take the Sun's mean distance (IDAY)."""
 
@@ -23,16 +26,19 @@ LEAST_BOUNDARY_TEMPERATURE: Final = "   0.001"
 """Temperature of the boundary (TBOUND, TPTEMP) [K]: the sea adds nothing, and 0 would mean that of the lowest air."""
 
 
-def deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, *, modtran: bool) -> str:
-    """Return the text of a deck with a case for each line."""
+def deck(
+    lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, *, modtran: bool, co2_ppmv: float = LOWTRAN7_CO2_PPMV
+) -> str:
+    """Return the text of a deck with a case for each line; LOWTRAN7 has 330 ppmv of carbon dioxide, whatever ``co2_ppmv`` is."""
     cases = []
     for i, line in enumerate(lines):
-        cards = [*_cards(line, air, solar_zenith_deg, modtran=modtran), f"{int(i + 1 < len(lines)):5d}"]
+        cards = [*_cards(line, air, solar_zenith_deg, co2_ppmv if modtran else None), f"{int(i + 1 < len(lines)):5d}"]
         cases.append("\n".join(cards))
     return "\n".join(cases) + "\n"
 
 
-def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, *, modtran: bool) -> Iterator[str]:
+def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, co2_ppmv: float | None) -> Iterator[str]:
+    modtran = co2_ppmv is not None
     lit = line.azimuth_deg is not None and solar_zenith_deg is not None
     mode = 3 if line.kind == "sun" else 2 if lit else 1
     kind, profile = (2 if line.kind == "path" else 3), air.levels
@@ -41,7 +47,7 @@ def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, *
     if modtran:
         # MODTRN = T, SPEED = M (slow), no correlated k; SURREF = 0.
         yield f"TM{model:3d}{between}{'0.00':>7}"
-        yield f"FF{2:3d}{0:5d}{365.0:10.3f}{'0':>10}{'0':>10} F F F F F{0.0:10.3f}"
+        yield f"FF{2:3d}{0:5d}{co2_ppmv:10.3f}{'0':>10}{'0':>10} F F F F F{0.0:10.3f}"
     else:
         yield f"{model:5d}{between}{'0.00':>7}"
     yield air.aerosol.card()

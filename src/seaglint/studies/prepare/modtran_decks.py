@@ -11,20 +11,23 @@ import numpy as np
 from seaglint.air.coordinates import Refraction
 from seaglint.air.profile.absorber_densities import refractivity
 from seaglint.air.profile.air_profile import model_profile
+from seaglint.air.profile.own_gases import OwnGases
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
+from seaglint.base.reports import REPORTS
 from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
 from seaglint.files.modtran.json_deck import json_deck
 from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
-from seaglint.files.modtran.tape5 import deck
+from seaglint.files.modtran.tape5 import LOWTRAN7_CO2_PPMV, deck
 from seaglint.files.outputs import ELSEWHERE, refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.profile_air import wanted_gases
 from seaglint.studies.prepare.sounding_air import program_sounding
 
 DeckFormat = Literal["tape5", "tape5-lowtran7", "modtran6-json"]
@@ -91,7 +94,11 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     lit = zenith if scattered and zenith <= 0.5 * np.pi else None
     lines = needed_lines(_refraction(air.model), height, lit, to_horizon=form == "tape5-lowtran7")
     solar_deg = None if lit is None else float(np.degrees(lit))
-    text = json_deck(lines, air, solar_deg, NAME) if form == "modtran6-json" else deck(lines, air, solar_deg, modtran=form == "tape5")
+    co2 = _carbon_dioxide(scenario, form)
+    if form == "modtran6-json":
+        text = json_deck(lines, air, solar_deg, NAME, co2)
+    else:
+        text = deck(lines, air, solar_deg, modtran=form == "tape5", co2_ppmv=co2)
     manifest = Manifest(tuple(lines), height, solar_deg, OUTPUTS[form])
     with storage_errors(folder, ELSEWHERE):
         if folder.exists() and not folder.is_dir():
@@ -103,6 +110,20 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     for name, content in contents.items():
         write_text(content, folder / name)
     return Decks(folder / DECKS[form], len(lines), solar_deg)
+
+
+def _carbon_dioxide(scenario: Scenario, form: str) -> float:
+    """Carbon dioxide of the scenario [1e-6 of the volume]; what decks cannot say of its gases is reported."""
+    gases = OwnGases()
+    if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere):
+        gases = wanted_gases(scenario.atmosphere)
+    co2 = LOWTRAN7_CO2_PPMV if gases.co2_ppmv is None else gases.co2_ppmv
+    left = [name for name in ("ch4_ppmv", "n2o_ppmv", "ozone_du") if getattr(gases, name) is not None]
+    if form == "tape5-lowtran7" and co2 != LOWTRAN7_CO2_PPMV:
+        left.insert(0, "co2_ppmv")
+    if left:
+        REPORTS.warning("decks do not say %s: the program has its own", ", ".join(f"atmosphere.{name}" for name in left))
+    return co2
 
 
 def _air(scenario: Scenario) -> LowtranAir:
