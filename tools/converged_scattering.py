@@ -40,7 +40,7 @@ def pieces(sums: AirSums, ray: BentRay) -> tuple[np.ndarray, np.ndarray]:
     rows = len(amounts[0]) - 4 - len(sums.laws.columns)
     gases = amounts[:, rows:-4].copy()
     cold, own = (sums.laws.columns.index(column) for column in (9, 5))
-    gases[:, cold] = gases[:, own] * cold_share(kelvin, sums.laws.numbers.cold_kelvin)
+    gases[:, cold] = gases[:, own] * cold_share(kelvin, sums.laws.cold_kelvin)
     return amounts[:, :rows], gases
 
 

@@ -28,7 +28,7 @@ def test_lowtran7_is_as_it_was():
     held, laws = lowtran_numbers(), BandLaws.of(ALL, "lowtran7")
     np.testing.assert_array_equal(laws.continuum, held["continuum"])
     assert laws.columns[10:] == sorted({int(c) for c in np.unique(held["band_column"])} - {0})
-    assert laws.numbers.cold_kelvin == 0.0
+    assert laws.cold_kelvin == 0.0
 
 
 def test_beyond_the_join_all_numbers_are_lowtran7s():

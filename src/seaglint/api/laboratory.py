@@ -96,7 +96,10 @@ def homogeneous_path(
 
     Notes
     -----
-    Between 700 and 3250 cm-1 mean transmittances agree with LBLRTM within 0.01 (docs, validation).
+    Mean transmittances of RRTMGP's bands between 700 and 3250 cm-1 differ from it by 0.002 to 0.007 on the average, in the ozone band of
+    the upper air by 0.016; 95 of 100 by less than 0.02 and 0.04 (docs, validation). Nitrogen absorbs in 2390-2680 cm-1 and oxygen in
+    1480-1800 cm-1, as RRTMGP's tables have them; the air of scenes has LOWTRAN7's nitrogen in 2080-2390 cm-1 too. Temperatures, humidities
+    and gases that air does not have are reported in a line.
 
     Examples
     --------

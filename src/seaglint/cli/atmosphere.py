@@ -188,7 +188,8 @@ def path_command(
 ) -> None:
     """Print the transmittance of a path through even air.
 
-    The mean over the band, weighted with the blackbody at that temperature. Besides the gases given the air is nitrogen, oxygen and water.
+    The mean over the band, weighted with the blackbody at that temperature. Besides the gases given the air is nitrogen, oxygen and
+    water; nitrogen absorbs in 3.7-4.2 um only, where RRTMGP's tables have it.
     """
     from seaglint.air.profile.hazes import HazeWeather
     from seaglint.air.profile.homogeneous_path import homogeneous_spectrum

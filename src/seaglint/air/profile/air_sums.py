@@ -170,7 +170,7 @@ class AirSums:
     def gas_depth(self, amounts: FloatArray, mean: FloatArray) -> FloatArray:
         """Optical depth of the gases [1, (n,)] from the amounts of pieces [(pieces, rows)] and their temperatures [K, (pieces,)]."""
         gases = amounts[:, self._aerosol_rows : -4]
-        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.numbers.cold_kelvin)
+        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.cold_kelvin)
         return np.asarray(self.laws.optical_depth(gases.sum(axis=0, keepdims=True))[0])
 
     def haze_amounts(self, height: FloatArray, length: FloatArray) -> FloatArray:
@@ -199,7 +199,7 @@ class AirSums:
     def _continuous(self, node: FloatArray, amounts: FloatArray, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Transmittance to the nodes [1, (nodes, n)] and emission [W m-2 sr-1 per cm-1, (n,)] from the amounts between them."""
         gases = amounts[:, self._aerosol_rows : -4]
-        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.numbers.cold_kelvin)
+        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.cold_kelvin)
         depth = self.laws.optical_depth(np.cumsum(gases, axis=0)) + np.cumsum(amounts[:, : self._aerosol_rows], axis=0) @ self._extinction
         passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
         nu = self.laws.wavenumber_cm
@@ -242,7 +242,7 @@ class AirSums:
         amounts = np.add.reduceat(self._layer_amounts(ray), edges[:-1], axis=0)
         kelvin = amounts[:, -4] / amounts[:, -3]
         gases = amounts[:, self._aerosol_rows : -4]
-        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(kelvin, self.laws.numbers.cold_kelvin)
+        gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(kelvin, self.laws.cold_kelvin)
         depth = self.laws.optical_depth(np.cumsum(gases, axis=0))
         extinction, haze = self._extinction, amounts[:, : self._aerosol_rows]
         if self._aerosol_rows > AEROSOLS:

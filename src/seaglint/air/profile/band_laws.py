@@ -82,6 +82,11 @@ class BandLaws:
         return cls(wavenumber_cm, held.continuum[:, keep], tuple(bands), numbers, lowtran_numbers()["source"][keep], held)
 
     @cached_property
+    def cold_kelvin(self) -> float:
+        """Temperature of the law by which water's own continuum grows in cold air [K]; 0 for LOWTRAN7's."""
+        return self.numbers.cold_law(self.wavenumber_cm)
+
+    @cached_property
     def columns(self) -> list[int]:
         """Numbers of continua and bands, in the order of amounts."""
         return [*CONTINUA, *self.band_numbers]

@@ -6,7 +6,7 @@ The second ones have LOWTRAN7's form and its shape within bands. In each band of
 
 with LOWTRAN7's coefficients :math:`C`, their mean :math:`C_0` over the band, its power as :math:`s`, and a factor :math:`F`, a power
 :math:`a` and exponents of pressure and temperature of its own; continua have factors. Other gases, and all beyond 3350 cm-1, are
-LOWTRAN7's; between 3250 and 3350 cm-1 the factors go over to 1.
+LOWTRAN7's; between 3250 and 3350 cm-1 the depths are weighted sums of both.
 
 References
 ----------
@@ -50,6 +50,9 @@ SELF_KELVIN: Final = 1800.0
 FIRST_COLUMN: Final = 101
 """Number of the first scaled amount of the file; LOWTRAN7's own are below."""
 
+MORE_ROWS: Final = 2
+"""Rows beside LOWTRAN7's: second terms of a gas, and LOWTRAN7's own where one goes over into the other."""
+
 HIGHEST, JOINED = 3250.0, 3350.0
 """Wavenumbers [cm-1] up to which the file goes, and from which on the numbers are LOWTRAN7's."""
 
@@ -68,6 +71,7 @@ class BandNumbers:
         Gas and exponents of relative pressure and of 273.15 K / T of each scaled amount, by number.
     cold_kelvin : float
         Temperature of the law by which water's own continuum grows in cold air [K]; 0 for LOWTRAN7's, linear from 296 down to 260 K.
+        One law serves all channels of a sum: see :meth:`cold_law`.
     provenance : dict
         Where the numbers are from.
     """
@@ -79,6 +83,10 @@ class BandNumbers:
     scaled: Mapping[int, tuple[str, float, float]]
     cold_kelvin: float
     provenance: JsonObject
+
+    def cold_law(self, wavenumber_cm: FloatArray) -> float:
+        """Return :attr:`cold_kelvin` for some channels [K]: LOWTRAN7's where all numbers are its own."""
+        return 0.0 if wavenumber_cm[0] >= JOINED else self.cold_kelvin
 
 
 @lru_cache(maxsize=2)
@@ -113,7 +121,9 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(f"the band laws {FILE} in the package are damaged ({error}); install seaglint again") from error
     continuum, scaled = own.continuum.copy(), dict(own.scaled)
-    column, power, log = (np.concatenate([a, np.zeros((1, nu.size), a.dtype)]) for a in (own.column, own.power, own.log_coefficient))
+    column, power, log = (
+        np.concatenate([a, np.zeros((MORE_ROWS, nu.size), a.dtype)]) for a in (own.column, own.power, own.log_coefficient)
+    )
     lowest, highest = min(low for _, low, _, _ in rows), max(high for _, _, high, _ in rows)
     for term, low, high, row in rows:
         # the lowest numbers serve down to the first channel, the highest ones through the join
@@ -122,23 +132,26 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
         factor = float(row["factor"])
         if term in CONTINUA:
             for linear in CONTINUA[term]:
-                continuum[linear, inside] *= factor ** (1.0 - joined)
+                continuum[linear, inside] *= factor * (1.0 - joined) + joined
             continue
         gas = GASES.index(term)
-        here = np.flatnonzero(inside)[own.column[gas, inside] > 0]
-        joined = joined[own.column[gas, inside] > 0]
-        at = gas if not (column[gas, here] >= FIRST_COLUMN).any() else own.column.shape[0]
+        held = own.column[gas, inside] > 0
+        here, joined = np.flatnonzero(inside)[held], joined[held]
         number = FIRST_COLUMN + len(scaled) - len(own.scaled)
         scaled[number] = (term, float(row["pressure_exponent"]), float(row["temperature_exponent"]))
         a, s = float(row["power"]), float(row["contrast"])
         log_c = own.log_coefficient[gas, here] / own.power[gas, here]
         band = (nu[here] >= low) & (nu[here] <= high)
         mean = float(np.log(np.mean(np.exp(log_c[band]))))
-        # depths of one at LOWTRAN7's reference state stay where the numbers become its own
-        fitted = np.log(factor) + s * (log_c - mean) + a * mean
-        there = a * log_c
+        second = bool((column[gas, here] >= FIRST_COLUMN).any())
+        at = _free_row(column, own.column.shape[0], here) if second else gas
         column[at, here], power[at, here] = number, a
-        log[at, here] = (1.0 - joined) * fitted + joined * there
+        log[at, here] = np.log(factor) + s * (log_c - mean) + a * mean + np.log(1.0 - joined)
+        over = here[joined > 0.0]  # both depths, weighted, so that nothing jumps in any air
+        if over.size:
+            at = _free_row(column, own.column.shape[0], over)
+            column[at, over], power[at, over] = own.column[gas, over], own.power[gas, over]
+            log[at, over] = own.log_coefficient[gas, over] + np.log(joined[joined > 0.0])
     for array in (continuum, column, power, log):
         array.flags.writeable = False
     source: JsonObject = {
@@ -148,3 +161,8 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
         "bands_sha256": hashlib.sha256(content).hexdigest(),
     }
     return BandNumbers(continuum, column, power, log, scaled, SELF_KELVIN, source)
+
+
+def _free_row(column: NDArray[np.int64], first: int, here: NDArray[np.intp]) -> int:
+    """Return the first of the further rows that has no band on some channels."""
+    return next(row for row in range(first, column.shape[0]) if not column[row, here].any())

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, cold_share
-from seaglint.air.profile.air_profile import GASES, AirProfile
+from seaglint.air.profile.air_profile import GASES, AirProfile, saturation_density
 from seaglint.air.profile.band_laws import BandLaws
 from seaglint.air.profile.band_numbers import HIGHEST, Spectroscopy
 from seaglint.air.profile.hazes import NAMES, HazeWeather, aerosols
@@ -22,6 +22,12 @@ from seaglint.optics.blackbody import planck_wavenumber
 
 MOST_PPMV: Final = 50_000.0
 """Largest amount of a trace gas [1e-6 of the volume of dry air]: laws for traces in air do not hold for more."""
+
+FITTED_K: Final = (200.0, 310.0)
+"""Temperatures of the paths to which ``lblrtm`` is fitted [K]."""
+
+FITTED_PPMV: Final = {"CO2": 1000.0, "O3": 10.0, "N2O": 1.0, "CO": 1.0, "CH4": 5.0}
+"""Amounts beyond which a gas is none of the traces that ``lblrtm`` is fitted to [1e-6 of the volume of dry air]."""
 
 OXYGEN: Final = 0.209
 """Oxygen of dry air [1 of the volume]."""
@@ -123,13 +129,14 @@ def homogeneous_spectrum(
         known = ", ".join(NAMES)
         raise DomainError(f"haze = {haze.haze!r} is not known; give one of {known}", name="haze", value=haze.haze, allowed=known)
     band = _band(band_um, spectroscopy)
+    _report_unusual(temperature_k, vapour_pressure_hpa, ppmv)
     nu = lowtran_numbers()["wavenumber_cm"]
     low, high = 1e4 / band.max_um, 1e4 / band.min_um
     nu = nu[(nu > low - 5.0 - 1e-6) & (nu < high + 5.0 + 1e-6)]
     laws = BandLaws.of(nu, spectroscopy)
     profile = _even_air(temperature_k, pressure_hpa, vapour_pressure_hpa, ppmv)
     amounts = length_km * absorber_densities(profile, laws.columns, laws.numbers.scaled)[:, 0]
-    amounts[laws.columns.index(9)] = amounts[laws.columns.index(5)] * cold_share(np.array(temperature_k), laws.numbers.cold_kelvin)
+    amounts[laws.columns.index(9)] = amounts[laws.columns.index(5)] * cold_share(np.array(temperature_k), laws.cold_kelvin)
     depth = laws.optical_depth(amounts[None])[0]
     if spectroscopy == "lblrtm":
         for column, (first, last) in OF_AIR.items():
@@ -142,6 +149,23 @@ def homogeneous_spectrum(
     passed = np.exp(-depth)
     weights = band.weights(nu) * planck_wavenumber(nu, temperature_k)
     return PathSpectrum(nu, passed, float(weights @ passed / weights.sum()))
+
+
+def _report_unusual(kelvin: float, vapour_pressure: float, ppmv: dict[str, float]) -> None:
+    """Report air outside what the numbers were fitted to or what air can be."""
+    if not FITTED_K[0] <= kelvin <= FITTED_K[1]:
+        REPORTS.warning("temperature_k = %g is outside %g to %g K, for which absorption was fitted", kelvin, *FITTED_K)
+    saturated = float(saturation_density(kelvin)) * kelvin / _GRAM_PER_HPA
+    if vapour_pressure > 1.05 * saturated:
+        REPORTS.warning("vapour_pressure_hpa = %g is above saturation, %.3g hPa at %g K", vapour_pressure, saturated, kelvin)
+    for name, amount in ppmv.items():
+        if amount > FITTED_PPMV.get(name, np.inf):
+            REPORTS.warning(
+                "%s_ppmv = %g: absorption was fitted to traces as in air, up to %g parts per million",
+                name.lower(),
+                amount,
+                FITTED_PPMV[name],
+            )
 
 
 def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:

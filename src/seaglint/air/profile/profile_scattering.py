@@ -80,7 +80,7 @@ class Scatterers:
         self._profile = thin = thinned(profile, MOST_LEVELS[continuous])
         self._nu = nu = np.asarray(wavenumber_cm, dtype=np.float64)
         numbers = band_numbers(spectroscopy)
-        self._cold_kelvin = numbers.cold_kelvin
+        self._cold_kelvin = numbers.cold_law(nu)
         self._spectral = SpectralLaws(
             nu, numbers.continuum[:7, keep], numbers.column[:, keep], numbers.power[:, keep], numbers.log_coefficient[:, keep]
         )

@@ -25,7 +25,9 @@ UNITS: Final = {
 RANKS: Final = ("ppmv", "kg/kg", "mPa", "ppbv", "mol/mol")
 """Units, the preferred first, where several columns have as many values."""
 
-ALLOWED: Final = "ozone_ppmv (parts per million of the volume of air), ozone_mmr (mass mixing ratio, kg/kg) or ozone_mpa (mPa)"
+ALLOWED: Final = (
+    "ozone_ppmv or ozone_ppbv (parts per million or billion of the volume of air), ozone_mmr (mass mixing ratio, kg/kg) or ozone_mpa (mPa)"
+)
 
 MOLAR: Final = 28.9644 / 47.9982
 """Molar mass of air over that of ozone [1]."""

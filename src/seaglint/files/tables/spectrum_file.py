@@ -132,7 +132,7 @@ def _positive(text: str, where: str) -> float:
     except ValueError:
         value = 0.0
     if not 0.0 < value < np.inf:
-        raise DataError(f"{where} states no resolution above 0 cm-1; write # resolution_cm: 4")
+        raise DataError(f"{where} states no resolution above 0 cm-1; state it in a comment, in cm-1, above 0")
     return value
 
 

@@ -69,7 +69,7 @@ class _Absorption(Record):
         Field(description="nitrous oxide at the sea, parts per million of dry air, above in proportion; default: the model's"),
     ] = None
     ozone_du: Annotated[
-        Annotated[float, Quantity("DU", ge=0, le=1000)] | None,
+        Annotated[float, Quantity(ge=0, le=1000)] | None,
         Field(description="ozone of the whole column in Dobson units, distributed as in the model or sounding; default: theirs"),
     ] = None
 

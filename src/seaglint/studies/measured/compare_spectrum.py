@@ -136,6 +136,13 @@ class SpectrumComparison:
         return out
 
 
+THERMAL_CM: Final = 1800.0
+"""Wavenumber below which sunlight counts for nothing [cm-1]."""
+
+BELIEVABLE_K: Final = (60.0, 360.0)
+"""Temperatures of sky and sea [K]."""
+
+
 def compare_spectrum(
     spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLight,
     scenario: Scenario,
@@ -164,8 +171,24 @@ def compare_spectrum(
     ours = [_ours(scenario, nu, elevation, ours_width, spectroscopy) for nu in parts]
     nu = np.concatenate(parts)
     found = (np.concatenate(ours), np.concatenate(measured))
+    if not found[0].any():
+        raise DataError("the scenario has no light in this direction: no air above the sensor, or a black sky; choose another direction")
+    notes += _unbelievable(nu, found[1])
     bands = tuple(row for part, mine, theirs in zip(parts, ours, measured, strict=True) for row in _bands(part, mine, theirs))
     return SpectrumComparison(nu, found[1], found[0], ours_width, math.degrees(elevation), bands, tuple(notes), light.name)
+
+
+def _unbelievable(nu: FloatArray, measured: FloatArray) -> list[str]:
+    """Return a line on a spectrum beyond 5.5 um with temperatures that no sky or sea has."""
+    thermal = nu < THERMAL_CM
+    if not thermal.any():
+        return []
+    kelvin = brightness_temperature(nu[thermal], measured[thermal])
+    middle = float(np.median(kelvin)) if np.isfinite(kelvin).all() else math.inf
+    if BELIEVABLE_K[0] <= middle <= BELIEVABLE_K[1]:
+        return []
+    what = "no temperature" if math.isinf(middle) else f"{middle:.0f} K"
+    return [f"the measured spectrum has {what} in the median beyond 5.5 um, which no sky or sea has; is its unit right?"]
 
 
 def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLight) -> MeasuredLight:

@@ -39,6 +39,9 @@ ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
 }
 """Further gases that it does not have in a band."""
 
+BELOW: Final[dict[tuple[int, int], tuple[str, ...]]] = {(2080, 2250): ("O3",)}
+"""Gases that it has in a band above :data:`TOP_HPA` only, where paths of the band are not compared."""
+
 LOWER_CM: Final = ((820, 980), (1800, 2080), (2080, 2250), (2390, 2680))
 """Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared."""
 
@@ -56,7 +59,7 @@ _REASONS: Final = {
 }
 
 _COLD_CM: Final = (2080, 2250)
-_COLD: Final = "At 4.4-4.8 um nitrous oxide, carbon monoxide and carbon dioxide absorb too much in cold dry air, with either numbers."
+_COLD: Final = "At 4.4-4.8 um ours has nitrogen, which RRTMGP leaves out there: a hundredth of transmittance."
 
 _SKY_REASONS: Final = {
     "lowtran7": "Water's continuum by air is too strong at 3.1-4.2 um, its self continuum by a fifth to a half at 8-9.6 um.",
@@ -130,11 +133,11 @@ def _row(case: str, band: tuple[int, int], name: Spectroscopy, unit: str, ours: 
     )
 
 
-def _bands_by_gases() -> dict[tuple[str, ...], list[int]]:
+def _bands_by_gases(absent: dict[tuple[int, int], tuple[str, ...]]) -> dict[tuple[str, ...], list[int]]:
     """Places of the bands by the gases that are left out in them, so that one sum serves several bands."""
     out: dict[tuple[str, ...], list[int]] = {}
     for j, band in enumerate(BANDS_CM):
-        out.setdefault(ABSENT.get(band, ()), []).append(j)
+        out.setdefault(absent.get(band, ()), []).append(j)
     return out
 
 
@@ -157,7 +160,7 @@ def _path_transmittance(name: Spectroscopy, path: dict[str, float]) -> FloatArra
     """Band transmittances of a homogeneous path [1, (bands,)]."""
     kelvin, profile = path["temperature_k"], homogeneous_air(path)
     out = np.empty(len(BANDS_CM))
-    for gases, places in _bands_by_gases().items():
+    for gases, places in _bands_by_gases(ABSENT | BELOW).items():
         nu, parts = _channels(places)
         air = sums_with(name, without_gases(profile, gases), NO_HAZE, nu)
         # 30 km up a path of 60 km stays within the air of this profile, whatever the Earth's curvature
@@ -183,7 +186,7 @@ def homogeneous_air(path: dict[str, float]) -> AirProfile:
 def _sky_light(name: Spectroscopy, profile: AirProfile, zenith: FloatArray) -> FloatArray:
     """Band radiance of the sky at the sea [W m-2 sr-1, (zeniths, bands)]."""
     out = np.empty((zenith.size, len(BANDS_CM)))
-    for gases, places in _bands_by_gases().items():
+    for gases, places in _bands_by_gases(ABSENT).items():
         nu, parts = _channels(places)
         air = sums_with(name, without_gases(profile, (*NEVER, *gases)), NO_HAZE, nu)
         for i, angle in enumerate(zenith.tolist()):
