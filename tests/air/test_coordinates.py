@@ -1,10 +1,9 @@
-"""Refraction, path length and spline weights of the tables."""
+"""Path length and spline weights of the tables."""
 
 import numpy as np
 import pytest
 
 from seaglint.air.coordinates import (
-    Refraction,
     decode_optical_depth,
     dip_coordinate,
     elevation_coordinate,
@@ -16,28 +15,6 @@ from seaglint.air.coordinates import (
     straight_sea_cosine,
     straight_slant,
 )
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.base.conventions import horizon_depression
-
-VACUUM = Refraction(np.array([0.0, 1e5]), np.array([1e-30, 1e-30]), EFFECTIVE_EARTH_RADIUS)
-AIR = Refraction(np.array([0.0, 1e3, 1e5]), np.array([2.7e-4, 2.46e-4, 1e-12]), 6.371e6)
-
-
-@pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
-def test_without_refraction_the_dip_is_geometry(height):
-    assert VACUUM.dip(height) == pytest.approx(horizon_depression(height), rel=1e-6)
-
-
-@pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
-def test_refraction_lifts_the_horizon(height):
-    straight = Refraction(VACUUM.level_height, VACUUM.refractivity, AIR.earth_radius).dip(height)
-    assert 0.85 * straight < AIR.dip(height) < straight
-
-
-@pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
-def test_ray_angles_invert(height):
-    cosine = np.array([1e-3, 0.02, 0.5, 0.999])
-    np.testing.assert_allclose(AIR.sea_cosine(height, AIR.depression(height, cosine)), cosine, rtol=1e-6)
 
 
 @pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
