@@ -7,6 +7,7 @@ from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.profile.profile_scattering import model_scatterers
 from seaglint.air.profile.scattered_cases import scattered_cases, scatters_in
 from seaglint.air.protocol import ClearAir, slant_range
+from seaglint.air.scattering.gas_bands import GasBands
 from seaglint.air.scattering.scattered_light import (
     in_band,
     mirrored_sky_at,
@@ -56,7 +57,7 @@ def thin_air(optical_depth):
     height = np.concatenate([np.linspace(0.0, 30.0, 61), [HIGHEST_KM]])
     density = np.zeros((11, height.size))
     density[4] = np.exp(-height / 8.0) / 8.0  # of unit amount straight up
-    spectral = SpectralLaws(np.array([2500.0, 2505.0]), np.zeros((7, 2)), *(np.zeros((1, 2), dtype=kind) for kind in (int, float, float)))
+    spectral = SpectralLaws(np.array([2500.0, 2505.0]), np.zeros((7, 2)), GasBands([], ()))
     spectral.continuum[0] = optical_depth
     levels = AirLevels(6371.0, height, 1013.0 * np.exp(-height / 8.0), 250.0 + 0.0 * height, 1e-12 * np.exp(-height / 8.0),
                        0.0 * height, np.array([2.0, 10.0, 30.0, 100.0]), density)  # fmt: skip
