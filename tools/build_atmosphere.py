@@ -37,12 +37,12 @@ from seaglint.air.coordinates import (
     elevation_of_coordinate,
     encode_optical_depth,
     path_coordinate,
-    spline_weights,
     straight_sea_cosine,
     straight_slant,
 )
 from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import slant_range
+from seaglint.air.table.stencil import Stencil
 from seaglint.files.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
 from seaglint.files.lowtran.engine import FLAGS, LowtranSpectrum, engine, fortran_file, run
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION
@@ -376,8 +376,7 @@ def pack(model: str, region: str, folder: Path, note: dict[str, str], output: Pa
     sky = stack(folder, "sky", "temperature", SKY_HEIGHTS, keep)
     sky[0] = np.concatenate([sky[0], np.repeat(sky[0][:, :1], DIP_NODES - 1, axis=1)], axis=1)  # from the sea nothing lies below
     for i, h in enumerate(SKY_HEIGHTS):
-        to_winds = np.array([spline_weights(sky_winds(model, h), wind_kinks(model), w) for w in winds_of(model)])
-        sky[i] = np.tensordot(to_winds, sky[i], axes=1)
+        sky[i] = Stencil.between_kinks(sky_winds(model, h), wind_kinks(model), np.asarray(winds_of(model))).of(sky[i])
     report: dict[str, list[float]] = {}
     packed: dict[str, np.ndarray] = {}
     for name, field in (

@@ -1,4 +1,4 @@
-"""Coordinates of the nodes of an atmosphere table: normalised path length and elevation, splines between kinks.
+"""Coordinates of the nodes of an atmosphere table: normalised path length and elevation.
 
 The table builder and :mod:`seaglint.air.table.batch` share this file, so that nodes and look-ups cannot drift apart.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
@@ -108,16 +107,3 @@ def decode_optical_depth(q: FloatArray) -> FloatArray:
     share -= OPTICAL_DEPTH_FLOOR
     np.maximum(share, 0.0, out=share)
     return np.asarray(share / np.maximum(1.0 - share / OPTICAL_DEPTH_CEILING, 0.09))
-
-
-def spline_weights(nodes: FloatArray, kinks: tuple[float, ...], x: float) -> FloatArray:
-    """Weights [(nodes)] of node values for the value of a cubic spline at ``x``; the slope may jump at ``kinks``.
-
-    Kinks must be nodes. Between two kinks the spline is not-a-knot (three nodes: a parabola, two: a line).
-    """
-    edges = sorted({nodes[0], *kinks, nodes[-1]})
-    last = min(max(int(np.searchsorted(edges, x, side="right")), 1), len(edges) - 1)
-    inside = (nodes >= edges[last - 1]) & (nodes <= edges[last])
-    weights = np.zeros(nodes.size)
-    weights[inside] = CubicSpline(nodes[inside], np.eye(int(inside.sum())))(x)
-    return weights
