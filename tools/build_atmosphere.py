@@ -376,7 +376,7 @@ def pack(model: str, region: str, folder: Path, note: dict[str, str], output: Pa
     sky = stack(folder, "sky", "temperature", SKY_HEIGHTS, keep)
     sky[0] = np.concatenate([sky[0], np.repeat(sky[0][:, :1], DIP_NODES - 1, axis=1)], axis=1)  # from the sea nothing lies below
     for i, h in enumerate(SKY_HEIGHTS):
-        sky[i] = Stencil.between_kinks(sky_winds(model, h), wind_kinks(model), np.asarray(winds_of(model))).of(sky[i])
+        sky[i] = Stencil.between_kinks(sky_winds(model, h), wind_kinks(model), winds_of(model)).of(sky[i])
     report: dict[str, list[float]] = {}
     packed: dict[str, np.ndarray] = {}
     for name, field in (

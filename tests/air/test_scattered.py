@@ -143,9 +143,8 @@ def test_tables_of_a_setting_sun_have_no_step(scattering_air, weights):
     seen = []
     for zenith in np.radians(np.arange(89.5, 90.31, 0.05)):
         light = scattered_in(_Only(scattering_air), slice(None), weights, 30.0, float(zenith), 0.002)
-        mirrored = [
-            scattered_shares(0.1, 0.2, light.sea_sky, sun) @ light.sea_sky.spectral @ weights for sun in (None, float(zenith) - 0.001)
-        ]
+        shapes = light.sea_sky.spectral @ weights
+        mirrored = [scattered_shares(0.1, 0.2, light.sea_sky, place) @ shapes for place in (None, float(zenith) - 0.001)]
         seen.append(
             [
                 scattered_path_at(3e3, -0.01, 0.2, light.path),
