@@ -24,24 +24,25 @@ import sys
 import tempfile
 import time
 import zipfile
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import (
-    Refraction,
     elevation_of_coordinate,
     encode_optical_depth,
     path_coordinate,
-    spline_weights,
     straight_sea_cosine,
     straight_slant,
 )
+from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import slant_range
+from seaglint.air.table.stencil import Stencil
 from seaglint.files.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
 from seaglint.files.lowtran.engine import FLAGS, LowtranSpectrum, engine, fortran_file, run
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION
@@ -169,11 +170,20 @@ def optical_depth(spectrum: LowtranSpectrum) -> np.ndarray:
     return np.clip(-np.log(np.maximum(spectrum.transmittance, 1e-300)), 1e-12, OPAQUE)
 
 
-def refraction_of(spectrum: LowtranSpectrum) -> Refraction:
-    """The profile LOWTRAN7 used."""
+def refraction_of(spectrum: LowtranSpectrum) -> dict[str, Any]:
+    """The profile LOWTRAN7 used, as in its file."""
     inside = (spectrum.level_height_m <= 1e5) & (spectrum.refractivity > 0.0)
     inside[1:] &= np.diff(spectrum.level_height_m) > 0.0
-    return Refraction(spectrum.level_height_m[inside], spectrum.refractivity[inside], spectrum.earth_radius_m)
+    return {
+        "level_height": spectrum.level_height_m[inside],
+        "refractivity": spectrum.refractivity[inside],
+        "earth_radius": spectrum.earth_radius_m,
+    }
+
+
+def air_of(profile: Mapping[str, Any]) -> RefractingAir:
+    """The profile, to refract by."""
+    return RefractingAir.of(profile["level_height"], profile["refractivity"], float(profile["earth_radius"]))
 
 
 def path_cosines(height: float) -> np.ndarray:
@@ -184,7 +194,7 @@ def path_cosines(height: float) -> np.ndarray:
     return cosine  # 1e-5: LOWTRAN7 refuses rays that graze the sea exactly
 
 
-def sky_zeniths(air: Refraction, height: float) -> np.ndarray:
+def sky_zeniths(air: RefractingAir, height: float) -> np.ndarray:
     """Zenith angles of the sky nodes seen from a height [rad]: from the horizontal up, then from the horizontal to the sea horizon."""
     dip = air.dip(height) if height else 0.0
     up = np.maximum(0.5 * np.pi - elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), dip), 0.0)
@@ -233,13 +243,12 @@ def sample(program: Path, model: str, folder: Path, workers: int) -> None:
     """Run LOWTRAN7 on every node of one model atmosphere; each slab goes to a file of its own, those already there are kept."""
     folder.mkdir(parents=True, exist_ok=True)
     probe = run(program, line_of_sight(model, 5.0, "path", 100.0, np.pi))
-    v, air = probe.wavenumber_cm, refraction_of(probe)
+    v, profile = probe.wavenumber_cm, refraction_of(probe)
+    air = air_of(profile)
     np.savez(
         folder / "profile.npz",
         wavenumber_cm=v,
-        level_height=air.level_height,
-        refractivity=air.refractivity,
-        earth_radius=air.earth_radius,
+        **profile,
         solar=run(program, line_of_sight(model, 5.0, "sun", 0.0, 0.0)).source,
     )
     missing = [slab for slab in slabs() if not (folder / slab_name(*slab)).exists()]
@@ -332,7 +341,7 @@ def stack(folder: Path, kind: str, quantity: str, heights: np.ndarray, keep: sli
     return fields
 
 
-def even_paths(folder: Path, air: Refraction, keep: slice) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def even_paths(folder: Path, air: RefractingAir, keep: slice) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Encoded depths and temperatures at even path coordinates; log excess of the horizon's slant; ray to path coordinate."""
     ray, even = np.linspace(0.0, 1.0, RAY_NODES), np.linspace(0.0, 1.0, PATH_NODES)
     raw_depth, raw_temperature = (stack(folder, "path", q, HEIGHTS, keep) for q in ("depth", "temperature"))
@@ -362,13 +371,12 @@ def pack(model: str, region: str, folder: Path, note: dict[str, str], output: Pa
         profile = dict(archive)
     v = profile["wavenumber_cm"]
     keep = slice(int(np.searchsorted(v, v1)), int(np.searchsorted(v, v2)) + 1)
-    air = Refraction(profile["level_height"], profile["refractivity"], float(profile["earth_radius"]))
+    air = air_of(profile)
     depth, temperature, excess, ray_to_path = even_paths(folder, air, keep)
     sky = stack(folder, "sky", "temperature", SKY_HEIGHTS, keep)
     sky[0] = np.concatenate([sky[0], np.repeat(sky[0][:, :1], DIP_NODES - 1, axis=1)], axis=1)  # from the sea nothing lies below
     for i, h in enumerate(SKY_HEIGHTS):
-        to_winds = np.array([spline_weights(sky_winds(model, h), wind_kinks(model), w) for w in winds_of(model)])
-        sky[i] = np.tensordot(to_winds, sky[i], axes=1)
+        sky[i] = Stencil.between_kinks(sky_winds(model, h), wind_kinks(model), winds_of(model)).of(sky[i])
     report: dict[str, list[float]] = {}
     packed: dict[str, np.ndarray] = {}
     for name, field in (

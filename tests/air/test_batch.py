@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from seaglint.air.coordinates import spline_weights
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
@@ -49,14 +48,39 @@ def test_every_case_is_that_of_sums_along_its_ray(model, band):
         assert weights @ above[i] == pytest.approx(weights @ sums.in_layers(0.0, sky[i]).emitted, rel=TABLES)
 
 
-def test_stencils_are_the_splines():
+def test_stencils_of_cubics_keep_the_kink():
+    nodes = np.arange(8.0)
+
+    def kinked(x):
+        return np.where(x < 3.0, x**3, 27.0 - 5.0 * (x - 3.0) + (x - 3.0) ** 3)
+
+    x = np.array([0.3, 2.9, 3.0, 3.1, 6.5, 7.0])
+    np.testing.assert_allclose(Stencil.between_kinks(nodes, (3.0,), x).of(kinked(nodes)), kinked(x), rtol=0.0, atol=1e-9)
+
+
+def test_stencils_do_not_reach_across_a_kink():
+    found = Stencil.between_kinks(np.arange(8.0), (3.0,), np.array([1.5]))
+    assert not found.weight[found.index >= 4].any()
+    assert found.weight.sum() == pytest.approx(1.0)
+
+
+def test_stencils_between_kinks_are_splines_of_their_parts():
     random = np.random.default_rng(1)
-    nodes, kinks = np.sort(random.uniform(0.0, 9.0, 12)), ()
+    nodes = np.sort(random.uniform(0.0, 9.0, 12))
     kinks = (float(nodes[4]), float(nodes[5]), float(nodes[9]))
     x = np.concatenate([random.uniform(nodes[0], nodes[-1], 40), nodes])
     values = random.normal(size=(12, 3))
-    expected = np.array([spline_weights(nodes, kinks, float(v)) for v in x]) @ values
+    expected = np.empty((x.size, 3))
+    for first, last in ((0, 4), (4, 5), (5, 9), (9, 11)):
+        inside = (x >= nodes[first]) & (x <= nodes[last])
+        expected[inside] = CubicSpline(nodes[first : last + 1], values[first : last + 1])(x[inside])
     np.testing.assert_allclose(Stencil.between_kinks(nodes, kinks, x).of(values), expected, rtol=1e-10, atol=1e-12)
+
+
+def test_stencils_of_slopes_are_the_spline():
+    random = np.random.default_rng(1)
+    nodes, values = np.sort(random.uniform(0.0, 9.0, 12)), random.normal(size=(12, 3))
+    x = np.concatenate([random.uniform(nodes[0], nodes[-1], 40), nodes])
     spline = CubicSpline(nodes, values)
     found = Stencil.hermite(nodes, x).of(with_slopes(nodes, values))
     np.testing.assert_allclose(found, spline(x), rtol=1e-10, atol=1e-10)

@@ -13,6 +13,7 @@ from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.air.scattering.band_transmittance import optical_depths
+from seaglint.air.scattering.gas_bands import GasBands
 from seaglint.air.scattering.lowtran_ray import MOLECULES, WORK_ROWS, trace
 from seaglint.air.scattering.scattered_line import KINDS, _empty_line, local_zenith, sun_seen
 from seaglint.air.scattering.scattering_laws import SpectralLaws, scattering_angle
@@ -81,8 +82,8 @@ def test_bands_of_two_powers_have_both():
     """``sum (C W)^a``, for no amount too, and for one below 0 by rounding."""
     column, power = np.array([[0, 5, 5, 5, 6, 6]]), np.array([[0.0, 0.5, 0.5, 0.6, 0.6, 0.6]])
     log = np.array([[0.0, -1.0, 2.0, -3.0, 0.5, 1.0]])
-    laws = SpectralLaws(2500.0 + 5.0 * np.arange(6.0), np.zeros((7, 6)), column, power, log)
-    place, powers, coefficients = laws.segments()
+    laws = SpectralLaws(2500.0 + 5.0 * np.arange(6.0), np.zeros((7, 6)), GasBands.of(column, power, log))
+    place, powers, coefficients = laws.segments
     model = scattering_air(model_profile("tropical"), HazeWeather(wind=7.0, wind_24h=7.0), wavenumber_grid(3.5, 3.6)).laws
     few = model._replace(linear=np.zeros((11, 6)), segments=place, power=powers, coefficient=coefficients)
     for amount in (0.0, -1e-18, 1e-6, 3.0, 1e10):

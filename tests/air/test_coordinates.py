@@ -1,10 +1,9 @@
-"""Refraction, path length and spline weights of the tables."""
+"""Coordinates of the tables: lengths of paths, heights, elevations, encoded depths."""
 
 import numpy as np
 import pytest
 
 from seaglint.air.coordinates import (
-    Refraction,
     decode_optical_depth,
     dip_coordinate,
     elevation_coordinate,
@@ -12,32 +11,9 @@ from seaglint.air.coordinates import (
     encode_optical_depth,
     height_coordinate,
     sky_height_coordinate,
-    spline_weights,
     straight_sea_cosine,
     straight_slant,
 )
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.base.conventions import horizon_depression
-
-VACUUM = Refraction(np.array([0.0, 1e5]), np.array([1e-30, 1e-30]), EFFECTIVE_EARTH_RADIUS)
-AIR = Refraction(np.array([0.0, 1e3, 1e5]), np.array([2.7e-4, 2.46e-4, 1e-12]), 6.371e6)
-
-
-@pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
-def test_without_refraction_the_dip_is_geometry(height):
-    assert VACUUM.dip(height) == pytest.approx(horizon_depression(height), rel=1e-6)
-
-
-@pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
-def test_refraction_lifts_the_horizon(height):
-    straight = Refraction(VACUUM.level_height, VACUUM.refractivity, AIR.earth_radius).dip(height)
-    assert 0.85 * straight < AIR.dip(height) < straight
-
-
-@pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
-def test_ray_angles_invert(height):
-    cosine = np.array([1e-3, 0.02, 0.5, 0.999])
-    np.testing.assert_allclose(AIR.sea_cosine(height, AIR.depression(height, cosine)), cosine, rtol=1e-6)
 
 
 @pytest.mark.parametrize("height", [2.0, 50.0, 3000.0])
@@ -71,19 +47,3 @@ def test_heights_keep_their_order_and_levels_are_whole_numbers(coordinate):
 def test_optical_depth_encoding_inverts():
     depth = np.array([0.0, 1e-5, 1e-3, 0.1, 1.0, 5.0, 20.0, 50.0])
     np.testing.assert_allclose(decode_optical_depth(encode_optical_depth(depth)), depth, rtol=1e-9, atol=1e-15)
-
-
-def test_spline_weights_reproduce_cubics_between_kinks_and_keep_the_kink():
-    nodes = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0])
-
-    def kinked(x):
-        return np.where(x < 3.0, x**3, 27.0 - 5.0 * (x - 3.0) + (x - 3.0) ** 3)
-
-    for x in (0.3, 2.9, 3.0, 3.1, 6.5, 7.0):
-        assert spline_weights(nodes, (3.0,), x) @ kinked(nodes) == pytest.approx(float(kinked(np.float64(x))), abs=1e-9)
-
-
-def test_spline_weights_do_not_reach_across_a_kink():
-    weights = spline_weights(np.arange(8.0), (3.0,), 1.5)
-    assert not weights[4:].any()
-    assert weights.sum() == pytest.approx(1.0)

@@ -6,12 +6,11 @@ import json
 import numpy as np
 import pytest
 
-from seaglint.air.coordinates import Refraction
 from seaglint.air.table.table_file import BandTable
 from seaglint.base.errors import DataError
 from seaglint.files.lowtran.deck import Aerosol, LowtranAir, ProfileLevel
 from seaglint.files.modtran.json_deck import json_deck
-from seaglint.files.modtran.lines import AZIMUTHS, DIP_NODES, PATH_NODES, SKY_NODES, Manifest, ModtranCase, arc, needed_lines, read_manifest
+from seaglint.files.modtran.lines import AZIMUTHS, DIP_NODES, PATH_NODES, SKY_NODES, Manifest, ModtranCase, needed_lines, read_manifest
 from seaglint.files.modtran.tape5 import deck
 
 AIR = LowtranAir("midlatitude-winter", Aerosol(wind=7.0, wind_24h=5.0), 2435, 2565)
@@ -27,22 +26,11 @@ def refraction():
     return BandTable.read("midlatitude-summer", (3.5, 5.0)).refraction
 
 
-def test_straight_rays_meet_the_sea_where_geometry_says():
-    """Without air: cos(d) (R + h) = R cos(e), and the arc is R (d - e); from straight down to grazing."""
-    vacuum = Refraction(np.array([0.0, 1e4, 1e5]), np.array([1e-30, 1e-30, 1e-30]), 6371.23e3)
-    elevation = np.radians([0.0, 0.05, 1.0, 30.0, 89.0])
-    for height in (2.0, 30.0, 9000.0):
-        depression = np.arccos(np.cos(elevation) * vacuum.earth_radius / (vacuum.earth_radius + height))
-        np.testing.assert_allclose(
-            arc(vacuum, height, np.sin(elevation)), vacuum.earth_radius * (depression - elevation), rtol=1e-6, atol=1e-6
-        )
-
-
 def test_rays_of_lowtran7_meet_the_sea_where_it_says(refraction):
     """Arcs that LOWTRAN7 computed for these zenith angles at 30 m and 2.5 km, midlatitude summer [m]."""
     for height, zenith, found in ((30.0, 91.51617867, 1136.60624), (30.0, 90.18122429, 12934.61870), (2500.0, 92.55090913, 61880.518)):
         cosine = refraction.sea_cosine(height, np.radians(zenith - 90.0))
-        assert float(arc(refraction, height, cosine)) == pytest.approx(found, rel=3e-5)
+        assert float(refraction.sea_arc(height, cosine)) == pytest.approx(found, rel=3e-5)
 
 
 def test_the_lines_of_a_scenario(refraction):

@@ -8,7 +8,7 @@ import pytest
 from render_scenes import BAND, camera, elfouhaily, furnace, sea_view, shown, swept_scene, turned_scene
 from scattered_sums import hazy, mirrored
 
-from seaglint.air.scattering.scattered_light import in_band, scattered_path, scattered_shares
+from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import surface_range, view_zenith_of_range
 from seaglint.facet.facet_sunlight import level_optics
@@ -245,7 +245,7 @@ def test_sky_table_keeps_the_band():
     elevation, angle = np.arcsin((j / (ELEVATIONS - 1)) ** 2), 2.0 * np.arcsin(i / (ANGLES - 1))
     cosine = (np.cos(angle) - np.sin(elevation) * np.cos(zenith)) / (np.cos(elevation) * np.sin(zenith))
     real = np.abs(cosine) < 1.0
-    wanted = scattered_shares(elevation[real], np.arccos(cosine[real]), in_band(table, weights), zenith)[..., 0]
+    wanted = scattered_shares(elevation[real], np.arccos(cosine[real]), table, zenith) @ (table.spectral @ weights)
     found = sky.shares[0, j[real], i[real]] @ (spectral @ weights)
     assert real.sum() > 5
     np.testing.assert_allclose(found, wanted, rtol=3e-3)

@@ -1,55 +1,15 @@
-"""Coordinates of the nodes of an atmosphere table: refraction, normalised path length and elevation, splines between kinks.
+"""Coordinates of the nodes of an atmosphere table: normalised path length and elevation.
 
 The table builder and :mod:`seaglint.air.table.batch` share this file, so that nodes and look-ups cannot drift apart.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
-
-
-@dataclass(frozen=True)
-class Refraction:
-    """Refractivity profile of LOWTRAN7, exponential between its levels, over its own Earth radius.
-
-    Snell's law on a sphere, ``n r sin(zenith) = const``, ties the depression at the sensor to the zenith angle at the sea
-    without tracing the ray.
-    """
-
-    level_height: FloatArray
-    refractivity: FloatArray
-    earth_radius: float
-
-    def _offset(self, height: ArrayLike) -> FloatArray:
-        """Value of ``1 - n_0 R / (n_h (R + h))``, in a form that keeps its digits for low sensors."""
-        sea, h = self.refractivity[0], np.asarray(height, dtype=np.float64)
-        air = np.exp(np.interp(h, self.level_height, np.log(self.refractivity)))
-        return np.asarray((self.earth_radius * (air - sea) + (1.0 + air) * h) / ((1.0 + air) * (self.earth_radius + h)))
-
-    def depression(self, height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
-        """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
-        e = self._offset(height)
-        square = e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2
-        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may give a negative value
-        return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
-
-    def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
-        """Cosine of the zenith angle at the sea of the ray seen at ``depression`` [1]; NaN where the ray misses the sea."""
-        e = self._offset(height)
-        squared = (np.sin(np.asarray(depression, dtype=np.float64)) ** 2 - e * (2.0 - e)) / (1.0 - e) ** 2
-        with np.errstate(invalid="ignore"):
-            return np.asarray(np.sqrt(squared))
-
-    def dip(self, height: float) -> float:
-        """Depression of the sea horizon [rad]."""
-        return float(self.depression(height, 0.0))
 
 
 def straight_slant(height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
@@ -147,16 +107,3 @@ def decode_optical_depth(q: FloatArray) -> FloatArray:
     share -= OPTICAL_DEPTH_FLOOR
     np.maximum(share, 0.0, out=share)
     return np.asarray(share / np.maximum(1.0 - share / OPTICAL_DEPTH_CEILING, 0.09))
-
-
-def spline_weights(nodes: FloatArray, kinks: tuple[float, ...], x: float) -> FloatArray:
-    """Weights [(nodes)] of node values for the value of a cubic spline at ``x``; the slope may jump at ``kinks``.
-
-    Kinks must be nodes. Between two kinks the spline is not-a-knot (three nodes: a parabola, two: a line).
-    """
-    edges = sorted({nodes[0], *kinks, nodes[-1]})
-    last = min(max(int(np.searchsorted(edges, x, side="right")), 1), len(edges) - 1)
-    inside = (nodes >= edges[last - 1]) & (nodes <= edges[last])
-    weights = np.zeros(nodes.size)
-    weights[inside] = CubicSpline(nodes[inside], np.eye(int(inside.sum())))(x)
-    return weights

@@ -19,21 +19,11 @@ import numpy as np
 
 from seaglint.air.profile.band_numbers import BandNumbers, Spectroscopy, band_numbers
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
-from seaglint.air.scattering.gas_bands import DEEPEST, gas_bands
+from seaglint.air.scattering.gas_bands import CONTINUA, DEEPEST, GasBands
 from seaglint.base.conventions import FloatArray
 
-CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8, 63, 1, 2)
-"""LOWTRAN7's numbers of absorbers linear in the amount: molecules that scatter, N2, water (296 K, colder, by air), HNO3, O3, O2."""
-
-
-@dataclass(frozen=True, eq=False)
-class GasBand:
-    """One band of a gas: the column of its amounts, its channels, ``depth = coefficient W**power`` [1, (channels,)]."""
-
-    column: int
-    where: slice
-    power: float
-    coefficient: FloatArray
+LINEAR: Final = (*CONTINUA, 63, 1, 2)
+"""LOWTRAN7's numbers of all absorbers linear in the amount: those that scattered light passes, and O2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +35,9 @@ class BandLaws:
     wavenumber_cm : ndarray
         [cm-1, (n,)].
     continuum : ndarray
-        Coefficients in the order of :data:`CONTINUA` [(10, n)].
-    bands : tuple of GasBand
-        Their columns count from 0 among :attr:`band_numbers`.
-    band_numbers : list of int
-        Numbers of the scaled amounts.
+        Coefficients in the order of :data:`LINEAR` [(10, n)].
+    gases : GasBands
+        Bands.
     source : ndarray
         Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
     numbers : BandNumbers
@@ -58,8 +46,7 @@ class BandLaws:
 
     wavenumber_cm: FloatArray
     continuum: FloatArray
-    bands: tuple[GasBand, ...]
-    band_numbers: list[int]
+    gases: GasBands
     source: FloatArray
     numbers: BandNumbers
 
@@ -73,13 +60,8 @@ class BandLaws:
             Channels that the file does not hold.
         """
         keep, held = channels_of(wavenumber_cm), band_numbers(spectroscopy)
-        column, power, log = held.column[:, keep], held.power[:, keep], held.log_coefficient[:, keep]
-        numbers = sorted({int(c) for c in np.unique(column)} - {0})
-        bands = [
-            GasBand(numbers.index(int(column[gas, first])), slice(first, end), float(power[gas, first]), np.exp(log[gas, first:end]))
-            for gas, first, end in gas_bands(column, power)
-        ]
-        return cls(wavenumber_cm, held.continuum[:, keep], tuple(bands), numbers, lowtran_numbers()["source"][keep], held)
+        gases = GasBands.of(held.column[:, keep], held.power[:, keep], held.log_coefficient[:, keep])
+        return cls(wavenumber_cm, held.continuum[:, keep], gases, lowtran_numbers()["source"][keep], held)
 
     @cached_property
     def cold_kelvin(self) -> float:
@@ -89,12 +71,12 @@ class BandLaws:
     @cached_property
     def columns(self) -> list[int]:
         """Numbers of continua and bands, in the order of amounts."""
-        return [*CONTINUA, *self.band_numbers]
+        return [*LINEAR, *self.gases.numbers]
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:
         """Optical depth [1, (ways, n)] of amounts [(ways, columns)] in the order of :attr:`columns`."""
-        depth = amount[:, : len(CONTINUA)] @ self.continuum
-        rows = amount[:, len(CONTINUA) :]
-        for band in self.bands:
+        depth = amount[:, : len(LINEAR)] @ self.continuum
+        rows = amount[:, len(LINEAR) :]
+        for band in self.gases.bands:
             depth[:, band.where] += np.maximum(rows[:, band.column, None], 0.0) ** band.power * band.coefficient
         return np.asarray(np.clip(depth, 0.0, DEEPEST))

@@ -41,6 +41,10 @@ STEEPEST: Final = 0.95
 """Gradient of refractivity, in parts of the one that bends a ray like the Earth, up to which rays are followed: layers that trap rays are
 taken as almost trapping."""
 
+ARC_PARTS: Final = 8
+ARC_ORDER: Final = 24
+"""Parts of a layer, and nodes in each, over which arcs along the sea are integrated."""
+
 CLOSEST: Final = 1e-3
 """Smallest distance in height between two nodes [m]."""
 
@@ -77,7 +81,7 @@ class BentRay:
 
 @dataclass(frozen=True, eq=False)
 class RefractingAir:
-    """Refractivity over heights, exponential between levels, around an Earth of a radius. Make it with :meth:`of`.
+    """Refractivity over heights, exponential between levels, around an Earth of a radius; made as it is, or with :meth:`of`.
 
     Attributes
     ----------
@@ -122,13 +126,41 @@ class RefractingAir:
 
     def dip(self, height: float) -> float:
         """Depression of the sea's horizon from a height [rad]."""
-        return float(np.arcsin(self.cosine(height, self.sea_invariant)))
+        return float(self.depression(height, 0.0))
 
-    def depression(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
-        """Depression at a height [m] of rays that leave the sea at zenith angles ``arccos(sea_cosine)`` [rad]."""
-        c = np.asarray(sea_cosine, dtype=np.float64)
-        sine = np.sqrt(np.clip((1.0 - c) * (1.0 + c), 0.0, 1.0))
-        return np.asarray(np.arcsin(self.cosine(height, self.invariant(0.0, sine))))
+    def depression(self, height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
+        """Depression at heights [m] of rays that leave the sea at zenith angles ``arccos(sea_cosine)`` [rad]."""
+        c = np.clip(np.asarray(sea_cosine, dtype=np.float64), 0.0, 1.0)
+        level = (self.earth_radius + self.sea_invariant) / (self.earth_radius + self.invariant(height)) * np.sqrt((1.0 - c) * (1.0 + c))
+        return np.asarray(np.arctan2(self.cosine(height, self._from_sea(c)), level))
+
+    def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
+        """Cosine of the zenith angle at the sea [1] of rays seen at depressions [rad] from heights [m]; NaN where they miss the sea."""
+        here, half = self.invariant(height), 0.5 * np.asarray(depression, dtype=np.float64)
+        lack = (self.sea_invariant - here + 2.0 * np.sin(half) ** 2 * (self.earth_radius + here)) / (self.earth_radius + self.sea_invariant)
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.sqrt(lack * (2.0 - lack)))
+
+    def sea_arc(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
+        """Arc along the sea of rays that leave it at zenith angles ``arccos(sea_cosine)`` and end at a height [m]; without steps' errors.
+
+        Between levels the integral over height runs over its root, in which it is smooth down to grazing rays.
+        """
+        levels = self.height[(self.height > 0.0) & (self.height < height)]
+        edges = np.sqrt(np.concatenate([[0.0], levels, [height]]))
+        edges = np.interp(np.arange(ARC_PARTS * (edges.size - 1) + 1) / ARC_PARTS, np.arange(edges.size), edges)
+        node, weight = np.polynomial.legendre.leggauss(ARC_ORDER)
+        half = 0.5 * np.diff(edges)[:, None]
+        root = (edges[:-1, None] + half * (1.0 + node)).ravel()
+        z = root * root
+        cosine = np.maximum(self.cosine(z, self._from_sea(sea_cosine)[..., None]), 1e-12)
+        tangent = np.sqrt((1.0 - cosine) * (1.0 + cosine)) / cosine
+        return np.asarray((tangent * (2.0 * root * self.earth_radius / (self.earth_radius + z) * (half * weight).ravel())).sum(axis=-1))
+
+    def _from_sea(self, sea_cosine: ArrayLike) -> FloatArray:
+        """Invariants of rays that leave the sea at zenith angles ``arccos(sea_cosine)`` [m]."""
+        c = np.clip(np.asarray(sea_cosine, dtype=np.float64), 0.0, 1.0)
+        return np.asarray(self.sea_invariant - c * c / (1.0 + np.sqrt((1.0 - c) * (1.0 + c))) * (self.earth_radius + self.sea_invariant))
 
     def lowest(self, height: float, invariant: float) -> float:
         """Height of the lowest point of a descending ray [m], 0 where it meets the sea."""

@@ -9,10 +9,12 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, refractivity
 from seaglint.air.profile.air_profile import AirProfile, model_profile
-from seaglint.air.profile.band_numbers import Spectroscopy, band_numbers
+from seaglint.air.profile.band_laws import BandLaws
+from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols, mean_humidity
-from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
+from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.air.scattering.gas_bands import CONTINUA
 from seaglint.air.scattering.lowtran_ray import AEROSOLS, layer_amounts
 from seaglint.air.scattering.scattered_line import HUMIDITIES
 from seaglint.air.scattering.scattering_laws import AEROSOL_COLUMNS, AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, grid_of
@@ -76,17 +78,13 @@ class Scatterers:
         spectroscopy: Spectroscopy = "lblrtm",
     ) -> None:
         self._continuous = continuous
-        held, keep = lowtran_numbers(), channels_of(wavenumber_cm)
         self._profile = thin = thinned(profile, MOST_LEVELS[continuous])
         self._nu = nu = np.asarray(wavenumber_cm, dtype=np.float64)
-        numbers = band_numbers(spectroscopy)
-        self._cold_kelvin = numbers.cold_law(nu)
-        self._spectral = SpectralLaws(
-            nu, numbers.continuum[:7, keep], numbers.column[:, keep], numbers.power[:, keep], numbers.log_coefficient[:, keep]
-        )
-        self._bands = self._spectral.segments()
-        self._source = held["source"][keep]
-        self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS], numbers.scaled)
+        bands = BandLaws.of(nu, spectroscopy)
+        self._cold_kelvin = bands.cold_kelvin
+        self._spectral = SpectralLaws(nu, bands.continuum[: len(CONTINUA)], bands.gases)
+        self._source = bands.source
+        self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS], bands.numbers.scaled)
         middle = 0.5 * float(nu[0] + nu[-1]) if refracted_cm is None else refracted_cm
         # layers that would trap rays are almost trapping here too: a ray must rise or fall through all of them
         self._refractivity = np.exp(RefractingAir.of(thin.height, refractivity(thin, middle), thin.earth_radius).log_refractivity)
@@ -125,7 +123,7 @@ class Scatterers:
         angle = np.radians(lowtran_numbers()["phase_angle_deg"])
         laws = AerosolLaws(kept.extinction, kept.absorption, angle, self._log_phase(haze.haze, kept.asymmetry[0]))
         finest = FINEST_KM if self._continuous else 0.0
-        return ScatteringAir.assembled(self._spectral, self._bands, levels, laws, self._source, self._grid._replace(amount=amount), finest)
+        return ScatteringAir.assembled(self._spectral, levels, laws, self._source, self._grid._replace(amount=amount), finest)
 
     def _log_phase(self, haze: str, asymmetry: FloatArray) -> FloatArray:
         """Logarithm of the phase functions [(KINDS - 1, n, angles)], linear in wavelength as in LOWTRAN7."""

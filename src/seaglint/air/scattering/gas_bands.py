@@ -1,7 +1,8 @@
-"""Absorption bands of gases as stretches of channels with one law each. Nothing here needs compiled kernels."""
+"""Absorption bands of gases as stretches of channels with one law each, ``depth = (C W)**a``. Nothing here needs compiled kernels."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
@@ -14,14 +15,64 @@ DEEPEST: Final = 600.0
 """Optical depth beyond which nothing passes. Products of still smaller transmittances would be denormal numbers, which are slow."""
 
 
-def gas_bands(column: NDArray[np.int64], power: FloatArray) -> list[tuple[int, int, int]]:
-    """Return the bands of gases as (gas, first channel, end): channels of one column and one power; both [(gases, n)].
+CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8)
+"""LOWTRAN7's numbers of absorbers linear in the amount: scattering by molecules, N2, water (296 K, colder, foreign), HNO3, O3."""
 
-    >>> gas_bands(np.array([[0, 5, 5, 5, 6]]), np.array([[0.0, 0.5, 0.5, 0.6, 0.6]]))
-    [(0, 1, 3), (0, 3, 4), (0, 4, 5)]
+
+@dataclass(frozen=True, eq=False)
+class GasBand:
+    """One band of a gas: the column of its amounts, its channels, ``depth = coefficient W**power`` [1, (channels,)]."""
+
+    column: int
+    where: slice
+    power: float
+    coefficient: FloatArray
+
+    def cut(self, first: int, end: int) -> GasBand | None:
+        """Return the band on consecutive channels, counted from the first of them, if it has any there."""
+        low, high = max(self.where.start, first), min(self.where.stop, end)
+        if low >= high:
+            return None
+        part = self.coefficient[low - self.where.start : high - self.where.start]
+        return GasBand(self.column, slice(low - first, high - first), self.power, part)
+
+
+@dataclass(frozen=True, eq=False)
+class GasBands:
+    """Bands of all gases on some channels, gas by gas. Make them with :meth:`of`.
+
+    Attributes
+    ----------
+    numbers : list of int
+        Numbers of the scaled amounts, among which the bands' columns count from 0.
+    bands : tuple of GasBand
     """
-    bands = []
-    for gas, (numbers, powers) in enumerate(zip(column, power, strict=True)):
-        edges = np.flatnonzero((np.diff(numbers) != 0) | (np.diff(powers) != 0.0)) + 1
-        bands += [(gas, first, end) for first, end in pairwise([0, *edges.tolist(), numbers.size]) if numbers[first] > 0]
-    return bands
+
+    numbers: list[int]
+    bands: tuple[GasBand, ...]
+
+    @classmethod
+    def of(cls, column: NDArray[np.int64], power: FloatArray, log_coefficient: FloatArray) -> GasBands:
+        """Put channels of one amount and one power together.
+
+        Per gas and channel: number of the scaled amount (0: no band), exponent of the amount, and the natural logarithm of coefficient to
+        that power [(gases, n)].
+
+        >>> found = GasBands.of(np.array([[0, 5, 5, 5, 6]]), np.array([[0.0, 0.5, 0.5, 0.6, 0.6]]), np.zeros((1, 5)))
+        >>> found.numbers, [(band.column, band.where.start, band.where.stop) for band in found.bands]
+        ([5, 6], [(0, 1, 3), (0, 3, 4), (1, 4, 5)])
+        """
+        numbers = sorted({int(c) for c in np.unique(column)} - {0})
+        bands = []
+        for named, powers, log in zip(column, power, log_coefficient, strict=True):
+            edges = np.flatnonzero((np.diff(named) != 0) | (np.diff(powers) != 0.0)) + 1
+            bands += [
+                GasBand(numbers.index(int(named[first])), slice(first, end), float(powers[first]), np.exp(log[first:end]))
+                for first, end in pairwise([0, *edges.tolist(), named.size])
+                if named[first] > 0
+            ]
+        return cls(numbers, tuple(bands))
+
+    def cut(self, first: int, end: int) -> GasBands:
+        """Return the bands on consecutive channels; their columns stay."""
+        return GasBands(self.numbers, tuple(part for part in (band.cut(first, end) for band in self.bands) if part is not None))

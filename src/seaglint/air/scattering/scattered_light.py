@@ -16,8 +16,7 @@ Use
 - ``sea_sky``: the sky that a place on the sea sees, which facets mirror. Its elevation, azimuth and Sun are those against the vertical
   of the place. It has spectral shapes: as with :class:`seaglint.facet.surface_spectra.SkyTable`, ``L = shares @ spectral``, so that sums
   over the band with reflectance and transmittance are taken of ``spectral`` once, and facets only need their few ``shares``
-  (:func:`scattered_shares`). The shares depend on the azimuth from the Sun, unlike those of the thermal sky. In band, :func:`in_band`
-  with weights of quadrature (times reflectance and transmittance) makes of it a table for :func:`mirrored_sky_at`.
+  (:func:`scattered_shares`). The shares depend on the azimuth from the Sun, unlike those of the thermal sky.
 
 Kernels make no arrays, so that those of the renderer can call them.
 
@@ -140,15 +139,6 @@ def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) ->
 
 
 @kernel
-def mirrored_sky_at(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> float:
-    """Scattered sky radiance in band [W m-2 sr-1] over a place, ``sea_sky`` of :func:`in_band`.
-
-    The Sun stands there at an apparent zenith angle [rad].
-    """
-    return max(share_at(sky_row(elevation, table), elevation, azimuth, solar_zenith, table, 0), 0.0)
-
-
-@kernel
 def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: ScatteredTable) -> float:
     """Scattered path radiance in band [W m-2 sr-1] to the sea at an arc [m].
 
@@ -226,9 +216,3 @@ def scattered_path(range_m: ArrayLike, elevation: ArrayLike, azimuth_from_sun: A
     out = np.empty((e.size, table.amplitude.shape[4]))
     _fill_path(s.ravel(), e.ravel(), a.ravel(), table, out)
     return np.maximum(out[:, 0], 0.0).reshape(e.shape)
-
-
-def in_band(table: ScatteredTable, weights: ArrayLike) -> ScatteredTable:
-    """Table of the same sky as radiance in band [W m-2 sr-1], for quadrature weights on the channels [cm-1, (n,)]."""
-    amplitude = table.amplitude @ (table.spectral @ np.asarray(weights, dtype=np.float64))
-    return table._replace(amplitude=np.ascontiguousarray(amplitude[..., None]), spectral=np.ones((1, 1)))

@@ -8,18 +8,16 @@ for any profile and haze, :mod:`seaglint.files.lowtran.laws_of_run` of a run of 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.air.scattering.gas_bands import gas_bands
+from seaglint.air.scattering.gas_bands import CONTINUA, GasBands
 from seaglint.air.scattering.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, LayerGrid, layer_grid, layers_cold_share
 from seaglint.air.scattering.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
 from seaglint.base.conventions import FloatArray
-
-CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8)
-"""LOWTRAN7's numbers of absorbers linear in the amount: scattering by molecules, N2, water (296 K, colder, foreign), HNO3, O3."""
 
 AEROSOL_COLUMNS: Final = (7, 12, 13, 14)
 """Numbers of LOWTRAN7 for the aerosols of the four regions."""
@@ -49,31 +47,33 @@ class SpectralLaws:
         Channels [cm-1, (n,)].
     continuum : ndarray
         Coefficients in the order of :data:`CONTINUA` [(7, n)].
-    band_column, band_power, band_log : ndarray
-        Per gas and channel: LOWTRAN7's number of the scaled amount (0: no band), exponent of the amount, and the natural logarithm of
-        coefficient to that power [(gases, n)].
+    gases : GasBands
+        Bands.
     """
 
     wavenumber_cm: FloatArray
     continuum: FloatArray
-    band_column: NDArray[np.int64]
-    band_power: FloatArray
-    band_log: FloatArray
+    gases: GasBands
 
     @property
     def columns(self) -> list[int]:
         """LOWTRAN7's numbers of the amounts in the order of :attr:`Laws.density`."""
-        return [*AEROSOL_COLUMNS, *CONTINUA, *sorted({int(c) for c in np.unique(self.band_column)} - {0})]
+        return [*AEROSOL_COLUMNS, *CONTINUA, *self.gases.numbers]
 
+    @cached_property
     def segments(self) -> Segments:
-        """Bands of all gases, gas by gas."""
-        place = {number: i for i, number in enumerate(self.columns)}
-        bands, power, coefficient = [], [], [np.zeros(0)]
-        for gas, first, end in gas_bands(self.band_column, self.band_power):
-            bands.append((place[int(self.band_column[gas, first])], first, end))
-            power.append(float(self.band_power[gas, first]))
-            coefficient.append(np.exp(self.band_log[gas, first:end]))
-        return Segments(np.array(bands, dtype=np.int64).reshape(-1, 3), np.array(power, dtype=np.float64), np.concatenate(coefficient))
+        """Bands of all gases for the kernels."""
+        bands, before = self.gases.bands, len(AEROSOL_COLUMNS) + len(CONTINUA)
+        place = [(before + band.column, band.where.start, band.where.stop) for band in bands]
+        return Segments(
+            np.array(place, dtype=np.int64).reshape(-1, 3),
+            np.array([band.power for band in bands], dtype=np.float64),
+            np.concatenate([np.zeros(0), *(band.coefficient for band in bands)]),
+        )
+
+    def cut(self, keep: NDArray[np.intp]) -> SpectralLaws:
+        """Return the laws of consecutive channels."""
+        return SpectralLaws(self.wavenumber_cm[keep], self.continuum[:, keep], self.gases.cut(int(keep[0]), int(keep[-1]) + 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,36 +125,40 @@ class ScatteringAir:
 
     Attributes
     ----------
-    wavenumber_cm : ndarray
-        Channels [cm-1, (n,)].
+    spectral : SpectralLaws
+        Continua and bands.
     source : ndarray
         Sunlight outside the atmosphere at 1 au [W m-2 per cm-1, (n,)].
     laws : Laws
         For the kernels.
     """
 
-    wavenumber_cm: FloatArray
+    spectral: SpectralLaws
     source: FloatArray
     laws: Laws
     _aerosol: AerosolLaws
 
+    @property
+    def wavenumber_cm(self) -> FloatArray:
+        """Channels [cm-1, (n,)]."""
+        return self.spectral.wavenumber_cm
+
     @classmethod
     def of(cls, spectral: SpectralLaws, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray) -> ScatteringAir:
         """Assemble the air for the kernels."""
-        return cls.assembled(spectral, spectral.segments(), levels, aerosol, source, grid_of(levels))
+        return cls.assembled(spectral, levels, aerosol, source, grid_of(levels))
 
     @classmethod
     def assembled(
         cls,
         spectral: SpectralLaws,
-        bands: Segments,
         levels: AirLevels,
         aerosol: AerosolLaws,
         source: FloatArray,
         grid: LayerGrid,
         finest: float = 0.0,
     ) -> ScatteringAir:
-        """Assemble the air as :meth:`of`, with given results of :meth:`SpectralLaws.segments` and :func:`grid_of`.
+        """Assemble the air as :meth:`of`, with a given result of :func:`grid_of`.
 
         ``finest``: thickness of the first piece of a line [km]; 0 for LOWTRAN7's layers.
         """
@@ -172,28 +176,29 @@ class ScatteringAir:
             np.array(levels.tops),
             np.concatenate([aerosol.extinction, spectral.continuum]),
             aerosol.extinction - aerosol.absorption,
-            *bands,
+            *spectral.segments,
             grid,
             finest,
             float(levels.cold_kelvin),
         )
-        return cls(spectral.wavenumber_cm, source, laws, aerosol)
+        return cls(spectral, source, laws, aerosol)
 
     def cut(self, grid: slice) -> ScatteringAir:
         """Return the same air on some of its channels."""
         keep = np.arange(self.wavenumber_cm.size)[grid]
-        bands = _cut_segments(Segments(self.laws.segments, self.laws.power, self.laws.coefficient), keep)
+        spectral = self.spectral.cut(keep)
+        bands = spectral.segments
         aerosol = AerosolLaws(
             self._aerosol.extinction[:, keep], self._aerosol.absorption[:, keep], self._aerosol.angle, self._aerosol.log_phase[:, keep]
         )
         laws = self.laws._replace(
             linear=np.ascontiguousarray(self.laws.linear[:, keep]),
             scattering=np.ascontiguousarray(self.laws.scattering[:, keep]),
-            segments=bands[0],
-            power=bands[1],
-            coefficient=bands[2],
+            segments=bands.place,
+            power=bands.power,
+            coefficient=bands.coefficient,
         )
-        return ScatteringAir(self.wavenumber_cm[keep], self.source[keep], laws, aerosol)
+        return ScatteringAir(spectral, self.source[keep], laws, aerosol)
 
     def apparent_zenith(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
         """Apparent zenith angle of the Sun at a height [m], from the angle without refraction [rad, (...)]."""
@@ -237,20 +242,6 @@ class ScatteringAir:
         where = np.ascontiguousarray(lines, dtype=np.float64)
         in_threads(lambda part: many_amplitudes(self.laws, 1e-3 * height, where, part, out, arc), len(lines))
         return out, arc
-
-
-def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
-    """Segments of bands restricted to consecutive channels."""
-    first, last = int(keep[0]), int(keep[-1]) + 1
-    cut, power, coefficient, at = [], [], [np.zeros(0)], 0
-    for (column, start, end), exponent in zip(bands.place.tolist(), bands.power.tolist(), strict=True):
-        low, high = max(start, first), min(end, last)
-        if low < high:
-            cut.append((column, low - first, high - first))
-            power.append(exponent)
-            coefficient.append(bands.coefficient[at + low - start : at + high - start])
-        at += end - start
-    return Segments(np.array(cut, dtype=np.int64).reshape(-1, 3), np.array(power, dtype=np.float64), np.concatenate(coefficient))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:

@@ -35,7 +35,10 @@ class Stencil:
 
     @classmethod
     def between_kinks(cls, nodes: FloatArray, kinks: tuple[float, ...], x: FloatArray) -> Stencil:
-        """Stencil of a not-a-knot cubic spline between kinks, as :func:`seaglint.air.coordinates.spline_weights` for one ``x``."""
+        """Stencil of a cubic spline whose slope may jump at kinks, which are nodes.
+
+        Between two kinks it is not-a-knot (three nodes: a parabola, two: a line).
+        """
         edges = np.array(sorted({float(nodes[0]), *kinks, float(nodes[-1])}))
         part = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
         inside = [np.flatnonzero((nodes >= edges[j - 1]) & (nodes <= edges[j])) for j in range(1, edges.size)]

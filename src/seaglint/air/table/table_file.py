@@ -28,7 +28,8 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.air.coordinates import Refraction, decode_optical_depth, elevation_coordinate, height_coordinate, sky_height_coordinate
+from seaglint.air.coordinates import decode_optical_depth, elevation_coordinate, height_coordinate, sky_height_coordinate
+from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import require_solar_zenith, wavenumber_grid
 from seaglint.air.table.stencil import Stencil
 from seaglint.base.conventions import FloatArray
@@ -124,7 +125,7 @@ class BandTable:
         Channels [cm-1] and sunlight outside the atmosphere at 1 au [W m-2 per cm-1], both (n,).
     winds, heights, sky_heights : ndarray
         Nodes [m s-1], [m], [m].
-    refraction : Refraction
+    refraction : RefractingAir
         LOWTRAN7's own.
     horizon_excess, ray : ndarray
         Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate of LOWTRAN7's rays
@@ -144,7 +145,7 @@ class BandTable:
     sky_heights: FloatArray
     levels: tuple[float, ...]
     height_kinks: tuple[float, ...]
-    refraction: Refraction
+    refraction: RefractingAir
     horizon_excess: FloatArray
     ray: FloatArray
     path_depth: Spectra
@@ -199,7 +200,7 @@ class BandTable:
             sky_heights=file["sky_heights"],
             levels=tuple(file["height_levels"].tolist()),
             height_kinks=tuple(file["height_kinks"].tolist()),
-            refraction=Refraction(file["level_height"], file["refractivity"], float(file["earth_radius"])),
+            refraction=RefractingAir.of(file["level_height"], file["refractivity"], float(file["earth_radius"])),
             horizon_excess=file["horizon_excess"],
             ray=file["ray"],
             path_depth=spectra("path_depth", "path_depth"),

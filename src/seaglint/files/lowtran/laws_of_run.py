@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.air.scattering.gas_bands import GasBands
 from seaglint.air.scattering.scattered_line import HUMIDITIES
 from seaglint.air.scattering.scattering_laws import NO_BAND, AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, continuum_coefficients
 from seaglint.base.conventions import FloatArray
@@ -128,9 +129,11 @@ class Dump:
         return SpectralLaws(
             self.wavenumber_cm,
             continuum_coefficients(self.abb),
-            np.where(banded, self.column, 0).T,
-            np.where(banded, self.power, 0.0).T,
-            np.where(banded, self.power * self.log_coefficient * np.log(10.0), 0.0).T,
+            GasBands.of(
+                np.where(banded, self.column, 0).T,
+                np.where(banded, self.power, 0.0).T,
+                np.where(banded, self.power * self.log_coefficient * np.log(10.0), 0.0).T,
+            ),
         )
 
     def levels(self, columns: list[int]) -> AirLevels:

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.air.coordinates import Refraction, elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.air.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
 from seaglint.air.line import lowest_height
+from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import slant_range, wavenumber_grid
 from seaglint.air.sampled.sampled_air import PathSamples, SampledAtmosphere, SunSamples
 from seaglint.air.sky_spline import SkySamples, grazing_share
@@ -50,7 +51,7 @@ class _Group:
     transmittance: FloatArray
     emitted: FloatArray
     """Return the thermal radiance, or the irradiance for the Sun."""
-    refraction: Refraction
+    refraction: RefractingAir
     source: FloatArray
 
 
@@ -178,7 +179,7 @@ def _up(air: LowtranAir, kind: Any, height: float, elevation: float) -> LowtranC
     return LowtranCase(air, kind, height / 1e3, float(min(max(90.0 - np.degrees(elevation), 0.0), 180.0)))
 
 
-def _path_depressions(air: Refraction, height: float) -> FloatArray:
+def _path_depressions(air: RefractingAir, height: float) -> FloatArray:
     """Return depressions at the sensor, from straight down to the horizon, evenly spaced in the logarithm of the slant path [rad]."""
     slant = height * (straight_slant(height, 0.0) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
     cosine = np.clip(straight_sea_cosine(height, slant), LEAST_SINE, 1.0)
@@ -186,7 +187,7 @@ def _path_depressions(air: Refraction, height: float) -> FloatArray:
     return air.depression(height, cosine)
 
 
-def _sky_elevations(air: Refraction, height: float) -> tuple[FloatArray, tuple[float, ...]]:
+def _sky_elevations(air: RefractingAir, height: float) -> tuple[FloatArray, tuple[float, ...]]:
     """Return elevations of the sky seen from a height, with every ray that grazes a level as a node, and those rays [rad]."""
     dip = air.dip(height)
     lowest = -dip * (1.0 - 2e-3)
@@ -197,16 +198,10 @@ def _sky_elevations(air: Refraction, height: float) -> tuple[FloatArray, tuple[f
     return np.concatenate([*below, above]), tuple(edges[1:])
 
 
-def _grazing(air: Refraction, height: float) -> list[float]:
-    """Return elevations (negative) of the rays from ``height`` that touch a level below: ``n_k (R + z_k) = n_h (R + h) cos(e)`` [rad]."""
-    index_here = 1.0 + np.exp(np.interp(height, air.level_height, np.log(air.refractivity)))
-    here = index_here * (air.earth_radius + height)
-    out = []
-    for z, n in zip(air.level_height, air.refractivity, strict=True):
-        cosine = (1.0 + n) * (air.earth_radius + z) / here
-        if 0.0 < z < height and cosine < 1.0:
-            out.append(-float(np.arccos(cosine)))
-    return out
+def _grazing(air: RefractingAir, height: float) -> list[float]:
+    """Return elevations (negative) of the rays from ``height`` that touch a level below [rad]."""
+    below = air.invariant(air.height[(air.height > 0.0) & (air.height < height)])
+    return [-float(e) for e in np.arcsin(air.cosine(height, below[below < air.invariant(height)]))]
 
 
 def _results(cases: list[LowtranCase], program: engine.Engine, timeout: float, report: Progress | None) -> _Group:
@@ -230,13 +225,13 @@ def _results(cases: list[LowtranCase], program: engine.Engine, timeout: float, r
     return _Group(arrays["arc"], arrays["transmittance"], arrays["emitted"], _refraction(arrays), arrays["source"])
 
 
-def _refraction(arrays: dict[str, FloatArray]) -> Refraction:
+def _refraction(arrays: dict[str, FloatArray]) -> RefractingAir:
     height, n = arrays["level_height"], arrays["refractivity"]
     inside = (height <= 100e3) & (n > 0.0)
     inside[1:] &= np.diff(height) > 0.0
     if inside.sum() < 2:
         raise BackendError("LOWTRAN7 made no refractivity profile of these levels; are pressures and temperatures sound?")
-    return Refraction(height[inside], n[inside], float(arrays["earth_radius"][0]))
+    return RefractingAir(height[inside], np.log(n[inside]), float(arrays["earth_radius"][0]))
 
 
 def _provenance(air: LowtranAir, program: engine.Engine, height: float) -> Attributes:

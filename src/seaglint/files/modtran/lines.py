@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from seaglint.air.coordinates import Refraction, elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.air.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.sky_spline import grazing_share
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError
@@ -112,7 +112,7 @@ def _line(entry: JsonObject) -> ModtranCase:
     return line
 
 
-def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, to_horizon: bool = False) -> list[ModtranCase]:
+def needed_lines(air: RefractingAir, height: float, solar_zenith: float | None, *, to_horizon: bool = False) -> list[ModtranCase]:
     """Return the lines for a sensor at ``height`` [m], with scattered sunlight for a Sun at ``solar_zenith`` [rad], if any.
 
     ``to_horizon`` lets the farthest path come closer to the horizon, which is LOWTRAN7's own.
@@ -121,7 +121,7 @@ def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, 
     cosine = _path_cosines(air, height, float(air.sea_cosine(height, air.dip(height) * (1.0 + short))))
     paths = [
         ModtranCase("path", height, 90.0 + float(np.degrees(d)), range_m=float(a))
-        for d, a in zip(air.depression(height, cosine), arc(air, height, cosine), strict=True)
+        for d, a in zip(air.depression(height, cosine), air.sea_arc(height, cosine), strict=True)
     ]
     above = 90.0 - np.degrees(elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0))
     above = np.clip(above, 0.0, 90.0)[::-1].tolist()
@@ -136,38 +136,12 @@ def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, 
     return [*lit, *suns]
 
 
-def _path_cosines(air: Refraction, height: float, least: float) -> FloatArray:
+def _path_cosines(air: RefractingAir, height: float, least: float) -> FloatArray:
     """Return cosines of zenith angles at the sea, from straight down, evenly spaced in the logarithm of the slant path."""
     slant = height * (straight_slant(height, least) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
     cosine = np.clip(straight_sea_cosine(height, slant), least, 1.0)
     cosine[0] = 1.0
     return np.asarray(cosine)
-
-
-def arc(air: Refraction, height: float, sea_cosine: ArrayLike) -> FloatArray:
-    """Return the arc along the sea of rays that leave it at zenith angles of these cosines and end at ``height`` [m].
-
-    Snell's law on a sphere, ``n r sin(zenith) = const``; between levels the integral over height runs over its root, in which it is
-    smooth down to grazing rays.
-    """
-    c0 = np.atleast_1d(np.asarray(sea_cosine, dtype=np.float64))
-    radius, log_n = air.earth_radius, np.log(air.refractivity)
-    node, weight = np.polynomial.legendre.leggauss(24)
-    edges = np.unique([0.0, *(z for z in air.level_height if 0.0 < z < height), height])
-    total = np.zeros(c0.size)
-    for low, high in zip(np.sqrt(edges[:-1]), np.sqrt(edges[1:]), strict=True):
-        for start, stop in zip(np.linspace(low, high, 9)[:-1], np.linspace(low, high, 9)[1:], strict=True):
-            t = 0.5 * (start + stop) + 0.5 * (stop - start) * node
-            z = t * t
-            n = 1.0 + np.exp(np.interp(z, air.level_height, log_n))
-            ratio = (1.0 + air.refractivity[0]) / n - 1.0
-            # 1 - sin^2 of the local zenith angle, in differences, which keep the digits of grazing rays.
-            lift = z / (radius + z) - ratio * radius / (radius + z)
-            squared = c0[:, None] ** 2 + (1.0 - c0[:, None] ** 2) * lift * (2.0 - lift)
-            cosine = np.sqrt(np.maximum(squared, 1e-300))
-            tangent = np.sqrt(np.maximum(1.0 - squared, 0.0)) / cosine
-            total += (tangent * (2.0 * t * radius / (radius + z)) * weight).sum(axis=1) * 0.5 * (stop - start)
-    return total.reshape(np.shape(sea_cosine))
 
 
 def horizon_zenith_deg(line: ModtranCase) -> float:

@@ -8,9 +8,9 @@ from typing import Final, Literal
 
 import numpy as np
 
-from seaglint.air.coordinates import Refraction
 from seaglint.air.profile.absorber_densities import refractivity
 from seaglint.air.profile.air_profile import model_profile
+from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.profile.own_gases import OwnGases
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.errors import DataError, DomainError, ScenarioError
@@ -149,7 +149,7 @@ def _air(scenario: Scenario) -> LowtranAir:
     return LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), levels)
 
 
-def _refraction(model: str) -> Refraction:
+def _refraction(model: str) -> RefractingAir:
     """Refraction of a model atmosphere, by which lines of sight are laid."""
     profile = model_profile(model)
-    return Refraction(profile.height, refractivity(profile, REFRACTION_CM), profile.earth_radius)
+    return RefractingAir.of(profile.height, refractivity(profile, REFRACTION_CM), profile.earth_radius)
