@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.air.profile.band_numbers import BandNumbers, Spectroscopy, band_numbers
 from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
@@ -75,8 +76,19 @@ class BandLaws:
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:
         """Optical depth [1, (ways, n)] of amounts [(ways, columns)] in the order of :attr:`columns`."""
-        depth = amount[:, : len(LINEAR)] @ self.continuum
+        column, power, coefficient = self._grown
         rows = amount[:, len(LINEAR) :]
-        for band in self.gases.bands:
-            depth[:, band.where] += np.maximum(rows[:, band.column, None], 0.0) ** band.power * band.coefficient
+        depth = amount[:, : len(LINEAR)] @ self.continuum + np.maximum(rows[:, column], 0.0) ** power @ coefficient
         return np.asarray(np.clip(depth, 0.0, DEEPEST))
+
+    @cached_property
+    def _grown(self) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+        """Columns and powers of the amounts that saturate, and their coefficients on all channels [(laws, n)].
+
+        One matrix product over all channels, most of them 0, is faster than a sum over stretches of channels.
+        """
+        laws = sorted({(band.column, band.power) for band in self.gases.bands})
+        coefficient = np.zeros((len(laws), self.wavenumber_cm.size))
+        for band in self.gases.bands:
+            coefficient[laws.index((band.column, band.power)), band.where] += band.coefficient
+        return np.array([law[0] for law in laws], np.int64), np.array([law[1] for law in laws]), coefficient
