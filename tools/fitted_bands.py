@@ -32,7 +32,7 @@ DRY = (2250,)
 def difference(row: dict[str, str], band: tuple[int, int], spectroscopy: Spectroscopy) -> float:
     """Transmittance of a path less RRTMGP's [1]."""
     pressure = float(row["pressure_hpa"])
-    held = HELD[band[0]][pressure < SPLIT_HPA].split()
+    held = HELD.get(band[0], ("", ""))[pressure < SPLIT_HPA].split()
     found = homogeneous_spectrum(
         temperature_k=float(row["temperature_k"]),
         pressure_hpa=pressure,
