@@ -1,17 +1,20 @@
-"""Print what today's absorption changes against LOWTRAN7's: paths, skies, camera ranges; tables of docs/validation.md.
+"""Write what today's absorption changes against LOWTRAN7's: paths, skies, camera ranges and pictures, for docs/validation.md.
 
-python tools/air_differences.py
+python tools/air_differences.py tables
+python tools/air_differences.py picture
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from functools import cache
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
+import seaglint as sg
 from detection_ranges import AIR_K, CASES, Case
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
@@ -27,6 +30,7 @@ MODELS = ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-sum
 BANDS = ((3.0, 5.0), (8.0, 12.0))
 LENGTHS_KM = (1.0, 5.0, 10.0, 20.0)
 ZENITHS_DEG = (0.0, 60.0, 85.0)
+PICTURE = PAGE.parent / "images" / "air_of_today.png"
 WIND = 5.0
 HEIGHT = 20.0
 SPECTROSCOPIES: tuple[Spectroscopy, ...] = ("lblrtm", "lowtran7")
@@ -110,8 +114,39 @@ def ranges_table() -> str:
     return "\n".join(rows)
 
 
+def picture() -> None:
+    """Draw the default scene with both, and the difference, by day and in both bands."""
+    import matplotlib.pyplot as plt
+
+    scene = {"sun": {"zenith_deg": 65, "azimuth_deg": 180}, "sensor": {"azimuth_deg": 180, "pixels": [256, 128]}}
+    figure, axes = plt.subplots(2, 3, figsize=(12.0, 5.2), constrained_layout=True)
+    for row, (low, high) in zip(axes, ((3.5, 5.0), (8.0, 12.0)), strict=True):
+        kelvin = []
+        for spectroscopy in SPECTROSCOPIES:
+            seen = sg.image(sg.load({**scene, "band": {"min_um": low, "max_um": high}, "atmosphere": {"spectroscopy": spectroscopy}}))
+            kelvin.append(sg.apparent_temperature(seen["radiance"]))
+        limits = {"vmin": float(np.nanquantile(kelvin[1], 0.01)), "vmax": float(np.nanquantile(kelvin[1], 0.99))}
+        edge = float(np.nanquantile(np.abs(kelvin[0] - kelvin[1]), 0.99))
+        angles = [float(seen[name].values[i]) for name in ("azimuth", "elevation") for i in (0, -1)]
+        extent = (angles[0], angles[1], angles[3], angles[2])
+        for axis, values, title, style in (
+            (row[0], kelvin[0], "lblrtm", {"cmap": "inferno", **limits}),
+            (row[1], kelvin[1], "lowtran7", {"cmap": "inferno", **limits}),
+            (row[2], kelvin[0] - kelvin[1], "lblrtm less lowtran7", {"cmap": "RdBu_r", "vmin": -edge, "vmax": edge}),
+        ):
+            drawn = axis.imshow(np.asarray(values), extent=extent, aspect="auto", **style)
+            axis.set_title(f"{low:g}-{high:g} µm, {title}")
+            axis.set_xlabel("azimuth [deg]")
+            figure.colorbar(drawn, ax=axis, label="apparent temperature [K]" if "less" not in title else "difference [K]")
+        row[0].set_ylabel("elevation [deg]")
+    figure.savefig(PICTURE, dpi=110)
+
+
 def main() -> None:
-    """Write the tables into the page."""
+    """Write the tables into the page, or the picture."""
+    if sys.argv[1:] == ["picture"]:
+        picture()
+        return
     page = PAGE.read_text(encoding="utf-8")
     for name, lines in (("air-paths", paths_table()), ("air-skies", skies_table()), ("air-ranges", ranges_table())):
         page = replace(page, name, lines.splitlines())
