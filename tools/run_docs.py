@@ -181,8 +181,22 @@ def _run_commands(block: Block, folder: Path, said: dict[str, list[str]], *, com
         said[command.split(" #")[0].strip()] = found
         if compare and block.kind == "console" and not matches(shown, found):
             raise PageError("\n".join([f"'{command}' prints", *found, "and the page shows", *shown]))
-        lines += [f"$ {command}", *(shown if "..." in (line.strip() for line in shown) else found)]
+        lines += [f"$ {command}", *(renewed(shown, found) if "..." in (line.strip() for line in shown) else found)]
     return lines
+
+
+def renewed(shown: list[str], found: list[str]) -> list[str]:
+    """Lines shown between ``...`` with the numbers of the lines printed that differ from them in numbers only."""
+    out, left = [], list(found)
+    for line in shown:
+        form = NUMBER.sub("#", line).strip()
+        at = next((i for i, one in enumerate(left) if NUMBER.sub("#", one).strip() == form), None)
+        if line.strip() == "..." or at is None:
+            out.append(line)
+            continue
+        out.append(left[at])
+        del left[: at + 1]
+    return out
 
 
 def main() -> None:
