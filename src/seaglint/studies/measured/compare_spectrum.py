@@ -247,7 +247,7 @@ def _resolution(light: MeasuredLight, stated: float | None) -> tuple[float, list
     if not 0.0 < width < np.inf:
         raise DataError(f"resolution_cm = {width:g} is not a width above 0 cm-1")
     if width < FINE_SHARE * OURS_CM:
-        notes.append(f"{light.name}: averaged from {width:.3g} to {OURS_CM:g} cm-1, the resolution of LOWTRAN7's band laws")
+        notes.append(f"{light.name}: averaged from {width:.3g} to {OURS_CM:g} cm-1, the resolution of the band laws")
     elif width > OURS_CM:
         span = float(nu[-1] - nu[0])
         if width > COARSEST_SHARE * span:
