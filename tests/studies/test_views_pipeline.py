@@ -89,8 +89,9 @@ def test_keyframes_that_cannot_be_are_refused_in_one_line(platform, words):
 
 
 def test_heights_outside_the_table_atmosphere_are_refused():
-    keyframes = [{"time_s": 0, "height_m": 3}, {"time_s": 1, "height_m": 1}]
-    with pytest.raises(ScenarioError, match=r"heights of 1 to 3 m leave those of atmosphere.source = 'table'; allowed: 2 to 10000 m"):
+    keyframes = [{"time_s": 0, "height_m": 3}, {"time_s": 1, "height_m": 0.004}]
+    words = r"heights of 0.004 to 3 m leave those of atmosphere.source = 'table'; allowed: 0.01 to 100000 m"
+    with pytest.raises(ScenarioError, match=words):
         prepare.track(scenario(platform={"keyframes": keyframes}, atmosphere={"source": "table"}))
 
 
