@@ -65,7 +65,7 @@ def test_skies_are_those_of_levels_placed_well():
         v1, v2 = ((2000, 2860), (770, 1250), (830, 1000))[rng.integers(3)]
         nu, height = np.arange(v1, v2 + 1, 5.0), float(np.round(np.exp(rng.uniform(np.log(3.0), np.log(3000.0)))))
         profile = model_profile(model)
-        air = AirSums(profile, HazeWeather("none"), nu)
+        air = AirSums(profile, HazeWeather("none"), nu, spectroscopy="lowtran7")
         elevation = -0.95 * air.air.dip(height) * rng.random() if rng.random() < 0.4 else np.radians(10.0) * rng.random() ** 2
         invariant = float(air.air.invariant(height, np.cos(elevation)))
         z = placed(height, air.air.lowest(height, invariant) if elevation < 0.0 else height, elevation)
