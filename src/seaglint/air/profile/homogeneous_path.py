@@ -13,6 +13,7 @@ from seaglint.air.profile.band_laws import BandLaws
 from seaglint.air.profile.band_numbers import HIGHEST, Spectroscopy
 from seaglint.air.profile.hazes import NAMES, HazeWeather, aerosols
 from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.air.profile.own_gases import GRAM_PER_HPA
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import PROFILE_BAND_UM
@@ -29,14 +30,14 @@ FITTED_K: Final = (200.0, 310.0)
 FITTED_PPMV: Final = {"CO2": 1000.0, "O3": 10.0, "N2O": 1.0, "CO": 1.0, "CH4": 5.0}
 """Amounts beyond which a gas is none of the traces that ``lblrtm`` is fitted to [1e-6 of the volume of dry air]."""
 
+EVEN_HEIGHTS: Final = np.array([0.0, 5e4, 1e5])
+"""Levels of even air [m]."""
+
 OXYGEN: Final = 0.209
 """Oxygen of dry air [1 of the volume]."""
 
 OF_AIR: Final = {4: (2390.0, 2680.0), 63: (1480.0, 1800.0), 1: (1480.0, 1800.0), 2: (1480.0, 1800.0)}
 """Amounts of nitrogen and oxygen by number, and the bands [cm-1] in which RRTMGP's tables hold their absorption."""
-
-_GRAM_PER_HPA: Final = 216.68
-"""Water vapour of 1 hPa at 1 K [g m-3]."""
 
 _LIMITS: Final = {
     "temperature_k": (150.0, 400.0, "K"),
@@ -134,7 +135,7 @@ def homogeneous_spectrum(
     low, high = 1e4 / band.max_um, 1e4 / band.min_um
     nu = nu[(nu > low - 5.0 - 1e-6) & (nu < high + 5.0 + 1e-6)]
     laws = BandLaws.of(nu, spectroscopy)
-    profile = _even_air(temperature_k, pressure_hpa, vapour_pressure_hpa, ppmv)
+    profile = even_air(temperature_k, pressure_hpa, vapour_pressure_hpa, ppmv)
     amounts = length_km * absorber_densities(profile, laws.columns, laws.numbers.scaled)[:, 0]
     amounts[laws.columns.index(9)] = amounts[laws.columns.index(5)] * cold_share(np.array(temperature_k), laws.cold_kelvin)
     depth = laws.optical_depth(amounts[None])[0]
@@ -155,7 +156,7 @@ def _report_unusual(kelvin: float, vapour_pressure: float, ppmv: dict[str, float
     """Report air outside what the numbers were fitted to or what air can be."""
     if not FITTED_K[0] <= kelvin <= FITTED_K[1]:
         REPORTS.warning("temperature_k = %g is outside %g to %g K, for which absorption was fitted", kelvin, *FITTED_K)
-    saturated = float(saturation_density(kelvin)) * kelvin / _GRAM_PER_HPA
+    saturated = float(saturation_density(kelvin)) * kelvin / GRAM_PER_HPA
     if vapour_pressure > 1.05 * saturated:
         REPORTS.warning("vapour_pressure_hpa = %g is above saturation, %.3g hPa at %g K", vapour_pressure, saturated, kelvin)
     for name, amount in ppmv.items():
@@ -190,14 +191,16 @@ def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:
     return Band.rectangular(shortest, longest)
 
 
-def _even_air(kelvin: float, pressure: float, vapour_pressure: float, ppmv: dict[str, float]) -> AirProfile:
-    """Profile of two levels of the same air, whose gases are of the volume of all air."""
+def even_air(kelvin: float, pressure: float, vapour_pressure: float, ppmv: dict[str, float]) -> AirProfile:
+    """Return a profile of air that is the same up to 100 km: temperature [K], pressure and vapour pressure [hPa].
+
+    ``ppmv``: gases but water [1e-6 of the volume of dry air]; the profile has them of all air, as profiles do.
+    """
     dry = 1.0 - vapour_pressure / pressure
-    gas = np.zeros((len(GASES), 2))
+    gas = np.zeros((len(GASES), EVEN_HEIGHTS.size))
     gas[GASES.index("O2")] = 1e6 * OXYGEN * dry
     for name, amount in ppmv.items():
         gas[GASES.index(name)] = amount * dry
-    two = np.ones(2)
-    vapour = _GRAM_PER_HPA * vapour_pressure / kelvin
-    height = np.array([0.0, 1e3])
-    return AirProfile("even air", height, pressure * two, kelvin * two, vapour * two, gas, 6371.23e3, "spring")
+    same = np.ones(EVEN_HEIGHTS.size)
+    vapour = GRAM_PER_HPA * vapour_pressure / kelvin
+    return AirProfile("even air", EVEN_HEIGHTS, pressure * same, kelvin * same, vapour * same, gas, 6371.23e3, "spring")

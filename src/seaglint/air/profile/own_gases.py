@@ -22,7 +22,7 @@ TODAY_CO2_PPMV: Final = 425.0
 _DOBSON: Final = 2.6867e16
 """Molecules per cm2 of 1 Dobson unit."""
 
-_GRAM_PER_HPA: Final = 216.68
+GRAM_PER_HPA: Final = 216.68
 """Water vapour of 1 hPa at 1 K [g m-3]."""
 
 
@@ -52,7 +52,7 @@ class OwnGases:
 
 def dry_share(profile: AirProfile) -> FloatArray:
     """Part of the molecules of a profile's air that is not water vapour [1, (levels,)]."""
-    return np.asarray(1.0 - profile.vapour * profile.temperature / _GRAM_PER_HPA / profile.pressure)
+    return np.asarray(1.0 - profile.vapour * profile.temperature / GRAM_PER_HPA / profile.pressure)
 
 
 def ozone_column(profile: AirProfile) -> float:

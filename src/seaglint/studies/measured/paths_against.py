@@ -11,8 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.air.profile.air_profile import GASES, AirProfile, model_profile
+from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.band_numbers import Spectroscopy
+from seaglint.air.profile.homogeneous_path import even_air
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
@@ -67,8 +68,6 @@ _SKY_REASONS: Final = {
 }
 
 _UNCERTAINTY: Final = "about 1 % (k-distribution)"
-
-_MOLAR_GRAMS, _GAS_CONSTANT = 18.015, 8.314462618
 
 
 def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
@@ -172,15 +171,9 @@ def _path_transmittance(name: Spectroscopy, path: dict[str, float]) -> FloatArra
 
 
 def homogeneous_air(path: dict[str, float]) -> AirProfile:
-    """Return air that is the same everywhere: temperature, pressure, vapour pressure, and gases per dry air as RRTMGP has them."""
-    dry = 1.0 - path["vapour_pressure_hpa"] / path["pressure_hpa"]
-    ppm = dict.fromkeys(GASES, 0.0) | {"H2O": 1e6 * (1.0 - dry), "O2": 0.209e6 * dry}
-    ppm |= {gas: path[f"{gas.lower()}_ppmv_dry"] * dry for gas in ("CO2", "O3", "N2O", "CO", "CH4")}
-    height = np.array([0.0, 5e4, 1e5])
-    vapour = 100.0 * path["vapour_pressure_hpa"] * _MOLAR_GRAMS / (_GAS_CONSTANT * path["temperature_k"])
-    same = np.ones(height.size)
-    gas = np.outer([ppm[gas] for gas in GASES], same)
-    return AirProfile("path", height, path["pressure_hpa"] * same, path["temperature_k"] * same, vapour * same, gas, 6371.23e3, "spring")
+    """Return air that is the same everywhere, with the gases of a path."""
+    ppmv = {gas: path[f"{gas.lower()}_ppmv_dry"] for gas in ("CO2", "O3", "N2O", "CO", "CH4")}
+    return even_air(path["temperature_k"], path["pressure_hpa"], path["vapour_pressure_hpa"], ppmv)
 
 
 def _sky_light(name: Spectroscopy, profile: AirProfile, zenith: FloatArray) -> FloatArray:
