@@ -165,7 +165,11 @@ class SensorModel:
         return cached
 
     def focal_plane(
-        self, radiance: NDArray[np.float32], oversampling: int = 1, rates: tuple[float, float] = (0.0, 0.0)
+        self,
+        radiance: NDArray[np.float32],
+        oversampling: int = 1,
+        rates: tuple[float, float] = (0.0, 0.0),
+        added: NDArray[np.float32] | None = None,
     ) -> NDArray[np.float32]:
         """Radiance on each pixel: blurred, distorted and vignetted.
 
@@ -177,6 +181,9 @@ class SensorModel:
             Fine pixels along a pixel's side.
         rates : (float, float)
             Movement of the line of sight by the platform, along and across rows [rad s-1].
+        added : ndarray, optional
+            What is added on the pixels, already blurred and distorted (:mod:`seaglint.instrument.local_light`), before stray light and
+            vignetting [W m-2 sr-1, (rows, columns)]; for single pictures.
 
         Returns
         -------
@@ -197,6 +204,8 @@ class SensorModel:
             places = distorted_places((radiance.shape[0], radiance.shape[1]), optics.distortion)
             radiance = map_coordinates(radiance, places, order=1, mode="nearest").astype(np.float32)
         out = self.transfer((radiance.shape[0], radiance.shape[1]), oversampling, rates)(radiance)
+        if added is not None:
+            out = out + added
         if optics.stray_share:
             out = ((1.0 - optics.stray_share) * out + optics.stray_share * out.mean(dtype=np.float64)).astype(np.float32)
         if optics.cos4:

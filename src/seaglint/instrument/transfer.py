@@ -142,12 +142,7 @@ class Transfer:
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
         y = scipy.fft.fftfreq(n * rows, step / n)
-        total = np.interp(np.hypot(x[None, :], y[:, None]), frequency, table, right=0.0)
-        if sampling.crosstalk:
-            total *= crosstalk_mtf(x[None, :], y[:, None], sampling.crosstalk, step)
-        total *= _axis(x, sampling)[None, :] * _axis(y, sampling)[:, None]
-        if any(sampling.smear):
-            total *= motion_mtf(x[None, :] * sampling.smear[0] + y[:, None] * sampling.smear[1], 1.0)
+        total = product(blur, sampling, x[None, :], y[:, None], step / n)
         # A pixel's middle is half of n - 1 fine pixels behind its first one's.
         middle = 0.5 * (n - 1) * step / n
         phase = np.exp(2j * np.pi * x * middle)[None, :] * np.exp(2j * np.pi * y * middle)[:, None]
@@ -173,8 +168,28 @@ class Transfer:
         return np.asarray(out[top : top + self.shape[0], left : left + self.shape[1]] + level * self.filter[0, 0].real, np.float32)
 
 
-def _axis(frequency: FloatArray, sampling: Sampling) -> FloatArray:
-    return square_mtf(frequency, sampling.width) / square_mtf(frequency, sampling.step / sampling.oversampling)
+def product(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: float = 0.0) -> FloatArray:
+    """Transfer of optics, crosstalk, the sensitive square and steady movement together [1, broadcast shape].
+
+    Parameters
+    ----------
+    blur : Blur
+        Transfer of the optics.
+    sampling : Sampling
+        Pixels and movement; its oversampling does not matter.
+    along, across : ndarray
+        Frequencies along rows and across them [cycles rad-1].
+    grain : float
+        Angle of the picture's own pixels, whose means they are: the blur of these is divided out [rad].
+    """
+    total = np.interp(np.hypot(along, across), *blur.table(), right=0.0)
+    if sampling.crosstalk:
+        total *= crosstalk_mtf(along, across, sampling.crosstalk, sampling.step)
+    sides = [square_mtf(frequency, sampling.width) / square_mtf(frequency, grain) for frequency in (along, across)]
+    total *= sides[0] * sides[1]
+    if any(sampling.smear):
+        total *= motion_mtf(along * sampling.smear[0] + across * sampling.smear[1], 1.0)
+    return np.asarray(total)
 
 
 def _pads(before: int, size: int, whole: int) -> tuple[int, int]:

@@ -95,6 +95,11 @@ class Placement:
 class Motion(Protocol):
     """Position and attitude of a body as a function of time alone."""
 
+    @property
+    def known(self) -> tuple[float, float]:
+        """First and last time at which it is known [s]."""
+        ...
+
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
         ...

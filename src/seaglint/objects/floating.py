@@ -33,6 +33,11 @@ NEGLIGIBLE = 1e-6
 class Steered(Protocol):
     """Motion with a velocity."""
 
+    @property
+    def known(self) -> tuple[float, float]:
+        """First and last time at which it is known [s]."""
+        ...
+
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
         ...
@@ -124,6 +129,11 @@ class Afloat:
     swell: Swell
     centre: FloatArray
     half_sides: FloatArray
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """First and last time at which it is known [s]."""
+        return self.base.known
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""

@@ -31,6 +31,11 @@ class Rest:
 
     placement: Placement
 
+    @property
+    def known(self) -> tuple[float, float]:
+        """First and last time at which it is known [s]."""
+        return -math.inf, math.inf
+
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
         return self.placement
@@ -46,6 +51,11 @@ class Course:
 
     start: Placement
     steady: FloatArray
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """First and last time at which it is known [s]."""
+        return -math.inf, math.inf
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
@@ -133,6 +143,11 @@ class Keyframed:
             )
         spline = CubicSpline(time, position, bc_type="natural") if path == "spline" else None
         return cls(time.copy(), position.copy(), follows, spline, Slerp(time, turned))
+
+    @property
+    def known(self) -> tuple[float, float]:
+        """Times of the first and of the last keyframe [s]."""
+        return float(self.time[0]), float(self.time[-1])
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s].

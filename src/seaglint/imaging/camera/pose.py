@@ -109,6 +109,11 @@ class Track:
         return _pose(np.array([np.interp(time, self.time, column) for column in self.values.T]))
 
     @property
+    def known(self) -> tuple[float, float]:
+        """First and last time at which it is known [s]."""
+        return (float(self.time[0]), float(self.time[-1])) if self.time.size > 1 else (-np.inf, np.inf)
+
+    @property
     def lowest(self) -> float:
         """Least height [m]."""
         return float(self.values[:, 2].min())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,7 +127,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
         Image, and one for every body.
     """
     if not picture.patches:
-        return layers, _sights(stage, picture, [], [])
+        return layers, sights(picture, [], [], stage.window.circle)
     sea = np.asarray(layers.radiance, np.float64)
     out = {name: layers[name].copy() for name in layers}
     pixel = _pixels(stage)
@@ -149,7 +149,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
     _distances(layers, stage, picture.patches, out)
     if {"slope", "glint_share"} & set(out):
         _derived(layers, stage, picture.patches, out)
-    return Layers(out), _sights(stage, picture, list(picture.patches), shares)
+    return Layers(out), sights(picture, list(picture.patches), shares, stage.window.circle)
 
 
 def _pixels(stage: Stage) -> FloatArray:
@@ -163,9 +163,14 @@ def _share(patch: PixelPatch, stage: Stage, sea: FloatArray, pixel: FloatArray, 
     image, solid = sea[where], pixel[where]
     radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0)
     if patch.clear > 0.0:
-        intensity = _intensity(patch, float(image[0, 0]), light)
-        radiance = radiance + patch.clear * intensity / (patch.placed.distance**2 * solid)
+        radiance = radiance + point_light(patch, solid, float(image[0, 0]), light)[1]
     return BodyShare(patch.rows, patch.columns, patch.planes[COVER], radiance, image, solid)
+
+
+def point_light(patch: PixelPatch, solid: FloatArray | float, behind: float, light: Surroundings) -> tuple[Any, Any]:
+    """Radiance that a point adds to a pixel of a solid angle [sr], before what is ``behind`` it, as counted and as power [W m-2 sr-1]."""
+    radiance = patch.clear * _intensity(patch, behind, light) / (patch.placed.distance**2 * solid)
+    return radiance, radiance
 
 
 def _intensity(patch: PixelPatch, behind: float, light: Surroundings) -> float:
@@ -216,8 +221,21 @@ def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: d
         out["slope"][left <= LEAST_SEEN] = np.nan
 
 
-def _sights(stage: Stage, picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare]) -> tuple[BodySight, ...]:
-    out, circle = [], stage.window.circle
+def sights(picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare], circle: int) -> tuple[BodySight, ...]:
+    """Sight of each body, from the patches of its parts and the shares of each.
+
+    Parameters
+    ----------
+    picture : DrawnBodies
+        The bodies and where they stand.
+    patches : list of PixelPatch
+        Of their parts in view; of these alone sums and distances are read.
+    shares : list of BodyShare
+        For each patch.
+    circle : int
+        Columns of a full circle in the pixels of the sums, 0 where there is none.
+    """
+    out = []
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
         sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(4))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,7 +22,7 @@ from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.wave_surface import Surface
 from seaglint.objects.body import Body, GasPlume, PointSource
 from seaglint.objects.drawing.crests import Crests, calm
-from seaglint.objects.drawing.eye import Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand
+from seaglint.objects.drawing.eye import FEWEST_CELLS, Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand
 from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map, solid_angle_of
 from seaglint.objects.drawing.light import Arriving, Corners, Surroundings
 from seaglint.objects.drawing.parts import DrawnPart, Mesh, Placed, parts_of, placed
@@ -66,6 +67,11 @@ class PixelPatch:
     sums: FloatArray
     clear: float = 0.0
 
+    @property
+    def counted(self) -> FloatArray:
+        """Radiance times share."""
+        return np.asarray(self.planes[1:5].sum(axis=0))
+
 
 @dataclass(frozen=True, eq=False)
 class DrawnBodies:
@@ -95,6 +101,8 @@ class Stage:
         Pixels that are drawn, first and end.
     sea_hides : float
         Arc beyond which the sea hides nothing of a body but what is under it [m].
+    cells : int
+        Least number of samples along the side of a pixel.
     """
 
     imager: Imager
@@ -104,6 +112,7 @@ class Stage:
     columns: tuple[int, int]
     rows: tuple[int, int]
     sea_hides: float = math.inf
+    cells: int = FEWEST_CELLS
 
     @cached_property
     def lens(self) -> Lens:
@@ -128,6 +137,11 @@ class Stage:
         middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
         point, image = project(one.surface, plane.axes, self.lens, middle)
         return faces_of(one.part.kind, point, image, self._bend(one))
+
+    def size_of(self, one: Placed) -> float:
+        """Longer side of a part in the image [pixels]; 1 where none of it is in front of the camera."""
+        box = self.box(self.faces(one, TangentPlane.to(one.place), one))
+        return 1.0 if box is None else max(box[1] - box[0], box[3] - box[2])
 
     def _bend(self, one: Placed) -> float:
         """Largest curvature of the sides of a part in the image, as a share of their size."""
@@ -160,6 +174,11 @@ class Drawer:
     _parts: tuple[DrawnPart, ...]
     _light: OrderedDict[SeaView, Surroundings] = field(default_factory=OrderedDict)
 
+    @property
+    def parts(self) -> tuple[DrawnPart, ...]:
+        """Parts of all bodies."""
+        return self._parts
+
     @classmethod
     def of(cls, bodies: tuple[Body, ...]) -> Drawer:
         """Prepare everything that does not change in time."""
@@ -187,37 +206,59 @@ class Drawer:
         DomainError
             The sensor is inside a body, or a body is where the air is not known.
         """
-        stands = tuple(stand(body.motion.at(time), stage.pose) for body in self.bodies)
-        every = tuple(placed(part, stands[part.body], stage.pose.height) for part in self._parts)
-        selected = [one for one in every if self._near(stage, one)]
-        light = self.light(stage.view)
-        corners = [_corners(one) for one in selected]
+        stands, every = self.placed(stage.pose, time)
+        selected = [(stage, one) for one in every if near(stage, one)]
+        patches = self.patches(selected, [every] * len(selected), self.light(stage.view))
+        return DrawnBodies(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
+
+    def placed(self, pose: Pose, time: float) -> tuple[tuple[Stand, ...], tuple[Placed, ...]]:
+        """Places of the bodies, and of their parts, for a sensor at a pose at a time [s].
+
+        Raises
+        ------
+        DomainError
+            The sensor is inside a body.
+        """
+        stands = tuple(stand(body.motion.at(time), pose) for body in self.bodies)
+        return stands, tuple(placed(part, stands[part.body], pose.height) for part in self._parts)
+
+    def patches(
+        self, selected: Sequence[tuple[Stage, Placed]], every: Sequence[tuple[Placed, ...]], light: Surroundings
+    ) -> list[PixelPatch | None]:
+        """Contribution of each of some parts to the pixels of a stage of its own, hidden by ``every`` part of its instant.
+
+        Raises
+        ------
+        DomainError
+            A body is where the air is not known.
+        """
+        corners = [_corners(one) for _, one in selected]
         try:
-            arriving = light.arriving(corners, [_temperatures(one) for one in selected])
+            arriving = light.arriving(corners, [_temperatures(one) for _, one in selected])
         except DomainError as error:
             raise DomainError(f"objects: {error}") from error
 
         def draw(n: int) -> PixelPatch | None:
-            return _drawn(stage, selected[n], every, arriving[n], light)
+            return _drawn(*selected[n], every[n], arriving[n], light)
 
         with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
             # the first alone: it compiles, if need be, in one thread
             first = [draw(0)] if selected else []
-            patches = first + list(pool.map(draw, range(1, len(selected))))
-        return DrawnBodies(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
+            return first + list(pool.map(draw, range(1, len(selected))))
 
-    def _near(self, stage: Stage, one: Placed) -> bool:
-        """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
-        imager, attitude = stage.imager, stage.pose.attitude
-        (left, right), (top, bottom) = stage.columns, stage.rows
-        border = np.linspace(0.0, 1.0, 17)
-        across = np.concatenate([left + (right - left) * border] * 2 + [np.full(17, float(left)), np.full(17, float(right))])
-        down = np.concatenate([np.full(17, float(top)), np.full(17, float(bottom))] + [top + (bottom - top) * border] * 2)
-        middle = imager.directions(attitude, 0.5 * (left + right), 0.5 * (top + bottom))
-        cosine = float((imager.directions(attitude, across, down) @ middle).min())
-        half = 1.1 * math.acos(min(max(cosine, -1.0), 1.0)) + 1e-6
-        away = math.acos(min(max(float(one.place @ middle) / max(one.distance, 1e-9), -1.0), 1.0))
-        return half > 1.2 or away <= half + one.angle
+
+def near(stage: Stage, one: Placed) -> bool:
+    """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
+    imager, attitude = stage.imager, stage.pose.attitude
+    (left, right), (top, bottom) = stage.columns, stage.rows
+    border = np.linspace(0.0, 1.0, 17)
+    across = np.concatenate([left + (right - left) * border] * 2 + [np.full(17, float(left)), np.full(17, float(right))])
+    down = np.concatenate([np.full(17, float(top)), np.full(17, float(bottom))] + [top + (bottom - top) * border] * 2)
+    middle = imager.directions(attitude, 0.5 * (left + right), 0.5 * (top + bottom))
+    cosine = float((imager.directions(attitude, across, down) @ middle).min())
+    half = 1.1 * math.acos(min(max(cosine, -1.0), 1.0)) + 1e-6
+    away = math.acos(min(max(float(one.place @ middle) / max(one.distance, 1e-9), -1.0), 1.0))
+    return half > 1.2 or away <= half + one.angle
 
 
 def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
@@ -268,7 +309,7 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
     sea = stage.crests(one)
     if one.radius == 0.0:
         return _point(stage, one, (plane, sea, solids, gases), box, arriving)
-    grid = grid_over(inside)
+    grid = grid_over(inside, stage.cells)
     shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
     scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
     planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids), _body(one), scene, arriving, shadow)

@@ -150,11 +150,11 @@ MOST_CELLS = 1 << 20
 """Largest number of cells in memory; larger grids are drawn in strips of rows."""
 
 
-def grid_over(box: tuple[float, float, float, float]) -> Grid:
-    """Grid of cells over a box (left, right, top, bottom) [pixels]."""
+def grid_over(box: tuple[float, float, float, float], fewest: int = FEWEST_CELLS) -> Grid:
+    """Grid of cells over a box (left, right, top, bottom) [pixels], at least ``fewest`` along a pixel's side."""
     cells, begin, size, first, pixels = [], [], [], [], []
     for low, high in ((box[0], box[1]), (box[2], box[3])):
-        n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), FEWEST_CELLS)
+        n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), fewest)
         a, b = math.floor(low * n), math.ceil(high * n)
         b = max(b, a + 1)
         cells.append(n)

@@ -110,6 +110,11 @@ class Surroundings:
         return np.array([math.sin(z) * math.sin(a), math.sin(z) * math.cos(a), math.cos(z)])
 
     @property
+    def sea_counted(self) -> float:
+        """1."""
+        return 1.0
+
+    @property
     def shines(self) -> bool:
         """True if the Sun's centre is above the horizontal and its light arrives."""
         return bool(self.view.solar_zenith < 0.5 * np.pi and self.view.irradiance.any())

@@ -158,8 +158,11 @@ class Sequence:
         """The image at a time from the start [s]."""
         return self.drawn(time).layers
 
-    def drawn(self, time: float, columns: tuple[int, int] | None = None) -> Drawn:
-        """The image at a time [s] and what is seen of objects in it; some ``columns`` alone, first and end, where asked."""
+    def drawn(self, time: float, columns: tuple[int, int] | None = None, *, compose: bool = True) -> Drawn:
+        """The image at a time [s] and what is seen of objects in it; some ``columns`` alone, first and end, where requested.
+
+        Without ``compose`` objects are left out.
+        """
         scene, pose = self.scene_at(time), self.track.at(time)
         if self.objects is None:
             layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
@@ -167,7 +170,7 @@ class Sequence:
         sea = scene.sea(pose, time)
         layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
-        return self.objects.draw(scene, pose, time, (layers, sea), window)
+        return self.objects.draw(scene, pose, time, (layers, sea), window, compose=compose)
 
     def scene_at(self, time: float) -> Scene:
         """The scene under the Sun of a time from the start [s]."""
@@ -210,7 +213,7 @@ class Sequence:
                 "nothing of it is written. This is a fault of the program: please report the scenario"
             )
         if self.objects is not None:
-            arrays |= self.objects.truth(drawn, self.scene_at(time))
+            arrays |= self.objects.truth(drawn.sights, drawn.sea, self.scene_at(time))
         if "apparent_temperature" in self.layout.variables:
             view = self.scene.view
             arrays["apparent_temperature"] = apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)

@@ -91,11 +91,20 @@ class SceneObjects:
         time: float,
         image: tuple[Layers, Instant],
         window: tuple[tuple[int, int], tuple[int, int]],
+        *,
+        compose: bool = True,
     ) -> Drawn:
-        """Objects over an image of the sea, the one of ``window = (columns, rows)``, first and end."""
+        """Objects over an image of the sea, the one of ``window = (columns, rows)``, first and end.
+
+        Without ``compose`` the objects are left out, and only their shadows drawn.
+        """
         layers, sea = image
         waves = None if scene.waves is None else (sea.levels, sea.surface)
         stage = Stage(scene.pixels, pose, scene.seen_from(pose), waves, *window)
+        if not compose:
+            if self.shadows:
+                layers = shadowed(layers, stage, self.drawer.placed(pose, time)[1], self.drawer.light(stage.view))
+            return Drawn(layers, layers.radiance, ())
         if isinstance(scene, RefractedScene):
             picture = refracted_picture(self.drawer, stage, scene, time)
         else:
@@ -108,10 +117,10 @@ class SceneObjects:
             out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
         return Drawn(out, layers.radiance, sights)
 
-    def truth(self, drawn: Drawn, scene: Scene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
-        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``."""
+    def truth(self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene) -> Mapping[str, NDArray[Any]]:
+        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``; sights and sea in stored pixels."""
         kelvin = self.drawer.light(scene.view).kelvin
-        numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling, around=scene.pixels.goes_round)
+        numbers, masks, which = labels(seen, sea, kelvin, around=scene.pixels.goes_round)
         return {**numbers, "object_mask": packed(masks), "object_id": which}
 
     def layout(self) -> Truth:

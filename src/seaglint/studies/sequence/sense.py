@@ -45,6 +45,15 @@ Rates = Callable[[int], tuple[float, float]]
 """Movement of the line of sight in a frame, along and across rows [rad s-1]."""
 
 
+Added = Callable[[int], NDArray[np.float32] | None]
+"""Radiance that is added on the pixels of a frame [W m-2 sr-1, (rows, columns)]."""
+
+
+def nothing(number: int) -> None:
+    """Nothing added."""
+    return
+
+
 def still(number: int) -> tuple[float, float]:
     """A platform that does not turn."""
     return (0.0, 0.0)
@@ -66,6 +75,8 @@ class SensedFrames:
         Number of the earliest frame that there is: before it a thermal detector has seen the same.
     rates : callable
         ``rates(number)`` is the movement of the line of sight by the platform.
+    added : callable
+        ``added(number)`` is what is added on the pixels; None where nothing is.
     """
 
     model: SensorModel
@@ -73,6 +84,7 @@ class SensedFrames:
     oversampling: int
     first: int = 0
     rates: Rates = still
+    added: Added = nothing
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
     def exposure(self, number: int) -> Exposure:
@@ -88,7 +100,7 @@ class SensedFrames:
         return self.model.expose(seen.astype(np.float32), number)
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:
-        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number))
+        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number), self.added(number))
 
     def _cached(self, number: int, most: int) -> NDArray[np.float32]:
         if number not in self._seen:

@@ -27,9 +27,10 @@ from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.memory import require_memory
 from seaglint.studies.prepare.sensor_model import line_of_sight_rates, scan, sensor_attributes, sensor_model
 from seaglint.studies.sequence import render_sequence as plain
+from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLight
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.scene_objects import Drawn
-from seaglint.studies.sequence.sense import SensedFrames, require_electrons, signal_attributes
+from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
 from seaglint.studies.sequence.spread import over
 
 ROLLING_PARTS: Final = 8
@@ -120,9 +121,8 @@ class SensedSequence:
         """Return the stored arrays of a frame, by variable."""
         out = self.sensed.images(number, self.layout.variables)
         drawn: Any = self.sensed.fine
-        if self.fine.objects is not None:
-            scene = self.fine.scene_at(number / self.layout.frame_rate)
-            out |= self.fine.objects.truth(drawn.drawn(number), scene, self.sensed.oversampling)
+        if drawn.objects is not None:
+            out |= self._truth(number, drawn)
         others = [name for name in self.layout.variables if name not in out]
         if not others:
             return out
@@ -135,26 +135,52 @@ class SensedSequence:
                 out[name] = averaged[name]
         return out
 
+    def _truth(self, number: int, drawn: _Drawn) -> Mapping[str, NDArray[Any]]:
+        """Stored arrays of the objects of a frame, by variable of the group ``truth``."""
+        assert self.fine.objects is not None
+        light, sea = drawn.light(number), binned_image(drawn.drawn(number).sea, self.sensed.oversampling)
+        scene = self.fine.scene_at(number / self.layout.frame_rate)
+        return self.fine.objects.truth(light.sights, sea, scene)
+
 
 @dataclass(eq=False)
 class _Drawn:
-    """Fine pictures by number; the latest is cached."""
+    """Fine pictures of the sea by number, and the light of objects; the latest of both are cached.
+
+    ``compose`` draws objects into the layers of the fine pictures too.
+    """
 
     sequence: Sequence
     scan: ScanPattern
     oversampling: int
+    objects: ExposedObjects | None
+    rates: Rates
+    compose: bool
     latest: tuple[int, Drawn] | None = field(default=None)
+    lit: tuple[int, ObjectLight] | None = field(default=None)
 
     def __call__(self, number: int) -> NDArray[np.float32]:
-        return self.drawn(number).layers.radiance
+        return self.drawn(number).sea
 
     def drawn(self, number: int) -> Drawn:
         if self.latest is None or self.latest[0] != number:
-            self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, number / self.sequence.layout.frame_rate))
+            time = number / self.sequence.layout.frame_rate
+            self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, time, compose=self.compose))
         return self.latest[1]
 
+    def light(self, number: int) -> ObjectLight:
+        assert self.objects is not None
+        if self.lit is None or self.lit[0] != number:
+            time = number / self.sequence.layout.frame_rate
+            scene = self.sequence.scene_at(time)
+            self.lit = (number, self.objects.light(scene, time, self(number), self.rates(number)))
+        return self.lit[1]
 
-def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float) -> Drawn:
+    def added(self, number: int) -> NDArray[np.float32] | None:
+        return None if self.objects is None else self.light(number).added
+
+
+def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> Drawn:
     """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
 
     Parameters
@@ -167,38 +193,45 @@ def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time:
         Fine pixels in a pixel of the detector: these have one instant.
     time : float
         Of the frame [s].
+    compose : bool
+        Whether objects are drawn into it.
     """
     if way.instantaneous:
-        return sequence.drawn(time)
+        return sequence.drawn(time, compose=compose)
     if way.kind == "staring":
-        return _rolled(sequence, way, oversampling, time)
+        return _rolled(sequence, way, oversampling, time, compose)
     columns = sequence.layout.shape[2] // oversampling
     delays = way.column_delays(columns)
     parts, begin = [], 0
     for end in range(1, columns + 1):
         if end < columns and delays[end] == delays[begin]:
             continue
-        parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling)))
+        parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling), compose=compose))
         begin = end
     return Drawn.beside(parts)
 
 
-def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float) -> Drawn:
+def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, compose: bool) -> Drawn:
     rows = sequence.layout.shape[1] // oversampling
     delays = way.row_delays(rows)
     parts: list[Drawn] = []
     for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
         instant = time + float(delays[some].mean())
-        parts.append(sequence.drawn(instant).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
+        parts.append(sequence.drawn(instant, compose=compose).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
     return Drawn.below(parts)
+
+
+def binned_image(image: NDArray[np.floating[Any]], oversampling: int) -> NDArray[np.float64]:
+    """Means of an image over the detector's pixels."""
+    rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
+    return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
 
 
 def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
     """Means of layers over the detector's pixels; ranges and slopes over what is seen of the sea."""
 
     def mean(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
-        rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
-        return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
+        return binned_image(image, oversampling)
 
     over_sea = {"range", "slope"} & set(layers)
     out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
@@ -238,14 +271,18 @@ def prepare_sensed(
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
     sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
     _require_track(sequence, way, sensor.pixels)
-    drawn = _Drawn(sequence, way, n)
 
     def rates(number: int) -> tuple[float, float]:
         return line_of_sight_rates(sequence.track, number / sequence.layout.frame_rate, model.exposure_time, sensor.projection)
 
-    sensed = SensedFrames(model, drawn, n, rates=rates)
-    own = sequence.layout
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
+    objects = None
+    if sequence.objects is not None:
+        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, way, n)
+    compose = bool(radiance or derived or scenario.render.layers)
+    drawn = _Drawn(sequence, way, n, objects, rates, compose)
+    sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added)
+    own = sequence.layout
     layout = replace(
         own,
         azimuth_deg=_coarse(own.azimuth_deg, n),

@@ -1,0 +1,315 @@
+r"""Light of small sources on the focal plane, at places finer than any grid.
+
+A source at image point ``x`` gives a pixel the light ``h(p - x)``, where the transform of ``h`` is the product ``H`` of all transfer
+functions. Sources are spread on a local grid of ``m`` nodes to a pixel by cubic B-splines, whose own transform is then divided out:
+
+.. math:: L_p = \int \frac{H(f)}{B(f)}\,\hat G(f)\,e^{2\pi i f p}\,df, \qquad B(f) = \mathrm{sinc}^4(f_x/m)\,\mathrm{sinc}^4(f_y/m)
+
+Optics pass nothing above their cut-off :math:`f_c`. With :math:`m = 4 f_c` what the grid folds into a frequency ``f`` is
+:math:`(f/(m-f))^4` of it, at most :math:`4\cdot 10^{-4}` up to half the cut-off (Dutt and Rokhlin 1993, SIAM J. Sci. Comput. 14, 1368).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import kernel, njit
+from seaglint.instrument.optics import Blur
+from seaglint.instrument.transfer import Sampling, product
+
+NODES_PER_CYCLE: Final = 4.0
+"""Nodes of the grid to a period of the optics' cut-off."""
+
+MARGINS: Final = (16, 48)
+"""Least and greatest margin of a window around its sources [pixels]; between them ten blurs of diffraction."""
+
+TILE: Final = 96
+"""Side of the tiles into which sources are divided where they spread farther [pixels]."""
+
+STEP: Final = 16
+"""Windows have whole multiples of this many pixels, so that few filters are needed."""
+
+KEPT: Final = 8
+"""Number of filters of windows that are cached."""
+
+
+class Boxes(NamedTuple):
+    """Sources as boxes of light over the sea, at the middle of an exposure.
+
+    The fields are columns and rows of their centres [pixels, (b,)], light as counted and as radiance, each times the share of a pixel that
+    the box has [W m-2 sr-1 pixels, (b,)], covered area [pixels, (b,)], and the side of a box [pixels], 0 for points.
+    """
+
+    column: FloatArray
+    row: FloatArray
+    counted: FloatArray
+    radiance: FloatArray
+    cover: FloatArray
+    side: float
+
+
+class Instants(NamedTuple):
+    """Instants of an exposure: shifts of the sources [pixels, (k,)], weights, which add to 1, and shifts of the sea's image [pixels]."""
+
+    across: FloatArray
+    down: FloatArray
+    weight: FloatArray
+    sea_across: FloatArray
+    sea_down: FloatArray
+
+
+class Backdrop(NamedTuple):
+    """Image of the sea behind sources.
+
+    The fields are its radiance [W m-2 sr-1, (rows, columns)], pixels of it along a side of the detector's, columns of a full circle (of
+    the detector; 0 where there is none), and the factor by which its light counts.
+    """
+
+    radiance: NDArray[np.float32]
+    fine: int
+    circle: int
+    counted: float
+
+
+class LensShift(NamedTuple):
+    """Distortion: share of the radius at the corners, column and row of the axis and distance to a corner [pixels]."""
+
+    share: float
+    column: float
+    row: float
+    corner: float
+
+
+@kernel
+def behind(sea: Backdrop, column: float, row: float) -> float:
+    """Radiance of the sea at an image point, linear between the pixels' centres."""
+    high, wide = sea.radiance.shape
+    x, y = column * sea.fine - 0.5, row * sea.fine - 0.5
+    i, j = math.floor(x), math.floor(y)
+    u, v = x - i, y - j
+    if sea.circle > 0:
+        i0, i1 = i % wide, (i + 1) % wide
+    else:
+        i0, i1 = min(max(i, 0), wide - 1), min(max(i + 1, 0), wide - 1)
+    j0, j1 = min(max(j, 0), high - 1), min(max(j + 1, 0), high - 1)
+    s = sea.radiance
+    return float((1.0 - v) * ((1.0 - u) * s[j0, i0] + u * s[j0, i1]) + v * ((1.0 - u) * s[j1, i0] + u * s[j1, i1]))
+
+
+@kernel
+def _spline(t: float) -> tuple[float, float, float, float]:
+    """Weights of a cubic B-spline at the four nodes about a place ``t`` behind the second."""
+    s = 1.0 - t
+    return s * s * s / 6.0, (4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0, (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0, t * t * t / 6.0
+
+
+@njit
+def spread(
+    grid: np.ndarray,
+    nodes: int,
+    first: tuple[int, int],
+    tile: tuple[float, float, float, float],
+    boxes: Boxes,
+    instants: Instants,
+    sea: Backdrop,
+    bent: LensShift,
+) -> None:
+    """Add the change that sources make to the nodes of ``grid`` (rows, columns), ``nodes`` to a pixel, from pixel ``first`` on.
+
+    Only what lies in ``tile`` (left, right, top, bottom) [pixels] enters.
+    """
+    high, wide = grid.shape
+    for k in range(instants.weight.size):
+        for b in range(boxes.column.size):
+            column, row = boxes.column[b] + instants.across[k], boxes.row[b] + instants.down[k]
+            at_column, at_row, weight = column, row, instants.weight[k]
+            if bent.share != 0.0:
+                x, y = column - bent.column, row - bent.row
+                square = bent.share * (x * x + y * y) / (bent.corner * bent.corner)
+                at_column, at_row = bent.column + x * (1.0 + square), bent.row + y * (1.0 + square)
+                weight *= (1.0 + square) * (1.0 + 3.0 * square)
+            if not (tile[0] <= at_column < tile[1] and tile[2] <= at_row < tile[3]):
+                continue
+            light = boxes.counted[b]
+            if boxes.cover[b] != 0.0:
+                light -= boxes.cover[b] * sea.counted * behind(sea, column + instants.sea_across[k], row + instants.sea_down[k])
+            light *= weight
+            x, y = (at_column - first[0]) * nodes, (at_row - first[1]) * nodes
+            i, j = math.floor(x), math.floor(y)
+            if i < 1 or j < 1 or i + 2 >= wide or j + 2 >= high:
+                continue
+            across, down = _spline(x - i), _spline(y - j)
+            for a in range(4):
+                part = light * down[a]
+                for c in range(4):
+                    grid[j - 1 + a, i - 1 + c] += part * across[c]
+
+
+@njit
+def count_pixels(sums: np.ndarray, first: tuple[int, int], boxes: Boxes, instants: Instants, sea: Backdrop) -> None:
+    """Add covered share, radiance, and radiance of the sea that is hidden to the pixels from ``first`` on, ``sums`` (3, rows, columns)."""
+    high, wide = sums.shape[1], sums.shape[2]
+    for k in range(instants.weight.size):
+        for b in range(boxes.column.size):
+            column, row = boxes.column[b] + instants.across[k], boxes.row[b] + instants.down[k]
+            i, j = math.floor(column) - first[0], math.floor(row) - first[1]
+            if not (0 <= i < wide and 0 <= j < high):
+                continue
+            weight, cover = instants.weight[k], boxes.cover[b]
+            sums[0, j, i] += weight * cover
+            sums[1, j, i] += weight * boxes.radiance[b]
+            if cover != 0.0:
+                sums[2, j, i] += weight * cover * behind(sea, column + instants.sea_across[k], row + instants.sea_down[k])
+
+
+@dataclass(frozen=True, eq=False)
+class LocalLight:
+    """Transfer of small sources to the pixels around them; make it with :meth:`of`."""
+
+    blur: Blur
+    sampling: Sampling
+    nodes: int
+    margin: int
+    _filters: OrderedDict[tuple[int, int], NDArray[np.complex64]] = field(default_factory=OrderedDict, repr=False)
+
+    @classmethod
+    def of(cls, blur: Blur, sampling: Sampling, shortest: float) -> LocalLight:
+        """Prepare for optics and pixels.
+
+        Parameters
+        ----------
+        blur : Blur
+            Transfer of the optics.
+        sampling : Sampling
+            Pixels and steady movement; its oversampling does not matter.
+        shortest : float
+            Shortest wavelength, whose cut-off the optics have [m].
+        """
+        cutoff = sampling.step * blur.optics.cutoff(shortest)
+        nodes = max(math.ceil(NODES_PER_CYCLE * cutoff), 2)
+        nodes += nodes % 2  # the middle of a pixel is a node
+        wide = 10.0 / (blur.optics.cutoff(blur.wavelength) * sampling.step) + 4.0 * blur.optics.jitter / sampling.step
+        smear = max(abs(part) for part in sampling.smear) / sampling.step
+        return cls(blur, sampling, nodes, math.ceil(min(max(wide, MARGINS[0]), MARGINS[1]) + smear))
+
+    def filter(self, shape: tuple[int, int]) -> NDArray[np.complex64]:
+        """Transfer for a window of ``shape`` (rows, columns) [pixels], with the splines taken out; the latest are cached."""
+        cached = self._filters.get(shape)
+        if cached is None:
+            m, step = self.nodes, self.sampling.step
+            x, y = scipy.fft.rfftfreq(m * shape[1], 1.0 / m), scipy.fft.fftfreq(m * shape[0], 1.0 / m)
+            total = product(self.blur, self.sampling, x[None, :] / step, y[:, None] / step)
+            total = total / (np.sinc(x / m) ** 4)[None, :] / (np.sinc(y / m) ** 4)[:, None]
+            phase = np.exp(1j * np.pi * x)[None, :] * np.exp(1j * np.pi * y)[:, None]  # a pixel's middle is half a pixel behind its edge
+            cached = self._filters[shape] = (total * phase).astype(np.complex64)
+            while len(self._filters) > KEPT:
+                self._filters.popitem(last=False)
+        return cached
+
+    def seen(
+        self,
+        boxes: Boxes,
+        instants: Instants,
+        sea: Backdrop,
+        bent: LensShift,
+        wanted: tuple[tuple[int, int] | None, tuple[int, int] | None] = (None, None),
+    ) -> list[tuple[int, int, NDArray[np.float32]]]:
+        """Change of the radiance on the pixels around sources in an exposure.
+
+        Parameters
+        ----------
+        boxes : Boxes
+            The sources.
+        instants : Instants
+            Where they are during the exposure.
+        sea : Backdrop
+            What is behind them.
+        bent : LensShift
+            Distortion of the lens.
+        wanted : (columns, rows)
+            First and end of those that are wanted, where not all are: sources beyond the margin about them are left out.
+
+        Returns
+        -------
+        list of (int, int, ndarray)
+            Windows: first row and first column, which may lie outside the picture, and the change [W m-2 sr-1, (rows, columns)].
+        """
+        if boxes.column.size == 0 or instants.weight.size == 0:
+            return []
+        limits = list(_extent(boxes, instants, bent))
+        for k, some in enumerate(wanted):
+            if some is not None:
+                limits[2 * k] = max(limits[2 * k], some[0] - self.margin)
+                limits[2 * k + 1] = min(limits[2 * k + 1], some[1] + self.margin)
+        out = []
+        for tile in _tiles(*limits):
+            first = (math.floor(tile[0]) - self.margin, math.floor(tile[2]) - self.margin)
+            wide, high = (
+                STEP * math.ceil((math.ceil(end) - start + self.margin) / STEP) for start, end in ((first[0], tile[1]), (first[1], tile[3]))
+            )
+            grid = np.zeros((high * self.nodes, wide * self.nodes))
+            spread(grid, self.nodes, first, tile, _in_rows(boxes, instants, tile, bent), instants, sea, bent)
+            if grid.any():
+                out.append((first[1], first[0], self._transferred(grid, (high, wide), boxes.side)))
+        return out
+
+    def _transferred(self, grid: FloatArray, shape: tuple[int, int], side: float) -> NDArray[np.float32]:
+        m = self.nodes
+        spectrum = scipy.fft.rfft2(grid.astype(np.float32))
+        spectrum *= self.filter(shape)
+        if side > 0.0:  # light of a box is a mean over it
+            x, y = scipy.fft.rfftfreq(m * shape[1], 1.0 / m), scipy.fft.fftfreq(m * shape[0], 1.0 / m)
+            spectrum /= (np.sinc(y * side)[:, None] * np.sinc(x * side)[None, :]).astype(np.float32)
+        folded = spectrum.reshape(m, shape[0], -1).sum(axis=0)
+        lines = scipy.fft.ifft(folded, axis=0)
+        # the inverse transform divides by the nodes of a row, the window's integral by its pixels
+        return np.asarray(scipy.fft.irfft(lines, m * shape[1], axis=1)[:, ::m] * np.float32(m), np.float32)
+
+
+def _extent(boxes: Boxes, instants: Instants, bent: LensShift) -> tuple[float, float, float, float]:
+    """Left, right, top and bottom of all sources at all instants [pixels], a little beyond them."""
+    across = np.array([boxes.column.min() + instants.across.min(), boxes.column.max() + instants.across.max()])
+    down = np.array([boxes.row.min() + instants.down.min(), boxes.row.max() + instants.down.max()])
+    if bent.share != 0.0:
+        x, y = across[:, None] - bent.column, down[None, :] - bent.row
+        scale = 1.0 + bent.share * (x * x + y * y) / bent.corner**2
+        corners = bent.column + x * scale, bent.row + y * scale
+        spare = abs(bent.share) * max(float(np.ptp(across)), float(np.ptp(down)))  # sides of a box bend
+        across = np.array([corners[0].min() - spare, corners[0].max() + spare])
+        down = np.array([corners[1].min() - spare, corners[1].max() + spare])
+    return float(across[0]), float(across[1]) + 1e-6, float(down[0]), float(down[1]) + 1e-6
+
+
+def _in_rows(boxes: Boxes, instants: Instants, tile: tuple[float, float, float, float], bent: LensShift) -> Boxes:
+    """Boxes that may come into the rows of a tile; they are in the order of their rows."""
+    if bent.share != 0.0:
+        return boxes
+    first, end = np.searchsorted(boxes.row, [tile[2] - instants.down.max() - 1e-6, tile[3] - instants.down.min() + 1e-6])
+    some = slice(int(first), int(end))
+    return Boxes(*(values[some] for values in boxes[:5]), boxes.side)
+
+
+def _tiles(left: float, right: float, top: float, bottom: float) -> list[tuple[float, float, float, float]]:
+    """Tiles that make up an area [pixels]: itself where it is small."""
+    across, down = _cuts(left, right), _cuts(top, bottom)
+    if not across or not down:
+        return []
+    return [(a, b, c, d) for c, d in zip(down[:-1], down[1:], strict=True) for a, b in zip(across[:-1], across[1:], strict=True)]
+
+
+def _cuts(low: float, high: float) -> list[float]:
+    """Ends of tiles between two places; none where the second is not behind the first."""
+    if high <= low:
+        return []
+    if high - low <= TILE:
+        return [low, high]
+    inner = np.arange(math.floor(low) + TILE, math.ceil(high), TILE, dtype=np.float64)
+    return [low, *(float(x) for x in inner[(inner > low) & (inner < high)]), high]

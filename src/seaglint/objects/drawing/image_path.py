@@ -1,0 +1,148 @@
+"""Paths of bodies over the image during an exposure: of bodies that move, seen by a camera that moves and turns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from scipy.interpolate import BarycentricInterpolator
+
+from seaglint.base.conventions import FloatArray
+from seaglint.imaging.camera.imager import Imager
+from seaglint.imaging.camera.pose import Pose, Track
+from seaglint.objects.body import GasPlume, Motion
+from seaglint.objects.drawing.eye import image_point, lens, project, stand
+from seaglint.objects.drawing.parts import DrawnPart, Mesh
+
+NEAR: Final = 2e-3
+"""Distance from its interpolation within which a path is taken as known [pixels]."""
+
+MOST_NODES: Final = 65
+"""Largest number of instants at which a path is evaluated."""
+
+RIGID: Final = 0.05
+"""Change of a body's shape in the image up to which it counts as rigid during an exposure [pixels]."""
+
+MOST_STAGES: Final = 16
+"""Largest number of shapes with which a body is drawn in an exposure."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Camera of a sequence: its pixels, and its pose as a function of time."""
+
+    imager: Imager
+    track: Track
+
+    def pose(self, time: float) -> Pose:
+        """Pose at a time [s]; at the nearest that is known."""
+        first, last = self.track.known
+        return self.track.at(min(max(time, first), last))
+
+    def known(self, motion: Motion) -> tuple[float, float]:
+        """First and last time at which both camera and body are known [s]."""
+        mine, its = self.track.known, motion.known
+        return max(mine[0], its[0]), min(mine[1], its[1])
+
+
+@dataclass(frozen=True, eq=False)
+class ImagePath:
+    """Place of a part's middle in the image as a function of time; make it with :meth:`of`."""
+
+    _columns: Callable[[FloatArray], FloatArray]
+    _rows: Callable[[FloatArray], FloatArray]
+
+    @classmethod
+    def of(cls, view: View, motion: Motion, middle: FloatArray, times: tuple[float, float], about: float) -> ImagePath:
+        """Evaluate the path and interpolate it.
+
+        Parameters
+        ----------
+        view : View
+            Camera.
+        motion : Motion
+            Of the body.
+        middle : ndarray, (3,)
+            Place in the body's axes [m].
+        times : (float, float)
+            First and last time [s]. What lies before the first or behind the last keyframe is extrapolated.
+        about : float
+            Column next to which columns of a full circle are taken [pixels].
+        """
+        first, last = view.known(motion)
+        length = times[1] - times[0]
+        begin = max(min(times[0], last - length), first)
+        end = min(begin + length, last)
+        if end <= begin:
+            place = place_in_image(view, motion, middle, begin, about)
+            return cls(lambda t: np.full(np.shape(t), place[0]), lambda t: np.full(np.shape(t), place[1]))
+        count = 3
+        nodes, places = _evaluated(view, motion, middle, (begin, end), count, about)
+        while True:
+            finer, found = _evaluated(view, motion, middle, (begin, end), 2 * count - 1, about)
+            guess = np.stack([BarycentricInterpolator(nodes, places[:, k])(finer) for k in (0, 1)], axis=1)
+            count, nodes, places = 2 * count - 1, finer, found
+            if float(np.abs(guess - found).max()) < NEAR or count >= MOST_NODES:
+                return cls(BarycentricInterpolator(nodes, places[:, 0]), BarycentricInterpolator(nodes, places[:, 1]))
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """Columns and rows at times [pixels, (2, n)]."""
+        return np.stack([np.asarray(self._columns(times), np.float64), np.asarray(self._rows(times), np.float64)])
+
+
+def _evaluated(
+    view: View, motion: Motion, middle: FloatArray, times: tuple[float, float], count: int, about: float
+) -> tuple[FloatArray, FloatArray]:
+    """Chebyshev's extremal nodes between two times [s], and the places there [pixels, (nodes, 2)]."""
+    nodes = 0.5 * (times[0] + times[1]) - 0.5 * (times[1] - times[0]) * np.cos(np.pi * np.arange(count) / (count - 1))
+    return nodes, np.array([place_in_image(view, motion, middle, float(t), about) for t in nodes])
+
+
+def place_in_image(view: View, motion: Motion, middle: FloatArray, time: float, about: float) -> tuple[float, float]:
+    """Column and row of a place of a body (in its axes) at a time [pixels]; far outside where it is behind the camera."""
+    pose = view.pose(time)
+    at = stand(motion.at(time), pose)
+    column, row, seen = image_point(lens(view.imager, pose.attitude), tuple(at.place + at.turn @ middle), about)
+    return (column, row) if seen else (-1e6, -1e6)
+
+
+def middle_of(part: DrawnPart) -> FloatArray:
+    """Middle of a part in its body's axes [m]."""
+    if isinstance(part.kind, Mesh):
+        return part.kind.middle
+    return np.asarray(part.kind.centre, np.float64) if isinstance(part.kind, GasPlume) else np.zeros(3)
+
+
+def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, float], about: float) -> int:
+    """Number of shapes with which a part is drawn between two times [s]: one where it only shifts in the image.
+
+    Its corners are compared with what a shift of its middle makes of them; shapes are as many as keep the difference below
+    :data:`RIGID`.
+    """
+    first, last = view.known(motion)
+    if isinstance(part.kind, Mesh):
+        low, high = part.kind.vertices.min(axis=0), part.kind.vertices.max(axis=0)
+    elif isinstance(part.kind, GasPlume):
+        centre, half = np.asarray(part.kind.centre), np.asarray(part.kind.semi_axes)
+        low, high = centre - half, centre + half
+    else:
+        return 1
+    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    points = np.concatenate([middle_of(part)[None], corners])
+    shapes = []
+    for time in (max(times[0], first), min(times[1], last)):
+        pose = view.pose(time)
+        at = stand(motion.at(min(max(time, first), last)), pose)
+        surface = points @ at.turn.T + at.place
+        _, image = project(surface, pose.attitude.axes[[0, 1, 2]], lens(view.imager, pose.attitude), about)
+        shapes.append(image[1:] - image[0])
+    change = float(np.abs(shapes[1] - shapes[0]).max())
+    return int(min(max(math.ceil(change / (2.0 * RIGID)), 1), MOST_STAGES))
+
+
+def finer(imager: Imager, times: int) -> Imager:
+    """Return the camera with its pixels cut ``times`` x ``times``."""
+    return replace(imager, columns=imager.columns * times, rows=imager.rows * times)

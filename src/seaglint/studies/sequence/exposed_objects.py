@@ -1,0 +1,506 @@
+"""Objects of a scenario on a detector's pixels: at their own places during an exposure, blurred by the optics, over a sea that is blurred
+by the platform's motion too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.reports import REPORTS
+from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.camera.imager import Imager
+from seaglint.imaging.camera.pose import Pose, Track
+from seaglint.imaging.refracted import RefractedScene
+from seaglint.imaging.scene import Scene
+from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.local_light import Backdrop, Boxes, Instants, LensShift, LocalLight, behind, count_pixels
+from seaglint.instrument.scan import ScanPattern
+from seaglint.objects.drawing.compose import BodyShare, BodySight, point_light, sights
+from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, near
+from seaglint.objects.drawing.eye import FEWEST_CELLS
+from seaglint.objects.drawing.image_path import ImagePath, View, finer, middle_of, place_in_image, stages
+from seaglint.objects.drawing.light import Surroundings
+from seaglint.objects.drawing.parts import Placed
+from seaglint.objects.drawing.refracted_bodies import refracted_picture
+from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
+from seaglint.studies.sequence.scene_objects import SceneObjects
+
+BOXES_ACROSS: Final = 24
+"""Least number of boxes of light across an object."""
+
+LARGE: Final = 128.0
+"""Size from which an object is drawn in the fine pixels of the sea's picture [pixels]."""
+
+SEGMENT: Final = 0.25
+"""Longest way of an object between two pairs of instants [pixels]."""
+
+MOST_INSTANTS: Final = 8192
+"""Largest number of instants of an exposure: 1000 pixels of way in the picture."""
+
+IN_STEP: Final = 0.05
+"""Way of an object within which rows or columns of a picture count as of one instant [pixels]."""
+
+SHORT: Final = 1e-3
+"""Time over which the speed of a body is found where nothing is exposed [s]."""
+
+_GAUSS: Final = 0.5 / math.sqrt(3.0)
+"""Places of a pair of instants about the middle of its segment."""
+
+
+Window = tuple[int, int, NDArray[np.float32]]
+"""First row and first column of a part of the picture, which may lie outside, and values of its pixels (rows, columns)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Streak:
+    """Way of an object during an exposure.
+
+    Attributes
+    ----------
+    ends : ndarray, (2, 2)
+        First and last column and row [pixels].
+    length : float
+        Its length [pixels].
+    rate : ndarray, (2,)
+        Speed along columns and rows at the middle [pixels s-1].
+    """
+
+    ends: FloatArray
+    length: float
+    rate: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class ObjectLight:
+    """Objects of a frame: the change they make to the radiance on the pixels [W m-2 sr-1, (rows, columns)], alone and together.
+
+    ``each`` holds for each object the first row and column of a window and the change in it; None out of the picture.
+    """
+
+    added: NDArray[np.float32]
+    each: tuple[Window | None, ...]
+    sights: tuple[BodySight, ...]
+    streaks: tuple[Streak | None, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawing:
+    """A part to draw: its number, its path, the delay of its row or column, its instants about that, and the one it is drawn at [s]."""
+
+    part: int
+    path: ImagePath
+    delay: float
+    times: FloatArray
+    weights: FloatArray
+    drawn_at: float
+    central: bool
+
+
+@dataclass(frozen=True, eq=False)
+class ExposedObjects:
+    """Objects before a sensor. Make it with :meth:`of`."""
+
+    objects: SceneObjects
+    track: Track
+    imager: Imager
+    model: SensorModel
+    scan: ScanPattern
+    fine: int
+    _seen_fast: set[str] = field(default_factory=set, repr=False)
+
+    @classmethod
+    def of(cls, objects: SceneObjects, scene: Scene, track: Track, model: SensorModel, scan: ScanPattern, fine: int) -> ExposedObjects:
+        """Objects of a scene that is drawn ``fine`` times finer than the detector's pixels."""
+        pixels = scene.pixels
+        imager = replace(pixels, columns=pixels.columns // fine, rows=pixels.rows // fine)
+        return cls(objects, track, imager, model, scan, fine)
+
+    @cached_property
+    def _local(self) -> LocalLight:
+        model = self.model
+        return LocalLight.of(model.blur, model.sampling(1), 1e-6 * model.photons.band.min_um)
+
+    @cached_property
+    def _view(self) -> View:
+        return View(self.imager, self.track)
+
+    @cached_property
+    def _delays(self) -> tuple[FloatArray | None, FloatArray | None]:
+        """Time of each row and of each column after the frame's [s]; None where all have one."""
+        rows, columns = self.scan.row_delays(self.imager.rows), self.scan.column_delays(self.imager.columns)
+        return (rows if rows.any() else None), (columns if columns.any() else None)
+
+    @property
+    def _circle(self) -> int:
+        return self.imager.columns if self.imager.goes_round else 0
+
+    def light(self, scene: Scene, time: float, sea: NDArray[np.float32], rates: tuple[float, float]) -> ObjectLight:
+        """Light of the objects in a frame.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene of the frame's instant.
+        time : float
+            Middle of the exposure (of the first row or column) [s].
+        sea : ndarray
+            Image of the sea alone, in fine pixels [W m-2 sr-1, (rows, columns)].
+        rates : (float, float)
+            Movement of the line of sight by the platform, along and across rows [rad s-1].
+        """
+        pose = self.track.at(time)
+        view = scene.seen_from(pose)
+        surroundings = self.objects.drawer.light(view)
+        backdrop = Backdrop(np.ascontiguousarray(sea), self.fine, self._circle, surroundings.sea_counted)
+        shift = (rates[0] / self.model.ifov, rates[1] / self.model.ifov)
+        drawings = self._drawings(time)
+        patches = self._patches(scene, view, time, drawings, surroundings)
+        added = np.zeros((self.imager.rows, self.imager.columns))
+        windows: list[list[Window]] = [[] for _ in self.objects.drawer.bodies]
+        sums: dict[int, list[tuple[Boxes, Instants]]] = {}
+        for drawing, patch, scale in patches:
+            boxes = self._boxes(patch, scale, pose, backdrop, surroundings)
+            body = patch.placed.part.body
+            for rows, columns, instants in self._blocks(drawing, boxes, time, shift):
+                for window in self._local.seen(boxes, instants, backdrop, self._bent, (columns, rows)):
+                    kept = _only(window, rows, columns)
+                    windows[body].append(kept)
+                    self._add(added, kept)
+            own = self._instants(drawing, time + drawing.delay, shift)
+            sums.setdefault(drawing.part, []).append((boxes, own))
+        central = [(patch, scale, drawing.part) for drawing, patch, scale in patches if drawing.central]
+        seen = self._sights(time, pose, central, sums, backdrop)
+        each = tuple(self._together(some) for some in windows)
+        return ObjectLight(added.astype(np.float32), each, seen, self._streaks(time, drawings))
+
+    @cached_property
+    def _bent(self) -> LensShift:
+        share = self.model.optics.distortion
+        columns, rows = self.imager.columns, self.imager.rows
+        return LensShift(share, 0.5 * columns, 0.5 * rows, math.hypot(0.5 * columns, 0.5 * rows))
+
+    def _delay(self, column: float, row: float) -> float:
+        """Time after the frame's at which an image point is taken [s]."""
+        down, across = self._delays
+        if down is not None:
+            return float(np.interp(row - 0.5, np.arange(down.size), down))
+        if across is not None:
+            return float(np.interp((column - 0.5) % across.size if self._circle else column - 0.5, np.arange(across.size), across))
+        return 0.0
+
+    def _met(self, part: int, time: float) -> tuple[float, float]:
+        """Delay of the row or column in which a part is met [s], and its column then [pixels]."""
+        drawn = self.objects.drawer.parts[part]
+        motion = self.objects.drawer.bodies[drawn.body].motion
+        middle, about, delay = middle_of(drawn), 0.5 * self.imager.columns, 0.0
+        for _ in range(12):
+            first, last = self._view.known(motion)
+            column, row = place_in_image(self._view, motion, middle, min(max(time + delay, first), last), about)
+            met = self._delay(column, row)
+            if abs(met - delay) < 1e-9:
+                break
+            delay = met
+        return delay, column
+
+    def _drawings(self, time: float) -> list[_Drawing]:
+        """What is to be drawn of a frame: every part in one or several shapes."""
+        exposure = self.model.exposure_time
+        down, across = self._delays
+        longest = float(max((d.max() for d in (down, across) if d is not None), default=0.0))
+        out = []
+        for number, part in enumerate(self.objects.drawer.parts):
+            motion = self.objects.drawer.bodies[part.body].motion
+            delay, column = self._met(number, time)
+            middle = time + delay
+            spare = max(0.5 * exposure, SHORT) + longest
+            reach = (middle - spare, middle + spare)
+            path = ImagePath.of(self._view, motion, middle_of(part), reach, column)
+            count = stages(self._view, motion, part, (middle - 0.5 * exposure, middle + 0.5 * exposure), column) if exposure > 0.0 else 1
+            for stage in range(count):
+                begin = (stage / count - 0.5) * exposure
+                times, weights = self._times(path, middle, begin, begin + exposure / count, part.name)
+                own = middle + begin + 0.5 * exposure / count
+                out.append(_Drawing(number, path, delay, times, weights / count, own, stage == count // 2))
+        return out
+
+    def _times(self, path: ImagePath, middle: float, begin: float, end: float, name: str) -> tuple[FloatArray, FloatArray]:
+        """Instants about the middle of an exposure [s] and their weights: pairs of Gauss and Legendre on short segments.
+
+        A body that crosses more than the picture has its instants where it is in it.
+        """
+        if end <= begin:
+            return np.zeros(1), np.ones(1)
+        coarse = np.linspace(begin, end, 65)
+        places = path.at(middle + coarse)
+        ways = np.hypot(*np.diff(places, axis=1))
+        length = float(ways.sum())
+        share = 1.0
+        widest = max(self.imager.columns, self.imager.rows)
+        if length > widest:
+            if name not in self._seen_fast:
+                self._seen_fast.add(name)
+                text = "objects '%s' crosses %.0f pixels in an exposure, more than the picture is wide (%d): its streak reaches across it"
+                REPORTS.warning(text, name, length, widest)
+            dense = np.linspace(begin, end, 65537)
+            column, row = path.at(middle + dense)
+            spare = self._local.margin
+            inside = (column > -spare) & (column < self.imager.columns + spare) & (row > -spare) & (row < self.imager.rows + spare)
+            if not inside.any():
+                return np.zeros(0), np.zeros(0)
+            some = np.flatnonzero(inside)
+            first, last = float(dense[max(some[0] - 1, 0)]), float(dense[min(some[-1] + 1, dense.size - 1)])
+            share, begin, end = (last - first) / (end - begin), first, last
+            length *= share
+        if length < 1e-6:
+            return np.array([0.5 * (begin + end)]), np.array([share])
+        segments = min(max(math.ceil(length / SEGMENT), 1), MOST_INSTANTS // 2)
+        edges = np.linspace(begin, end, segments + 1)
+        centres, width = 0.5 * (edges[1:] + edges[:-1]), (end - begin) / segments
+        times = (centres[:, None] + width * np.array([-_GAUSS, _GAUSS])).ravel()
+        return times, np.full(times.size, share / times.size)
+
+    def _patches(
+        self, scene: Scene, view: SeaView, time: float, drawings: Sequence[_Drawing], light: Surroundings
+    ) -> list[tuple[_Drawing, PixelPatch, float]]:
+        """Patches of the parts in view with the number of their pixels along the side of one of the detector's."""
+        if isinstance(scene, RefractedScene):
+            return self._refracted(scene, time, drawings)
+        drawer, chosen = self.objects.drawer, []
+        moments: dict[float, tuple[Stage, tuple[Placed, ...]]] = {}
+        spare = self._local.margin
+        for drawing in drawings:
+            at = drawing.drawn_at
+            if at not in moments:
+                pose = self._view.pose(at)
+                waves = None
+                if scene.waves is not None:
+                    # waves stand still in an exposure
+                    sea = scene.sea(self._view.pose(time + drawing.delay), time + drawing.delay)
+                    waves = (sea.levels, sea.surface)
+                columns = (0, self.imager.columns) if self._circle else (-spare, self.imager.columns + spare)
+                stage = Stage(self.imager, pose, view, waves, columns, (-spare, self.imager.rows + spare))
+                moments[at] = (stage, drawer.placed(pose, at)[1])
+            stage, every = moments[at]
+            one = every[drawing.part]
+            if drawing.times.size and self._meets(drawing, time) and near(self._wide(stage, drawing, time), one):
+                chosen.append((drawing, *self._own_stage(stage, one, drawing, time), one, every))
+        drawn = drawer.patches([(stage, one) for _, stage, _, one, _ in chosen], [every for *_, every in chosen], light)
+        return [(drawing, patch, float(scale)) for (drawing, _, scale, *_), patch in zip(chosen, drawn, strict=True) if patch is not None]
+
+    def _meets(self, drawing: _Drawing, time: float) -> bool:
+        """True if the part's middle is known to be in front of the camera at its instants."""
+        return bool((drawing.path.at(time + drawing.delay + drawing.times)[0] > -1e5).any())
+
+    def _wide(self, stage: Stage, drawing: _Drawing, time: float) -> Stage:
+        """Stage with the pixels from which the part comes into the picture during its exposure."""
+        places = drawing.path.at(time + drawing.delay + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
+        low, high = np.floor(places.min(axis=1)).astype(int), np.ceil(places.max(axis=1)).astype(int)
+        (left, right), (top, bottom) = stage.columns, stage.rows
+        if not self._circle:
+            left, right = left - max(int(high[0]), 0), right - min(int(low[0]), 0)
+        return replace(stage, columns=(left, right), rows=(top - max(int(high[1]), 0), bottom - min(int(low[1]), 0)))
+
+    def _own_stage(self, stage: Stage, one: Placed, drawing: _Drawing, time: float) -> tuple[Stage, int]:
+        """Stage of a part with pixels as fine as its size needs, and their number along the side of the detector's."""
+        wide = self._wide(stage, drawing, time)
+        if one.radius == 0.0:
+            return wide, 1
+        size = wide.size_of(one)
+        scale = self._local.nodes if size < LARGE else self.fine
+        while scale * size < BOXES_ACROSS:
+            scale *= 2
+        columns, rows = ((scale * a, scale * b) for a, b in (wide.columns, wide.rows))
+        cells = max(math.ceil(FEWEST_CELLS * self.fine / scale), 2)
+        return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells), scale
+
+    def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[_Drawing]) -> list[tuple[_Drawing, PixelPatch, float]]:
+        """Patches through air that bends lines of sight, in the fine pixels of the picture."""
+        pose = self.track.at(time)
+        sea = None if scene.waves is None else scene.sea(pose, time)
+        waves = None if sea is None else (sea.levels, sea.surface)
+        stage = Stage(scene.pixels, pose, scene.seen_from(pose), waves, (0, scene.pixels.columns), (0, scene.pixels.rows))
+        picture = refracted_picture(self.objects.drawer, stage, scene, time)
+        parts = {id(part): number for number, part in enumerate(self.objects.drawer.parts)}
+        central = {drawing.part: drawing for drawing in drawings if drawing.central}
+        chosen = [(replace(central[parts[id(p.placed.part)]], drawn_at=time), p, float(self.fine)) for p in picture.patches]
+        return [one for one in chosen if one[0].times.size]
+
+    def _boxes(self, patch: PixelPatch, scale: float, pose: Pose, backdrop: Backdrop, light: Surroundings) -> Boxes:
+        """Light of a patch as boxes at places in the detector's picture."""
+        if patch.clear > 0.0:
+            column, row = float(patch.sums[ACROSS]) / scale, float(patch.sums[DOWN]) / scale
+            solid = float(self.imager.solid_angle(pose.attitude, column, row))
+            counted, radiance = point_light(patch, solid, behind(backdrop, column, row), light)
+            return Boxes(*(np.array([v]) for v in (column, row, counted, radiance, 0.0)), 0.0)
+        area = 1.0 / scale**2
+        cover = patch.planes[COVER] * area
+        radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0) * area
+        counted = patch.counted * area
+        some = np.nonzero((cover > 0.0) | (radiance > 0.0))
+        columns = patch.columns.astype(np.float64)
+        if self._circle:  # on either side of the seam they go on
+            around = scale * self._circle
+            columns = columns[0] + (columns - columns[0] + 0.5 * around) % around - 0.5 * around
+        return Boxes(
+            (columns[some[1]] + 0.5) / scale, (patch.rows[some[0]] + 0.5) / scale, counted[some], radiance[some], cover[some], 1.0 / scale
+        )  # fmt: skip
+
+    def _instants(self, drawing: _Drawing, middle: float, shift: tuple[float, float]) -> Instants:
+        """Shifts of a part and of the sea behind it at the instants of an exposure about ``middle`` [s]."""
+        places = drawing.path.at(middle + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
+        return Instants(places[0], places[1], drawing.weights, shift[0] * drawing.times, shift[1] * drawing.times)
+
+    def _blocks(
+        self, drawing: _Drawing, boxes: Boxes, time: float, shift: tuple[float, float]
+    ) -> Iterator[tuple[tuple[int, int] | None, tuple[int, int] | None, Instants]]:
+        """Rows and columns (first and end; None for all) of which each has an instant of its own, with the part's instants there."""
+        down, across = self._delays
+        own = self._instants(drawing, time + drawing.delay, shift)
+        delays = down if down is not None else across
+        if delays is None or boxes.column.size == 0 or drawing.times.size == 0:
+            yield None, None, own
+            return
+        tick = abs(float(delays[1] - delays[0])) if delays.size > 1 else 0.0
+        way = self._speed(drawing, time + drawing.delay) * tick
+        places, moves = (boxes.row, own.down) if down is not None else (boxes.column, own.across)
+        first = math.floor(float(places.min() + moves.min())) - self._local.margin
+        end = math.ceil(float(places.max() + moves.max())) + self._local.margin
+        if down is not None or not self._circle:
+            first, end = max(first, 0), min(end, delays.size)
+        if way * (end - first) < IN_STEP:
+            yield None, None, own
+            return
+        chunk = max(int(IN_STEP / way), 1)
+        for begin in range(first, end, chunk):
+            stop = min(begin + chunk, end)
+            delay = float(np.mean([delays[k % delays.size] for k in range(begin, stop)]))
+            instants = self._instants(drawing, time + delay, shift)
+            yield ((begin, stop), None, instants) if down is not None else (None, (begin, stop), instants)
+
+    def _speed(self, drawing: _Drawing, middle: float) -> float:
+        """Speed of a part in the image [pixels s-1]."""
+        step = max(0.5 * self.model.exposure_time, SHORT)
+        pair = drawing.path.at(np.array([middle - step, middle + step]))
+        return float(np.hypot(*(pair[:, 1] - pair[:, 0]))) / (2.0 * step)
+
+    def _add(self, added: FloatArray, window: Window) -> None:
+        """Add a window to the picture, round its seam where it has one."""
+        row, column, values = window
+        rows = slice(max(row, 0), min(row + values.shape[0], added.shape[0]))
+        if rows.start >= rows.stop:
+            return
+        columns = column + np.arange(values.shape[1])
+        inside = values[rows.start - row : rows.stop - row]
+        if self._circle:
+            np.add.at(added, (slice(rows.start, rows.stop), columns % self._circle), inside)
+            return
+        keep = (columns >= 0) & (columns < added.shape[1])
+        added[rows, columns[keep]] += inside[:, keep]
+
+    def _together(self, windows: list[Window]) -> Window | None:
+        """Sum of windows, in the picture."""
+        if not windows:
+            return None
+        about = windows[0][1]
+        circle = self._circle
+        moved = [
+            (row, about + (column - about + circle // 2) % circle - circle // 2 if circle else column, v) for row, column, v in windows
+        ]
+        top, left = min(row for row, _, _ in moved), min(column for _, column, _ in moved)
+        bottom, right = (max(one[k] + one[2].shape[k] for one in moved) for k in (0, 1))
+        top, bottom = max(top, 0), min(bottom, self.imager.rows)
+        if not circle:
+            left, right = max(left, 0), min(right, self.imager.columns)
+        if top >= bottom or left >= right:
+            return None
+        whole = np.zeros((bottom - top, right - left), np.float32)
+        for row, column, values in moved:
+            rows = slice(max(row, top), min(row + values.shape[0], bottom))
+            columns = slice(max(column, left), min(column + values.shape[1], right))
+            if rows.start < rows.stop and columns.start < columns.stop:
+                part = values[rows.start - row : rows.stop - row, columns.start - column : columns.stop - column]
+                whole[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] += part
+        return top, left, whole
+
+    def _sights(
+        self,
+        time: float,
+        pose: Pose,
+        central: Sequence[tuple[PixelPatch, float, int]],
+        sums: Mapping[int, Sequence[tuple[Boxes, Instants]]],
+        backdrop: Backdrop,
+    ) -> tuple[BodySight, ...]:
+        """Sights of the bodies in the detector's pixels: shapes of the middle of the exposure, shares and places averaged over it."""
+        stands, every = self.objects.drawer.placed(pose, time)
+        patches, shares = [], []
+        for patch, scale, part in central:
+            parts = sums[part]
+            weight = sum(float(i.weight.sum()) for _, i in parts)
+            offsets = [sum(float(getattr(i, way) @ i.weight) for _, i in parts) / max(weight, 1e-9) for way in ("across", "down")]
+            moved = patch.sums.copy()
+            for place, offset in ((ACROSS, offsets[0]), (DOWN, offsets[1])):
+                moved[place] = moved[place] / scale + offset * (1.0 if patch.clear > 0.0 else moved[SEEN])
+            patches.append(replace(patch, sums=moved))
+            shares.append(self._share(parts, pose, backdrop))
+        return sights(DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), every), patches, shares, self._circle)
+
+    def _share(self, parts: Sequence[tuple[Boxes, Instants]], pose: Pose, backdrop: Backdrop) -> BodyShare:
+        """Coverage and radiance of a part in the pixels of the picture, means over the exposure."""
+        filled = [(b, i) for b, i in parts if b.column.size and i.weight.size]
+        none = np.zeros(0, np.int64)
+        if not filled:
+            return BodyShare(none, none, *(np.zeros((0, 0)) for _ in range(4)))
+        left, top = (math.floor(min(float(b[k].min() + i[k].min()) for b, i in filled)) for k in (0, 1))
+        right, bottom = (math.floor(max(float(b[k].max() + i[k].max()) for b, i in filled)) + 1 for k in (0, 1))
+        top, bottom = max(top, 0), min(bottom, self.imager.rows)
+        if self._circle:
+            right = min(right, left + self._circle)
+        else:
+            left, right = max(left, 0), min(right, self.imager.columns)
+        if top >= bottom or left >= right:
+            return BodyShare(none, none, *(np.zeros((0, 0)) for _ in range(4)))
+        counted = np.zeros((3, bottom - top, right - left))
+        for boxes, instants in filled:
+            count_pixels(counted, (left, top), boxes, instants, backdrop)
+        rows, columns = np.arange(top, bottom), np.arange(left, right)
+        pixel = np.broadcast_to(self.imager.solid_angle(pose.attitude, columns + 0.5, rows[:, None] + 0.5), counted.shape[1:])
+        image = counted[2] / np.where(counted[0] > 0.0, counted[0], 1.0)
+        return BodyShare(rows, columns % self._circle if self._circle else columns, counted[0], counted[1], image, pixel)
+
+    def _streaks(self, time: float, drawings: Sequence[_Drawing]) -> tuple[Streak | None, ...]:
+        """Ways of the bodies during the exposure, by the middle of the first part of each."""
+        out: list[Streak | None] = [None] * len(self.objects.drawer.bodies)
+        half = 0.5 * self.model.exposure_time
+        for drawing in drawings:
+            body = self.objects.drawer.parts[drawing.part].body
+            if out[body] is not None:
+                continue
+            middle = time + drawing.delay
+            places = drawing.path.at(middle + half * np.linspace(-1.0, 1.0, 33))
+            if not (places > -1e5).all():
+                continue
+            step = half if half > 0.0 else SHORT
+            pair = drawing.path.at(np.array([middle - step, middle + step]))
+            length = float(np.hypot(*np.diff(places, axis=1)).sum())
+            out[body] = Streak(places[:, [0, -1]].T - 0.5, length, (pair[:, 1] - pair[:, 0]) / (2.0 * step))
+        return tuple(out)
+
+
+def _only(window: Window, rows: tuple[int, int] | None, columns: tuple[int, int] | None) -> Window:
+    """Part of a window in some rows or columns."""
+    row, column, values = window
+    if rows is not None:
+        first, end = max(rows[0], row), min(rows[1], row + values.shape[0])
+        row, values = first, values[max(first - row, 0) : max(end - row, 0)]
+    if columns is not None:
+        first, end = max(columns[0], column), min(columns[1], column + values.shape[1])
+        column, values = first, values[:, max(first - column, 0) : max(end - column, 0)]
+    return row, column, values
