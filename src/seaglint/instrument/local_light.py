@@ -11,6 +11,7 @@ Optics pass nothing above their cut-off :math:`f_c`. With :math:`m = 4 f_c` what
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import OrderedDict
 from dataclasses import dataclass, field
@@ -28,8 +29,14 @@ from seaglint.instrument.transfer import Sampling, product
 NODES_PER_CYCLE: Final = 4.0
 """Nodes of the grid to a period of the optics' cut-off."""
 
-MARGINS: Final = (16, 48)
-"""Least and greatest margin of a window around its sources [pixels]; between them ten blurs of diffraction."""
+MARGINS: Final = (24, 48)
+"""Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
+
+What diffraction sends beyond, a share of some ``1 / (pi^2 BLURS)``, comes in again from the other side, so that sums are whole.
+"""
+
+BLURS: Final = 16.0
+"""Margin in units of the blur's diameter (wavelength times f-number)."""
 
 TILE: Final = 96
 """Side of the tiles into which sources are divided where they spread farther [pixels]."""
@@ -196,7 +203,7 @@ class LocalLight:
         cutoff = sampling.step * blur.optics.cutoff(shortest)
         nodes = max(math.ceil(NODES_PER_CYCLE * cutoff), 2)
         nodes += nodes % 2  # the middle of a pixel is a node
-        wide = 10.0 / (blur.optics.cutoff(blur.wavelength) * sampling.step) + 4.0 * blur.optics.jitter / sampling.step
+        wide = BLURS / (blur.optics.cutoff(blur.wavelength) * sampling.step) + 4.0 * blur.optics.jitter / sampling.step
         smear = max(abs(part) for part in sampling.smear) / sampling.step
         return cls(blur, sampling, nodes, math.ceil(min(max(wide, MARGINS[0]), MARGINS[1]) + smear))
 
@@ -251,15 +258,23 @@ class LocalLight:
                 limits[2 * k + 1] = min(limits[2 * k + 1], some[1] + self.margin)
         out = []
         for tile in _tiles(*limits):
-            first = (math.floor(tile[0]) - self.margin, math.floor(tile[2]) - self.margin)
-            wide, high = (
-                STEP * math.ceil((math.ceil(end) - start + self.margin) / STEP) for start, end in ((first[0], tile[1]), (first[1], tile[3]))
-            )
+            (left, wide), (top, high) = self._window(tile[0], tile[1]), self._window(tile[2], tile[3])
+            first = (left, top)
             grid = np.zeros((high * self.nodes, wide * self.nodes))
             spread(grid, self.nodes, first, tile, _in_rows(boxes, instants, tile, bent), instants, sea, bent)
             if grid.any():
                 out.append((first[1], first[0], self._transferred(grid, (high, wide), boxes.side)))
         return out
+
+    def _window(self, low: float, high: float) -> tuple[int, int]:
+        """First pixel and number of pixels of a window about sources between two places, its middle within a quarter of a pixel of theirs.
+
+        Were it not, what comes in from the other side would shift the mean place of a source.
+        """
+        size = 2 * self.margin + STEP * math.ceil((high - low - 1e-5) / STEP)
+        middle = 0.5 * (low + high)
+        size += round(2.0 * middle - size) % 2
+        return round(middle - 0.5 * size), size
 
     def _transferred(self, grid: FloatArray, shape: tuple[int, int], side: float) -> NDArray[np.float32]:
         m = self.nodes
@@ -299,17 +314,11 @@ def _in_rows(boxes: Boxes, instants: Instants, tile: tuple[float, float, float, 
 
 def _tiles(left: float, right: float, top: float, bottom: float) -> list[tuple[float, float, float, float]]:
     """Tiles that make up an area [pixels]: itself where it is small."""
-    across, down = _cuts(left, right), _cuts(top, bottom)
-    if not across or not down:
-        return []
-    return [(a, b, c, d) for c, d in zip(down[:-1], down[1:], strict=True) for a, b in zip(across[:-1], across[1:], strict=True)]
+    return [(*across, *down) for down in _cuts(top, bottom) for across in _cuts(left, right)]
 
 
-def _cuts(low: float, high: float) -> list[float]:
-    """Ends of tiles between two places; none where the second is not behind the first."""
-    if high <= low:
-        return []
-    if high - low <= TILE:
-        return [low, high]
-    inner = np.arange(math.floor(low) + TILE, math.ceil(high), TILE, dtype=np.float64)
-    return [low, *(float(x) for x in inner[(inner > low) & (inner < high)]), high]
+def _cuts(low: float, high: float) -> list[tuple[float, float]]:
+    """Parts of a length, itself where it is short; none where its end is not behind its beginning."""
+    inner = np.arange(math.floor(low) + TILE, high, TILE, dtype=np.float64) if high - low > TILE else np.zeros(0)
+    ends = [low, *(float(x) for x in inner), high]
+    return list(itertools.pairwise(ends)) if low < high else []
