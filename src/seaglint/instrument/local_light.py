@@ -309,7 +309,8 @@ def _in_rows(boxes: Boxes, instants: Instants, tile: tuple[float, float, float, 
         return boxes
     first, end = np.searchsorted(boxes.row, [tile[2] - instants.down.max() - 1e-6, tile[3] - instants.down.min() + 1e-6])
     some = slice(int(first), int(end))
-    return Boxes(*(values[some] for values in boxes[:5]), boxes.side)
+    column, row, counted, radiance, cover, side = boxes
+    return Boxes(column[some], row[some], counted[some], radiance[some], cover[some], side)
 
 
 def _tiles(left: float, right: float, top: float, bottom: float) -> list[tuple[float, float, float, float]]:

@@ -23,6 +23,9 @@ NEAR: Final = 2e-3
 MOST_NODES: Final = 65
 """Largest number of instants at which a path is evaluated."""
 
+SHORT: Final = 1e-3
+"""Time over which the speed of a body is found where an exposure is shorter [s]."""
+
 RIGID: Final = 0.05
 """Change of a body's shape in the image up to which it counts as rigid during an exposure [pixels]."""
 
@@ -141,6 +144,47 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
         shapes.append(image[1:] - image[0])
     change = float(np.abs(shapes[1] - shapes[0]).max())
     return int(min(max(math.ceil(change / (2.0 * RIGID)), 1), MOST_STAGES))
+
+
+@dataclass(frozen=True, eq=False)
+class Streak:
+    """Way of a body in the image during an exposure.
+
+    Attributes
+    ----------
+    middle : ndarray, (2,)
+        Mean column and row [pixels; pixel centres are whole numbers].
+    ends : ndarray, (2, 2)
+        First and last column and row [pixels].
+    length : float
+        Length of the way [pixels].
+    velocity : ndarray, (2,)
+        Speed along columns and rows at the middle of the exposure [pixels s-1].
+    """
+
+    middle: FloatArray
+    ends: FloatArray
+    length: float
+    velocity: FloatArray
+
+    @classmethod
+    def of(cls, path: ImagePath, time: float, exposure: float) -> Streak | None:
+        """Streak along a path in an exposure about a time [s]; None where the body is behind the camera."""
+        places = path.at(time + 0.5 * exposure * np.linspace(-1.0, 1.0, 33))
+        step = max(0.5 * exposure, SHORT)
+        pair = path.at(np.array([time - step, time + step]))
+        if not (places > -1e5).all() or not (pair > -1e5).all():
+            return None
+        length = float(np.hypot(*np.diff(places, axis=1)).sum())
+        return cls(places.mean(axis=1) - 0.5, places[:, [0, -1]].T - 0.5, length, (pair[:, 1] - pair[:, 0]) / (2.0 * step))
+
+
+def path_about(view: View, motion: Motion, part: DrawnPart, time: float, spare: float) -> ImagePath:
+    """Path of a part from ``spare`` before a time to as long after it [s]."""
+    first, last = view.known(motion)
+    middle = middle_of(part)
+    about = place_in_image(view, motion, middle, min(max(time, first), last), 0.5 * view.imager.columns)[0]
+    return ImagePath.of(view, motion, middle, (time - spare, time + spare), about)
 
 
 def finer(imager: Imager, times: int) -> Imager:

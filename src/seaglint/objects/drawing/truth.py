@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
+from seaglint.imaging.camera.imager import Imager
 from seaglint.objects.drawing.compose import LEAST_COVER, BodySight
-from seaglint.objects.drawing.truth_names import NUMBERS
+from seaglint.objects.drawing.truth_names import MOST_SMALL, NUMBERS
 
 SURROUND: Final = 10
 """Width of the frame around a body's box in which its clutter is evaluated [pixels]."""
@@ -80,6 +81,13 @@ def labels(
     masks, number = _owners(boxes, shape)
     rows = [_numbers(sight, box, coarse, number > 0, kelvin, n) for sight, box in zip(sights, boxes, strict=True)]
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
+
+
+def size_classes(labels: Mapping[str, NDArray[np.float64]], imager: Imager) -> FloatArray:
+    """Class of each object's size: 0 point, 1 small, 2 extended (:data:`~seaglint.objects.drawing.truth_names.SIZES`)."""
+    pixel = imager.width / imager.columns * imager.height_angle / imager.rows
+    size = labels["solid_angle_sr"] / pixel
+    return np.where(size < 1.0, 0.0, np.where(size <= MOST_SMALL, 1.0, 2.0))
 
 
 def numbers_of(sights: tuple[BodySight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:

@@ -23,5 +23,24 @@ NUMBERS: Final = (
     "irradiance_W_m2",
     "signal_column_px",
     "signal_row_px",
+    "velocity_column_px_s",
+    "velocity_row_px_s",
+    "motion_px",
+    "streak_begin_column_px",
+    "streak_begin_row_px",
+    "streak_end_column_px",
+    "streak_end_row_px",
+    "blur_px",
+    "size_class",
+    "counts_column_px",
+    "counts_row_px",
+    "counts_peak",
+    "counts_snr",
 )
 """Ground-truth numbers of a body in a frame, in the order of table columns; unknown numbers of a body out of view are NaN."""
+
+SIZES: Final = ("point", "small", "extended")
+"""Classes of size by their number: of a solid angle of less than a pixel, of at most :data:`MOST_SMALL` pixels, and larger."""
+
+MOST_SMALL: Final = 81
+"""Greatest size of a small target [pixels]: 9 x 9, the definition of SPIE (0.12 % of 256 x 256)."""

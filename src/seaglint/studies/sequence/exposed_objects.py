@@ -22,11 +22,12 @@ from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.scene import Scene
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.local_light import Backdrop, Boxes, Instants, LensShift, LocalLight, behind, count_pixels
+from seaglint.instrument.picture_windows import Window, add_window, part_of, together
 from seaglint.instrument.scan import ScanPattern
 from seaglint.objects.drawing.compose import BodyShare, BodySight, point_light, sights
 from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, near
 from seaglint.objects.drawing.eye import FEWEST_CELLS
-from seaglint.objects.drawing.image_path import ImagePath, View, finer, middle_of, place_in_image, stages
+from seaglint.objects.drawing.image_path import SHORT, ImagePath, Streak, View, finer, middle_of, place_in_image, stages
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.parts import Placed
 from seaglint.objects.drawing.refracted_bodies import refracted_picture
@@ -48,34 +49,8 @@ MOST_INSTANTS: Final = 8192
 IN_STEP: Final = 0.05
 """Way of an object within which rows or columns of a picture count as of one instant [pixels]."""
 
-SHORT: Final = 1e-3
-"""Time over which the speed of a body is found where nothing is exposed [s]."""
-
 _GAUSS: Final = 0.5 / math.sqrt(3.0)
 """Places of a pair of instants about the middle of its segment."""
-
-
-Window = tuple[int, int, NDArray[np.float32]]
-"""First row and first column of a part of the picture, which may lie outside, and values of its pixels (rows, columns)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Streak:
-    """Way of an object during an exposure.
-
-    Attributes
-    ----------
-    ends : ndarray, (2, 2)
-        First and last column and row [pixels].
-    length : float
-        Its length [pixels].
-    rate : ndarray, (2,)
-        Speed along columns and rows at the middle [pixels s-1].
-    """
-
-    ends: FloatArray
-    length: float
-    rate: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,14 +146,14 @@ class ExposedObjects:
             body = patch.placed.part.body
             for rows, columns, instants in self._blocks(drawing, boxes, time, shift):
                 for window in self._local.seen(boxes, instants, backdrop, self._bent, (columns, rows)):
-                    kept = _only(window, rows, columns)
+                    kept = part_of(window, rows, columns)
                     windows[body].append(kept)
-                    self._add(added, kept)
+                    add_window(added, kept, self._circle)
             own = self._instants(drawing, time + drawing.delay, shift)
             sums.setdefault(drawing.part, []).append((boxes, own))
         central = [(patch, scale, drawing.part) for drawing, patch, scale in patches if drawing.central]
         seen = self._sights(time, pose, central, sums, backdrop)
-        each = tuple(self._together(some) for some in windows)
+        each = tuple(together(some, added.shape, self._circle) for some in windows)
         return ObjectLight(added.astype(np.float32), each, seen, self._streaks(time, drawings))
 
     @cached_property
@@ -339,7 +314,8 @@ class ExposedObjects:
             column, row = float(patch.sums[ACROSS]) / scale, float(patch.sums[DOWN]) / scale
             solid = float(self.imager.solid_angle(pose.attitude, column, row))
             counted, radiance = point_light(patch, solid, behind(backdrop, column, row), light)
-            return Boxes(*(np.array([v]) for v in (column, row, counted, radiance, 0.0)), 0.0)
+            values = [np.array([v]) for v in (column, row, counted, radiance, 0.0)]
+            return Boxes(values[0], values[1], values[2], values[3], values[4], 0.0)
         area = 1.0 / scale**2
         cover = patch.planes[COVER] * area
         radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0) * area
@@ -391,45 +367,6 @@ class ExposedObjects:
         pair = drawing.path.at(np.array([middle - step, middle + step]))
         return float(np.hypot(*(pair[:, 1] - pair[:, 0]))) / (2.0 * step)
 
-    def _add(self, added: FloatArray, window: Window) -> None:
-        """Add a window to the picture, round its seam where it has one."""
-        row, column, values = window
-        rows = slice(max(row, 0), min(row + values.shape[0], added.shape[0]))
-        if rows.start >= rows.stop:
-            return
-        columns = column + np.arange(values.shape[1])
-        inside = values[rows.start - row : rows.stop - row]
-        if self._circle:
-            np.add.at(added, (slice(rows.start, rows.stop), columns % self._circle), inside)
-            return
-        keep = (columns >= 0) & (columns < added.shape[1])
-        added[rows, columns[keep]] += inside[:, keep]
-
-    def _together(self, windows: list[Window]) -> Window | None:
-        """Sum of windows, in the picture."""
-        if not windows:
-            return None
-        about = windows[0][1]
-        circle = self._circle
-        moved = [
-            (row, about + (column - about + circle // 2) % circle - circle // 2 if circle else column, v) for row, column, v in windows
-        ]
-        top, left = min(row for row, _, _ in moved), min(column for _, column, _ in moved)
-        bottom, right = (max(one[k] + one[2].shape[k] for one in moved) for k in (0, 1))
-        top, bottom = max(top, 0), min(bottom, self.imager.rows)
-        if not circle:
-            left, right = max(left, 0), min(right, self.imager.columns)
-        if top >= bottom or left >= right:
-            return None
-        whole = np.zeros((bottom - top, right - left), np.float32)
-        for row, column, values in moved:
-            rows = slice(max(row, top), min(row + values.shape[0], bottom))
-            columns = slice(max(column, left), min(column + values.shape[1], right))
-            if rows.start < rows.stop and columns.start < columns.stop:
-                part = values[rows.start - row : rows.stop - row, columns.start - column : columns.stop - column]
-                whole[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left] += part
-        return top, left, whole
-
     def _sights(
         self,
         time: float,
@@ -478,29 +415,8 @@ class ExposedObjects:
     def _streaks(self, time: float, drawings: Sequence[_Drawing]) -> tuple[Streak | None, ...]:
         """Ways of the bodies during the exposure, by the middle of the first part of each."""
         out: list[Streak | None] = [None] * len(self.objects.drawer.bodies)
-        half = 0.5 * self.model.exposure_time
         for drawing in drawings:
             body = self.objects.drawer.parts[drawing.part].body
-            if out[body] is not None:
-                continue
-            middle = time + drawing.delay
-            places = drawing.path.at(middle + half * np.linspace(-1.0, 1.0, 33))
-            if not (places > -1e5).all():
-                continue
-            step = half if half > 0.0 else SHORT
-            pair = drawing.path.at(np.array([middle - step, middle + step]))
-            length = float(np.hypot(*np.diff(places, axis=1)).sum())
-            out[body] = Streak(places[:, [0, -1]].T - 0.5, length, (pair[:, 1] - pair[:, 0]) / (2.0 * step))
+            if out[body] is None:
+                out[body] = Streak.of(drawing.path, time + drawing.delay, self.model.exposure_time)
         return tuple(out)
-
-
-def _only(window: Window, rows: tuple[int, int] | None, columns: tuple[int, int] | None) -> Window:
-    """Part of a window in some rows or columns."""
-    row, column, values = window
-    if rows is not None:
-        first, end = max(rows[0], row), min(rows[1], row + values.shape[0])
-        row, values = first, values[max(first - row, 0) : max(end - row, 0)]
-    if columns is not None:
-        first, end = max(columns[0], column), min(columns[1], column + values.shape[1])
-        column, values = first, values[:, max(first - column, 0) : max(end - column, 0)]
-    return row, column, values

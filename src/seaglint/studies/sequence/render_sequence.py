@@ -30,6 +30,7 @@ from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.scene import Scene, image
 from seaglint.imaging.swept import SweptScene
 from seaglint.imaging.turned import TurnedScene
+from seaglint.objects.drawing.image_path import View
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position, sun_step
@@ -39,6 +40,7 @@ from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.memory import require_memory
 from seaglint.studies.prepare.refraction import bending, require_standard_refraction
 from seaglint.studies.prepare.slope_laws import slopes
+from seaglint.studies.sequence.moving_labels import motion_numbers
 from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.studies.sequence.spread import over
 
@@ -213,7 +215,9 @@ class Sequence:
                 "nothing of it is written. This is a fault of the program: please report the scenario"
             )
         if self.objects is not None:
-            arrays |= self.objects.truth(drawn.sights, drawn.sea, self.scene_at(time))
+            truth = self.objects.truth(drawn.sights, drawn.sea, self.scene_at(time), self.scene.pixels)
+            streaks = self.objects.streaks(View(self.scene.pixels, self.track), time)
+            arrays |= {**truth, **motion_numbers(streaks, truth, mirage=isinstance(self.scene, RefractedScene))}
         if "apparent_temperature" in self.layout.variables:
             view = self.scene.view
             arrays["apparent_temperature"] = apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.files.store.stored_truth import Truth, packed
+from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.refracted import RefractedScene
@@ -18,9 +19,10 @@ from seaglint.imaging.scene import Instant, Scene, joined
 from seaglint.objects.body import Body
 from seaglint.objects.drawing.compose import BodySight, composed
 from seaglint.objects.drawing.draw import Drawer, Stage
+from seaglint.objects.drawing.image_path import SHORT, Streak, View, path_about
 from seaglint.objects.drawing.object_shadow import shadowed
 from seaglint.objects.drawing.refracted_bodies import refracted_picture
-from seaglint.objects.drawing.truth import labels, numbers_of
+from seaglint.objects.drawing.truth import labels, numbers_of, size_classes
 from seaglint.scenario.model import Scenario
 from seaglint.sea.field import WaveField
 
@@ -117,11 +119,24 @@ class SceneObjects:
             out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
         return Drawn(out, layers.radiance, sights)
 
-    def truth(self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene) -> Mapping[str, NDArray[Any]]:
-        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``; sights and sea in stored pixels."""
+    def truth(self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene, imager: Imager) -> Mapping[str, NDArray[Any]]:
+        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``, without motion and counts.
+
+        Sights, sea and ``imager`` are those of the stored pixels.
+        """
         kelvin = self.drawer.light(scene.view).kelvin
         numbers, masks, which = labels(seen, sea, kelvin, around=scene.pixels.goes_round)
-        return {**numbers, "object_mask": packed(masks), "object_id": which}
+        sizes = size_classes(numbers, imager)
+        return {**numbers, "size_class": sizes, "object_mask": packed(masks), "object_id": which}
+
+    def streaks(self, view: View, time: float) -> tuple[Streak | None, ...]:
+        """Place and speed of each object in the image at a time [s]."""
+        out: list[Streak | None] = [None] * len(self.drawer.bodies)
+        for part in self.drawer.parts:
+            if out[part.body] is None:
+                path = path_about(view, self.drawer.bodies[part.body].motion, part, time, SHORT)
+                out[part.body] = Streak.of(path, time, 0.0)
+        return tuple(out)
 
     def layout(self) -> Truth:
         """Return the layout of the group ``truth``."""

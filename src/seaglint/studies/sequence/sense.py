@@ -91,13 +91,17 @@ class SensedFrames:
         """A frame with its noise."""
         detector = self.model.detector
         if not isinstance(detector, ThermalPixels) or detector.time_constant == 0.0:
-            return self.model.expose(self._focal_plane(number), number)
+            return self.model.expose(self.seen(number), number)
         weights = lag_weights(detector.time_constant, self.model.frame_interval)
         seen = np.zeros(1, np.float64)
         # The frame itself last: what else is asked of it is then at hand.
         for back in range(len(weights) - 1, -1, -1):
             seen = seen + weights[back] * self._cached(max(number - back, self.first), len(weights))
         return self.model.expose(seen.astype(np.float32), number)
+
+    def seen(self, number: int) -> NDArray[np.float32]:
+        """Radiance on each pixel of a frame alone [W m-2 sr-1, (rows, columns)]; the latest are cached."""
+        return self._cached(number, max(len(self._seen), 1))
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:
         return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number), self.added(number))

@@ -19,6 +19,8 @@ from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.imaging.refracted import RefractedScene
+from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.scan import ScanPattern
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
@@ -28,6 +30,7 @@ from seaglint.studies.prepare.memory import require_memory
 from seaglint.studies.prepare.sensor_model import line_of_sight_rates, scan, sensor_attributes, sensor_model
 from seaglint.studies.sequence import render_sequence as plain
 from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLight
+from seaglint.studies.sequence.moving_labels import count_numbers, motion_numbers
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.scene_objects import Drawn
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
@@ -137,10 +140,13 @@ class SensedSequence:
 
     def _truth(self, number: int, drawn: _Drawn) -> Mapping[str, NDArray[Any]]:
         """Stored arrays of the objects of a frame, by variable of the group ``truth``."""
-        assert self.fine.objects is not None
+        objects = drawn.objects
+        assert objects is not None
         light, sea = drawn.light(number), binned_image(drawn.drawn(number).sea, self.sensed.oversampling)
         scene = self.fine.scene_at(number / self.layout.frame_rate)
-        return self.fine.objects.truth(light.sights, sea, scene)
+        truth = objects.objects.truth(light.sights, sea, scene, objects.imager)
+        motion = motion_numbers(light.streaks, truth, blur_px(objects.model), mirage=isinstance(scene, RefractedScene))
+        return {**truth, **motion, **count_numbers(light.each, self.sensed.seen(number), objects.model)}
 
 
 @dataclass(eq=False)
