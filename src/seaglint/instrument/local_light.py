@@ -164,17 +164,26 @@ def spread(
 def count_pixels(sums: np.ndarray, first: tuple[int, int], boxes: Boxes, instants: Instants, sea: Backdrop) -> None:
     """Add covered share, radiance, and radiance of the sea that is hidden to the pixels from ``first`` on, ``sums`` (3, rows, columns)."""
     high, wide = sums.shape[1], sums.shape[2]
+    half = 0.5 * boxes.side
     for k in range(instants.weight.size):
         for b in range(boxes.column.size):
             column, row = boxes.column[b] + instants.across[k], boxes.row[b] + instants.down[k]
-            i, j = math.floor(column) - first[0], math.floor(row) - first[1]
-            if not (0 <= i < wide and 0 <= j < high):
-                continue
+            left, top = math.floor(column - half), math.floor(row - half)
             weight, cover = instants.weight[k], boxes.cover[b]
-            sums[0, j, i] += weight * cover
-            sums[1, j, i] += weight * boxes.radiance[b]
+            hidden = 0.0
             if cover != 0.0:
-                sums[2, j, i] += weight * cover * behind(sea, column + instants.sea_across[k], row + instants.sea_down[k])
+                hidden = cover * behind(sea, column + instants.sea_across[k], row + instants.sea_down[k])
+            # a box on the border of pixels is shared among them
+            in_left = min((left + 1 - column + half) / boxes.side, 1.0) if half > 0.0 else 1.0
+            in_top = min((top + 1 - row + half) / boxes.side, 1.0) if half > 0.0 else 1.0
+            for down in range(2):
+                for across in range(2):
+                    i, j = left + across - first[0], top + down - first[1]
+                    share = weight * (in_left if across == 0 else 1.0 - in_left) * (in_top if down == 0 else 1.0 - in_top)
+                    if share > 0.0 and 0 <= i < wide and 0 <= j < high:
+                        sums[0, j, i] += share * cover
+                        sums[1, j, i] += share * boxes.radiance[b]
+                        sums[2, j, i] += share * hidden
 
 
 @dataclass(frozen=True, eq=False)

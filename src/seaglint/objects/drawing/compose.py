@@ -37,7 +37,8 @@ _ADDED: Final = {
 class BodyShare:
     """Coverage and radiance of one body in some pixels, radiance times coverage, both over the sea's image there.
 
-    ``image``: radiance of the sea's image in these pixels; ``pixel``: their solid angle [sr].
+    ``image``: radiance of the sea's image in these pixels; ``pixel``: their solid angle [sr]; ``least``: coverage above which the body
+    touches a pixel.
     """
 
     rows: NDArray[np.int64]
@@ -46,6 +47,7 @@ class BodyShare:
     radiance: FloatArray
     image: FloatArray
     pixel: FloatArray
+    least: float = LEAST_COVER
 
     def rows_between(self, first: int, end: int) -> BodyShare:
         """Return the share in some rows alone."""

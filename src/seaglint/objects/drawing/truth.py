@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.imaging.camera.imager import Imager
-from seaglint.objects.drawing.compose import LEAST_COVER, BodySight
+from seaglint.objects.drawing.compose import BodySight
 from seaglint.objects.drawing.truth_names import MOST_SMALL, NUMBERS
 
 SURROUND: Final = 10
@@ -128,7 +128,7 @@ def _pixels(sight: BodySight, n: int, shape: tuple[int, int], around: bool) -> _
         np.add.at(added, index, s.radiance * s.pixel)
         np.add.at(hidden, index, s.cover * s.image * s.pixel)
         np.maximum.at(solid, index, s.pixel * n**2)
-        np.logical_or.at(seen, index, (s.cover > LEAST_COVER) | (s.radiance > 0.0))
+        np.logical_or.at(seen, index, (s.cover > s.least) | ((s.cover == 0.0) & (s.radiance != 0.0)))
     return _Pixels(top, left, shape, around, cover, added, hidden, solid, seen) if seen.any() else None
 
 

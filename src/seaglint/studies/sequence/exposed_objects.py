@@ -49,6 +49,11 @@ MOST_INSTANTS: Final = 8192
 IN_STEP: Final = 0.05
 """Way of an object within which rows or columns of a picture count as of one instant [pixels]."""
 
+TOUCHED: Final = 1e-3
+"""Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline."""
+
+_NO_SHARE: Final = BodyShare(np.zeros(0, np.int64), np.zeros(0, np.int64), *(np.zeros((0, 0)) for _ in range(4)))
+
 _GAUSS: Final = 0.5 / math.sqrt(3.0)
 """Places of a pair of instants about the middle of its segment."""
 
@@ -140,7 +145,7 @@ class ExposedObjects:
         patches = self._patches(scene, view, time, drawings, surroundings)
         added = np.zeros((self.imager.rows, self.imager.columns))
         windows: list[list[Window]] = [[] for _ in self.objects.drawer.bodies]
-        sums: dict[int, list[tuple[Boxes, Instants]]] = {}
+        sums: dict[int, list[tuple[_Drawing, Boxes]]] = {}
         for drawing, patch, scale in patches:
             boxes = self._boxes(patch, scale, pose, backdrop, surroundings)
             body = patch.placed.part.body
@@ -149,10 +154,9 @@ class ExposedObjects:
                     kept = part_of(window, rows, columns)
                     windows[body].append(kept)
                     add_window(added, kept, self._circle)
-            own = self._instants(drawing, time + drawing.delay, shift)
-            sums.setdefault(drawing.part, []).append((boxes, own))
+            sums.setdefault(drawing.part, []).append((drawing, boxes))
         central = [(patch, scale, drawing.part) for drawing, patch, scale in patches if drawing.central]
-        seen = self._sights(time, pose, central, sums, backdrop)
+        seen = self._sights(time, pose, central, sums, (backdrop, shift))
         each = tuple(together(some, added.shape, self._circle) for some in windows)
         return ObjectLight(added.astype(np.float32), each, seen, self._streaks(time, drawings))
 
@@ -372,45 +376,56 @@ class ExposedObjects:
         time: float,
         pose: Pose,
         central: Sequence[tuple[PixelPatch, float, int]],
-        sums: Mapping[int, Sequence[tuple[Boxes, Instants]]],
-        backdrop: Backdrop,
+        drawn: Mapping[int, Sequence[tuple[_Drawing, Boxes]]],
+        behind_them: tuple[Backdrop, tuple[float, float]],
     ) -> tuple[BodySight, ...]:
         """Sights of the bodies in the detector's pixels: shapes of the middle of the exposure, shares and places averaged over it."""
         stands, every = self.objects.drawer.placed(pose, time)
         patches, shares = [], []
         for patch, scale, part in central:
-            parts = sums[part]
-            weight = sum(float(i.weight.sum()) for _, i in parts)
-            offsets = [sum(float(getattr(i, way) @ i.weight) for _, i in parts) / max(weight, 1e-9) for way in ("across", "down")]
+            instants = [self._instants(drawing, time + drawing.delay, behind_them[1]) for drawing, _ in drawn[part]]
+            weight = max(sum(float(i.weight.sum()) for i in instants), 1e-9)
             moved = patch.sums.copy()
-            for place, offset in ((ACROSS, offsets[0]), (DOWN, offsets[1])):
+            for place, way in ((ACROSS, "across"), (DOWN, "down")):
+                offset = sum(float(getattr(i, way) @ i.weight) for i in instants) / weight
                 moved[place] = moved[place] / scale + offset * (1.0 if patch.clear > 0.0 else moved[SEEN])
             patches.append(replace(patch, sums=moved))
-            shares.append(self._share(parts, pose, backdrop))
+            shares.append(self._share(drawn[part], time, pose, behind_them))
         return sights(DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), every), patches, shares, self._circle)
 
-    def _share(self, parts: Sequence[tuple[Boxes, Instants]], pose: Pose, backdrop: Backdrop) -> BodyShare:
+    def _share(
+        self, drawn: Sequence[tuple[_Drawing, Boxes]], time: float, pose: Pose, behind_them: tuple[Backdrop, tuple[float, float]]
+    ) -> BodyShare:
         """Coverage and radiance of a part in the pixels of the picture, means over the exposure."""
-        filled = [(b, i) for b, i in parts if b.column.size and i.weight.size]
-        none = np.zeros(0, np.int64)
-        if not filled:
-            return BodyShare(none, none, *(np.zeros((0, 0)) for _ in range(4)))
-        left, top = (math.floor(min(float(b[k].min() + i[k].min()) for b, i in filled)) for k in (0, 1))
-        right, bottom = (math.floor(max(float(b[k].max() + i[k].max()) for b, i in filled)) + 1 for k in (0, 1))
+        backdrop, shift = behind_them
+        parts = [(block, boxes) for drawing, boxes in drawn if boxes.column.size for block in self._blocks(drawing, boxes, time, shift)]
+        edges = np.array(
+            [
+                [some.min() + moves.min() - 0.5 * boxes.side, some.max() + moves.max() + 0.5 * boxes.side]
+                for (_, _, i), boxes in parts
+                if i.weight.size
+                for some, moves in ((boxes.column, i.across), (boxes.row, i.down))
+            ]
+        ).reshape(-1, 2, 2)
+        if edges.size == 0:
+            return _NO_SHARE
+        left, top = (math.floor(edges[:, k, 0].min()) for k in (0, 1))
+        right, bottom = (math.floor(edges[:, k, 1].max()) + 1 for k in (0, 1))
         top, bottom = max(top, 0), min(bottom, self.imager.rows)
-        if self._circle:
-            right = min(right, left + self._circle)
-        else:
-            left, right = max(left, 0), min(right, self.imager.columns)
+        left, right = (left, min(right, left + self._circle)) if self._circle else (max(left, 0), min(right, self.imager.columns))
         if top >= bottom or left >= right:
-            return BodyShare(none, none, *(np.zeros((0, 0)) for _ in range(4)))
+            return _NO_SHARE
         counted = np.zeros((3, bottom - top, right - left))
-        for boxes, instants in filled:
-            count_pixels(counted, (left, top), boxes, instants, backdrop)
-        rows, columns = np.arange(top, bottom), np.arange(left, right)
-        pixel = np.broadcast_to(self.imager.solid_angle(pose.attitude, columns + 0.5, rows[:, None] + 0.5), counted.shape[1:])
+        for (rows, columns, instants), boxes in parts:
+            (first, end), (begin, stop) = rows or (top, bottom), columns or (left, right)
+            first, end, begin, stop = max(first, top), min(end, bottom), max(begin, left), min(stop, right)
+            if first < end and begin < stop:
+                count_pixels(counted[:, first - top : end - top, begin - left : stop - left], (begin, first), boxes, instants, backdrop)
+        rows_of, columns_of = np.arange(top, bottom), np.arange(left, right)
+        pixel = np.broadcast_to(self.imager.solid_angle(pose.attitude, columns_of + 0.5, rows_of[:, None] + 0.5), counted.shape[1:])
         image = counted[2] / np.where(counted[0] > 0.0, counted[0], 1.0)
-        return BodyShare(rows, columns % self._circle if self._circle else columns, counted[0], counted[1], image, pixel)
+        columns_of = columns_of % self._circle if self._circle else columns_of
+        return BodyShare(rows_of, columns_of, counted[0], counted[1], image, pixel, TOUCHED * float(counted[0].max()))
 
     def _streaks(self, time: float, drawings: Sequence[_Drawing]) -> tuple[Streak | None, ...]:
         """Ways of the bodies during the exposure, by the middle of the first part of each."""
