@@ -175,7 +175,8 @@ def test_labels_of_a_detector_are_in_its_pixels_at_their_own_instants(kind):
     assert mask[change > 0.02 * change.max()].all()
     assert np.count_nonzero(mask != (change != 0.0)) <= 2
     column, row = ((change * axis).sum() / change.sum() for axis in (np.arange(24)[None], np.arange(16)[:, None]))
-    assert found["signal_column_px"][0] == pytest.approx(column, abs=2e-3)
+    # columns taken one by one share boxes of a sixteenth of a pixel
+    assert found["signal_column_px"][0] == pytest.approx(column, abs=4e-3 if kind == "line" else 2e-3)
     assert found["signal_row_px"][0] == pytest.approx(row, abs=2e-3)
     pixel = 1.5e-3
     delay = {"staring": 0.0, "line": 0.4 * (column + 0.5) / 24, "rolling": 0.3 * (row + 0.5) / 16}[kind]

@@ -20,9 +20,9 @@ from seaglint.instrument.detector import FULL_SCALE_TEMPERATURE, PhotonPixels, R
 from seaglint.instrument.noise import DetectorNoise, Pattern, temporal_noise
 from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distorted_places
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
+from seaglint.instrument.transfer import Sampling, Transfer, isolated, needed_oversampling
 
-KEPT: Final = 2
+KEPT: Final = 4
 """Number of transfers of different sizes or smears that are cached."""
 
 SHORT_BELOW: Final = 0.95
@@ -146,16 +146,21 @@ class SensorModel:
         drift = self.optics.drift
         return (drift[0] + rates[0]) * self.exposure_time, (drift[1] + rates[1]) * self.exposure_time
 
-    def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> Sampling:
-        """Sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1]."""
+    def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False) -> Sampling:
+        """Sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1].
+
+        ``points``: their values are light without extent, in the middle of the fine pixels.
+        """
         detector = self.detector
         share = detector.crosstalk if isinstance(detector, PhotonPixels) else 0.0
         width = detector.active_width / self.optics.focal_length
-        return Sampling(self.ifov, width, oversampling, share, self.smear(rates), self.circle)
+        return Sampling(self.ifov, width, oversampling, share, self.smear(rates), self.circle, points)
 
-    def transfer(self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> Transfer:
-        """Blur and sampling of fine pictures of ``shape`` (rows, columns); the latest are cached."""
-        key = (self.sampling(oversampling, rates), shape)
+    def transfer(
+        self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False
+    ) -> Transfer:
+        """Blur and sampling of fine pictures of ``shape`` (rows, columns), as :meth:`sampling` has them; the latest are cached."""
+        key = (self.sampling(oversampling, rates, points=points), shape)
         cached = self._transfers.get(key)
         if cached is None:
             cached = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
@@ -170,6 +175,8 @@ class SensorModel:
         oversampling: int = 1,
         rates: tuple[float, float] = (0.0, 0.0),
         added: NDArray[np.float32] | None = None,
+        *,
+        drawn: bool = False,
     ) -> NDArray[np.float32]:
         """Radiance on each pixel: blurred, distorted and vignetted.
 
@@ -184,6 +191,9 @@ class SensorModel:
         added : ndarray, optional
             What is added on the pixels, already blurred and distorted (:mod:`seaglint.instrument.local_light`), before stray light and
             vignetting [W m-2 sr-1, (rows, columns)]; for single pictures.
+        drawn : bool
+            Whether the picture was drawn by this program, each fine pixel the mean of a scene over it. Of any other picture, light that
+            stands alone in a fine pixel (:func:`~seaglint.instrument.transfer.isolated`) is that of a point in its middle.
 
         Returns
         -------
@@ -197,13 +207,19 @@ class SensorModel:
             Values that are no radiances.
         """
         if radiance.ndim == 3:
-            return np.stack([self.focal_plane(picture, oversampling, rates) for picture in radiance])
+            return np.stack([self.focal_plane(picture, oversampling, rates, drawn=drawn) for picture in radiance])
         require_radiance(radiance)
         optics = self.optics
         if optics.distortion:
             places = distorted_places((radiance.shape[0], radiance.shape[1]), optics.distortion)
             radiance = map_coordinates(radiance, places, order=1, mode="nearest").astype(np.float32)
-        out = self.transfer((radiance.shape[0], radiance.shape[1]), oversampling, rates)(radiance)
+        shape = (radiance.shape[0], radiance.shape[1])
+        alone = None if drawn else isolated(radiance)
+        if alone is not None and alone.any():
+            points = self.transfer(shape, oversampling, rates, points=True)(alone)
+            out = self.transfer(shape, oversampling, rates)(radiance - alone) + points
+        else:
+            out = self.transfer(shape, oversampling, rates)(radiance)
         if added is not None:
             out = out + added
         if optics.stray_share:

@@ -19,6 +19,7 @@ from typing import Final
 
 import numpy as np
 import scipy.fft
+import scipy.ndimage
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
@@ -72,6 +73,8 @@ class Sampling:
     crosstalk: float = 0.0
     smear: tuple[float, float] = (0.0, 0.0)
     circle: bool = False
+    points: bool = False
+    """Whether the picture's values are light without extent in the middle of its pixels, rather than means over them."""
 
 
 def needed_oversampling(step: float, cutoff: float) -> int:
@@ -142,7 +145,7 @@ class Transfer:
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
         y = scipy.fft.fftfreq(n * rows, step / n)
-        total = product(blur, sampling, x[None, :], y[:, None], step / n)
+        total = product(blur, sampling, x[None, :], y[:, None], 0.0 if sampling.points else step / n)
         # A pixel's middle is half of n - 1 fine pixels behind its first one's.
         middle = 0.5 * (n - 1) * step / n
         phase = np.exp(2j * np.pi * x * middle)[None, :] * np.exp(2j * np.pi * y * middle)[:, None]
@@ -190,6 +193,18 @@ def product(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArra
     if any(sampling.smear):
         total *= motion_mtf(along * sampling.smear[0] + across * sampling.smear[1], 1.0)
     return np.asarray(total)
+
+
+def isolated(picture: NDArray[np.float32]) -> NDArray[np.float32]:
+    """What each pixel has above the brightest of its eight neighbours, 0 where it has less [units of ``picture``, (rows, columns)].
+
+    Light that falls into one fine pixel alone has no extent that the picture tells: the mean over the pixel is that of a point in it.
+    """
+    around = scipy.ndimage.maximum_filter(picture, footprint=_AROUND, mode="nearest")
+    return np.asarray(np.maximum(picture - around, 0.0), np.float32)
+
+
+_AROUND: Final = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], bool)
 
 
 def _pads(before: int, size: int, whole: int) -> tuple[int, int]:

@@ -155,17 +155,17 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
     steps = max(model.oversampling, FINEST)
     steps += 1 - steps % 2  # an odd number has a fine pixel in the middle
     size = 2 * _AROUND + 1
-    blur = _blur(model, size, steps)
+    blur = _blur(model, size, steps, points=True)
     picture = np.zeros((size * steps, size * steps))
     middle = _AROUND * steps + steps // 2
     picture[middle, middle] = float(steps * steps)
     return spot_of(fine_response(picture, steps, blur), steps)[0], point_response(model)
 
 
-def _blur(model: SensorModel, size: int, steps: int) -> Callable[[NDArray[np.float32]], NDArray[Any]]:
-    """Optics, detector and stray light of a sensor on a small square picture."""
+def _blur(model: SensorModel, size: int, steps: int, *, points: bool = False) -> Callable[[NDArray[np.float32]], NDArray[Any]]:
+    """Optics, detector and stray light of a sensor on a small square picture, of means over its pixels or of points in them."""
     small = replace(model, circle=False, _transfers=type(model._transfers)())
-    transfer = small.transfer((size * steps, size * steps), steps)
+    transfer = small.transfer((size * steps, size * steps), steps, points=points)
     kept = 1.0 - model.optics.stray_share
     return lambda picture: kept * transfer(picture)
 

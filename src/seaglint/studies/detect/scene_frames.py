@@ -146,7 +146,7 @@ class IndependentSeas:
         def fine(frame: int) -> NDArray[np.float32]:
             return drawn_in_time(sequence, sensed.scan, n, (frame - first) / rate).layers.radiance
 
-        frames = SensedFrames(model, fine, n, first, lambda frame: sensed.sensed.rates(frame - first))
+        frames = SensedFrames(model, fine, n, first, lambda frame: sensed.sensed.rates(frame - first), drawn=True)
         return np.stack([np.asarray(model.readout.radiance(frames.exposure(first + k).signal), np.float32) for k in range(length)])
 
 

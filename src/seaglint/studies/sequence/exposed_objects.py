@@ -52,7 +52,9 @@ IN_STEP: Final = 0.05
 TOUCHED: Final = 1e-3
 """Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline."""
 
-_NO_SHARE: Final = BodyShare(np.zeros(0, np.int64), np.zeros(0, np.int64), *(np.zeros((0, 0)) for _ in range(4)))
+_NO_SHARE: Final = BodyShare(
+    np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+)
 
 _GAUSS: Final = 0.5 / math.sqrt(3.0)
 """Places of a pair of instants about the middle of its segment."""

@@ -77,6 +77,8 @@ class SensedFrames:
         ``rates(number)`` is the movement of the line of sight by the platform.
     added : callable
         ``added(number)`` is what is added on the pixels; None where nothing is.
+    drawn : bool
+        Whether the pictures were drawn by this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`).
     """
 
     model: SensorModel
@@ -85,6 +87,7 @@ class SensedFrames:
     first: int = 0
     rates: Rates = still
     added: Added = nothing
+    drawn: bool = False
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
     def exposure(self, number: int) -> Exposure:
@@ -104,7 +107,7 @@ class SensedFrames:
         return self._cached(number, max(len(self._seen), 1))
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:
-        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number), self.added(number))
+        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number), self.added(number), drawn=self.drawn)
 
     def _cached(self, number: int, most: int) -> NDArray[np.float32]:
         if number not in self._seen:
@@ -281,7 +284,8 @@ def prepare_sense(
             radiance_source=recording.source,
         ),
     ).in_units(recording.frames)
-    return SensedFrames(_require_radiance(model, recording), fine, times, numbers.start), layout
+    drawn = known.step is not None and known.band is not None
+    return SensedFrames(_require_radiance(model, recording), fine, times, numbers.start, drawn=drawn), layout
 
 
 def signal_attributes(model: SensorModel) -> Attributes:

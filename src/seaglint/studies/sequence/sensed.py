@@ -287,7 +287,7 @@ def prepare_sensed(
         objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, way, n)
     compose = bool(radiance or derived or scenario.render.layers)
     drawn = _Drawn(sequence, way, n, objects, rates, compose)
-    sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added)
+    sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
     own = sequence.layout
     layout = replace(
         own,
