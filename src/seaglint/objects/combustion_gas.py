@@ -17,7 +17,8 @@ Leckner's. Transmittances of bands that overlap multiply. The bands have
 .. math:: \alpha = \alpha_0 \frac{(1 - e^{-\sum u_k \delta_k})\, \Psi(T)}{(1 - e^{-\sum u_{0,k} \delta_k})\, \Psi(T_0)},\quad
    P_e = \left[\frac{p}{p_0} (1 + (b-1)\, x)\right]^n,
 
-where :math:`\Psi`, :math:`\Phi` are sums over the vibrational levels, :math:`x` is the mole fraction, :math:`T_0` = 100 K, :math:`p_0` = 1 atm.
+where :math:`\Psi` and :math:`\Phi` are sums over the vibrational levels, :math:`x` is the mole fraction, :math:`T_0` = 100 K and
+:math:`p_0` = 1 atm.
 
 Total emissivities at 400-2000 K agree with Leckner's (1972) within 18 %, mostly within 10 %. Spectra are means over some 25 cm-1. Soot and
 other gases are not in it.
@@ -209,7 +210,8 @@ def _levels(gas: Gas, steps: tuple[int, ...], temperature: float) -> tuple[float
         first = max(-step, 0)
         v = _LEVELS[first:].astype(np.float64)
         upper = _rising(v + 1.0, g + abs(step) - 1) * np.exp(-u * v)
-        lower = _rising(_LEVELS + 1.0, g - 1) * np.exp(-u * _LEVELS)
+        every = _LEVELS.astype(np.float64)
+        lower = _rising(every + 1.0, g - 1) * np.exp(-u * every)
         psi *= float(upper.sum() / lower.sum())
         phi *= float(np.sqrt(upper).sum() ** 2 / upper.sum())
     return psi * float(-np.expm1(-quanta @ np.asarray(steps))), phi

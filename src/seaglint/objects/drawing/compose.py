@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.objects.body import PointSource
+from seaglint.objects.body import GasPlume, PointSource
 from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, solid_angle
 from seaglint.objects.drawing.eye import Stand
 from seaglint.objects.drawing.light import Surroundings
+from seaglint.objects.drawing.parts import Placed
 from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
-from seaglint.optics.band import Band
+from seaglint.optics.blackbody import planck_wavenumber
 
 LEAST_COVER: Final = 1e-12
 """Least share of a pixel that a visible body covers."""
@@ -127,7 +128,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
         Image, and one for every body.
     """
     if not picture.patches:
-        return layers, _sights(stage, picture, [], [])
+        return layers, _sights(stage, picture, [], [], light)
     sea = np.asarray(layers.radiance, np.float64)
     out = {name: layers[name].copy() for name in layers}
     pixel = _pixels(stage)
@@ -149,7 +150,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
     _distances(layers, stage, picture.patches, out)
     if {"slope", "glint_share"} & set(out):
         _derived(layers, stage, picture.patches, out)
-    return Layers(out), _sights(stage, picture, list(picture.patches), shares)
+    return Layers(out), _sights(stage, picture, list(picture.patches), shares, light)
 
 
 def _pixels(stage: Stage) -> FloatArray:
@@ -163,28 +164,60 @@ def _share(patch: PixelPatch, stage: Stage, sea: FloatArray, pixel: FloatArray, 
     image, solid = sea[where], pixel[where]
     radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0)
     if patch.clear > 0.0:
-        intensity = _intensity(patch, float(image[0, 0]), light)
+        intensity, _ = point_intensity(patch, float(image[0, 0]), light)
         radiance = radiance + patch.clear * intensity / (patch.placed.distance**2 * solid)
     return BodyShare(patch.rows, patch.columns, patch.planes[COVER], radiance, image, solid)
 
 
-def _intensity(patch: PixelPatch, behind: float, light: Surroundings) -> float:
-    """Radiant intensity of a point above its background, before the path [W sr-1]."""
+def counted_radiance(patch: PixelPatch, image: FloatArray, pixel: FloatArray, light: Surroundings) -> FloatArray:
+    """Radiance of a part as a detector counts it, times its share of the pixels [W m-2 sr-1, (rows, columns)].
+
+    Parameters
+    ----------
+    patch : PixelPatch
+        The part in its pixels.
+    image : ndarray
+        Radiance of the sea's image there [W m-2 sr-1, (rows, columns)].
+    pixel : ndarray
+        Solid angles of these pixels [sr, (rows, columns)].
+    light : Surroundings
+        Light about it, of the drawer that made the patch.
+    """
+    if patch.clear == 0.0:
+        return patch.counted
+    _, counted = point_intensity(patch, float(image[0, 0]), light)
+    return np.asarray(patch.counted + patch.clear * counted / (patch.placed.distance**2 * pixel))
+
+
+def point_intensity(patch: PixelPatch, behind: float, light: Surroundings) -> tuple[float, float]:
+    """Radiant intensity of a point above its background, before the path, and the same as it is counted behind the air [W sr-1].
+
+    ``behind``: radiance of the image there [W m-2 sr-1]. An intensity without a temperature counts as the spectrum does for which the
+    sensor's chain converts.
+    """
     point = patch.placed.part.kind
     assert isinstance(point, PointSource)  # only points have no extent
     if point.intensity is not None:
-        return point.intensity
+        if point.temperature is None:
+            return point.intensity, point.intensity
+        return point.intensity, point.intensity * _counting(light, patch.air, _planck(light, point.temperature))
     assert point.temperature_difference is not None  # one of the two is given
     assert point.area is not None
     kelvin = light.kelvin(behind)
     kelvin = kelvin if math.isfinite(kelvin) else light.view.sea_temperature
-    warmer = _blackbody(light, kelvin + point.temperature_difference) - _blackbody(light, kelvin)
-    return point.area * warmer
+    warmer = _planck(light, kelvin + point.temperature_difference) - _planck(light, kelvin)
+    intensity = point.area * float(light.view.in_band.weights @ warmer)
+    return intensity, intensity * _counting(light, patch.air, warmer)
 
 
-def _blackbody(light: Surroundings, kelvin: float) -> float:
-    band: Band = light.view.band
-    return float(band.radiance(np.array([max(kelvin, 1.0)]), light.view.atmosphere.wavenumber_cm)[0])
+def _counting(light: Surroundings, air: FloatArray, spectrum: FloatArray) -> float:
+    """Ratio of what is counted to what arrives of a spectrum through the air [1]."""
+    arrives = float(air @ spectrum)
+    return float((air * light.counted) @ spectrum) / arrives if arrives != 0.0 else 1.0
+
+
+def _planck(light: Surroundings, kelvin: float) -> FloatArray:
+    return planck_wavenumber(light.view.in_band.wavenumber_cm, max(kelvin, 1.0))
 
 
 def _distances(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
@@ -216,14 +249,22 @@ def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: d
         out["slope"][left <= LEAST_SEEN] = np.nan
 
 
-def _sights(stage: Stage, picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare]) -> tuple[BodySight, ...]:
+def _bare_cover(one: Placed, light: Surroundings) -> FloatArray:
+    """Share of the light behind a plume that it absorbs along its chords, before the air [1, (k,)]; empty for all else."""
+    kind = one.part.kind
+    return light.bare_cover(kind) if isinstance(kind, GasPlume) else np.zeros(0)
+
+
+def _sights(
+    stage: Stage, picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare], light: Surroundings
+) -> tuple[BodySight, ...]:
     out, circle = [], stage.window.circle
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
         sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(4))
         points = [patch for patch, _ in own if patch.clear > 0.0]
         drawn = {id(patch.placed): float(patch.sums[0]) for patch, _ in own}
-        whole = sum(drawn.get(id(one)) or solid_angle(one) for one in picture.placed if one.part.body == number)
+        whole = sum(drawn.get(id(one)) or solid_angle(one, _bare_cover(one, light)) for one in picture.placed if one.part.body == number)
         seen, across, down = float(sums[SEEN]), float(sums[ACROSS]), float(sums[DOWN])
         if points and seen == 0.0:  # points alone: their mean place, of no solid angle
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))

@@ -19,6 +19,7 @@ from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.scan import ScanPattern
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
@@ -237,6 +238,8 @@ def prepare_sensed(
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
     sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
+    if isinstance(model.detector, PhotonPixels):
+        sequence = sequence.counting(model.photons.counted)
     _require_track(sequence, way, sensor.pixels)
     drawn = _Drawn(sequence, way, n)
 
