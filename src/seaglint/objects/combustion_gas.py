@@ -137,6 +137,9 @@ WATER_VAPOUR: Final = Gas(
 )
 """Water vapour: rotation, 6.3, 2.7, 1.87 and 1.38 um."""
 
+HEADS: Final = tuple(band.wavenumber_cm for gas in (CARBON_DIOXIDE, WATER_VAPOUR) for band in gas.bands if not band.both)
+"""Wavenumbers above which a band ends at once [cm-1]."""
+
 
 def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co2_share: float, h2o_share: float) -> FloatArray:
     """Spectral emissivity of a mixture of gases at 1 atm [1, (paths, n)], a mean over some 25 cm-1.
@@ -154,8 +157,8 @@ def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co
 
     Examples
     --------
-    >>> emissivity([2350.0, 2500.0], [1.0], 1000.0, 0.1, 0.1).round(2)
-    array([[0.97, 0.  ]])
+    >>> emissivity([2100.0, 2250.0, 2500.0], [1.0], 1000.0, 0.1, 0.1).round(2)
+    array([[0.04, 1.  , 0.  ]])
     """
     nu, length = np.asarray(wavenumber_cm, np.float64), np.asarray(path, np.float64)
     transmittance = np.ones((length.size, nu.size))

@@ -7,17 +7,18 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from seaglint.base.conventions import FloatArray
 from seaglint.objects.body import GasPlume
-from seaglint.objects.combustion_gas import emissivity
+from seaglint.objects.combustion_gas import HEADS, emissivity
 
 CHORDS: Final = 257
 """Number of chords that are tabulated, even in the root of their length: short ones absorb as the root, and linear interpolation leaves
 1e-4 of the emissivity 0.999999 of a grey plume."""
 
 FINE_STEP: Final = 1.0
-"""Largest step of the wavenumbers that are averaged over a sample of the band [cm-1]: bands begin at heads without a slope."""
+"""Largest step of the wavenumbers that are averaged over a sample of the band [cm-1]."""
 
 
 def chord_shares() -> FloatArray:
@@ -46,17 +47,16 @@ def _tabulated(temperature: float, co2_share: float, h2o_share: float, longest: 
     A sum over the samples is then the integral of the emissivity times what else is linear between them.
     """
     nu = np.frombuffer(wavenumber_cm)
-    step = np.diff(nu)
-    pieces = max(math.ceil(float(step.max()) / FINE_STEP - 1e-9), 1)
-    right = (np.arange(pieces) + 0.5) / pieces
-    fine = nu[:-1, None] + step[:, None] * right
-    along = longest * chord_shares()
-    spectra = emissivity(fine.ravel(), along, temperature, co2_share, h2o_share).reshape(along.size, *fine.shape)
-    out, weight = np.zeros((along.size, nu.size)), np.zeros(nu.size)
-    out[:, :-1] += step * (spectra @ (1.0 - right))
-    out[:, 1:] += step * (spectra @ right)
-    weight[:-1] += step * (1.0 - right).sum()
-    weight[1:] += step * right.sum()
-    out /= weight
+    pieces = max(math.ceil(float(np.diff(nu).max()) / FINE_STEP - 1e-9), 1)
+    evenly = (nu[:-1, None] + np.diff(nu)[:, None] * (np.arange(pieces) / pieces)).ravel()
+    # no piece lies on both sides of a head, where the spectrum has a step
+    edges = np.unique(np.concatenate([evenly, nu[-1:], [head for head in HEADS if nu[0] < head < nu[-1]]]))
+    middle, width = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    left = np.clip(np.searchsorted(nu, middle, side="right") - 1, 0, nu.size - 2)
+    right = (middle - nu[left]) / (nu[left + 1] - nu[left])
+    rows = np.arange(middle.size)
+    hats = csr_array((np.concatenate([width * (1.0 - right), width * right]), (np.tile(rows, 2), np.concatenate([left, left + 1]))))
+    spectra = emissivity(middle, longest * chord_shares(), temperature, co2_share, h2o_share)
+    out = np.asarray(spectra @ hats / hats.sum(axis=0))
     out.setflags(write=False)
     return out

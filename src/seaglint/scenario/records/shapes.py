@@ -131,7 +131,7 @@ class Plume(Part):
             raise rule("shape", "of kind 'plume' has an emissivity and shares of gases; give emissivity, or co2_share and h2o_share")
         total = (self.co2_share or 0.0) + (self.h2o_share or 0.0)
         if not 0.0 < total <= 1.0:
-            raise rule("shape", f"co2_share and h2o_share add to {total:g}; give mole fractions with a sum above 0 and up to 1")
+            raise rule("shape", f"of kind 'plume' has co2_share + h2o_share = {total:g}; give mole fractions with a sum above 0, up to 1")
         return self
 
 
