@@ -174,7 +174,7 @@ REFUSED = {
     ),
     "no gas": (
         {"shape": {"kind": "plume", "semi_axes_m": [1, 1, 1], "h2o_share": 0}},
-        r"\('ball'\): shape of kind 'plume' has co2_share \\+ h2o_share = 0; give mole fractions",
+        r"\('ball'\): shape of kind 'plume' has co2_share \+ h2o_share = 0; give mole fractions",
     ),
 }
 
