@@ -25,6 +25,7 @@ from seaglint.objects.solids import solid
 from seaglint.optics.band import Band
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence
+from seaglint.studies.sequence.sensed import prepare_sensed
 
 EYE = 10.0
 BANDS_UM = [(3.0, 5.0), (8.0, 12.0)]
@@ -296,3 +297,22 @@ def test_the_image_does_not_depend_on_counting():
     hot = next(patch for patch in picture.patches if patch.placed.part.name == "hot")
     energy, seen = hot.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0), hot.planes[COVER] > 0.1
     assert (hot.planes[COUNTED][seen] < energy[seen]).all()  # hot light has fewer photons
+
+
+@pytest.mark.parametrize("kind", ["photon", "thermal"])
+def test_photons_are_counted_and_heat_is_not(kind):
+    detector = {"pitch_um": 15.0} if kind == "photon" else {"kind": "thermal", "pitch_um": 17.0, "netd_k": 0.05}
+    ball = {"name": "ball", "shape": {"kind": "sphere", "radius_m": 2.0}, "temperature_k": 600.0, "north_m": 900.0, "height_m": 10.0}
+    sensor = {"pixels": [8, 4], "optics": {"aperture_m": 0.02, "f_number": 1.0}, "detector": detector}
+    scenario = parse_scenario({"sensor": sensor, "sea": {"resolve_waves": False}, "objects": [ball]})
+    fine = prepare_sensed(scenario).fine
+    other = scenario.model_copy(update={"seed": 5})
+    for sequence in (fine, fine.reseeded(4), fine.with_sea_of(other)):
+        assert sequence.objects is not None
+        weights = sequence.objects.drawer.light(sequence.scene.view).counted
+        nu = sequence.scene.view.in_band.wavenumber_cm
+        if kind == "thermal":
+            np.testing.assert_array_equal(weights, 1.0)
+        else:  # electrons per joule are as the wavelength
+            np.testing.assert_allclose(weights * nu, weights[0] * nu[0], rtol=1e-12)
+            assert weights[0] > 1.0 > weights[-1]
