@@ -88,12 +88,13 @@ def test_layers_behind_each_other_cover_once():
     assert found[9].sum() == pytest.approx(6.5, abs=1e-6)
 
 
-def test_gas_is_as_deep_as_its_chord_is_long():
-    ball = np.concatenate([[0.0, 5.0, 0.0], np.eye(3).ravel() / 2.0, [0.7]])  # 10 m north, of 2 m, 0.7 deep along the middle
-    assert chord(ball, (0.0, 1.0, 0.0), 0.0, math.inf) == pytest.approx(0.7)
-    assert chord(ball, (0.0, 1.0, 0.0), 0.0, 10.0) == pytest.approx(0.35)
+@pytest.mark.parametrize(("longest", "whole"), [(0.0, 1.0), (4.0, 1.0), (10.0, 0.4)])
+def test_chords_of_gas_are_shares_of_the_longest(longest, whole):
+    ball = np.concatenate([[0.0, 5.0, 0.0], np.eye(3).ravel() / 2.0, [longest]])  # 10 m north, of 2 m
+    assert chord(ball, (0.0, 1.0, 0.0), 0.0, math.inf) == pytest.approx(whole)
+    assert chord(ball, (0.0, 1.0, 0.0), 0.0, 10.0) == pytest.approx(0.5 * whole)
     off = 1.0 / 10.0  # half a radius off: sqrt(3)/2 of the longest chord
-    assert chord(ball, (off, math.sqrt(1.0 - off * off), 0.0), 0.0, math.inf) == pytest.approx(0.7 * math.sqrt(0.75), rel=1e-9)
+    assert chord(ball, (off, math.sqrt(1.0 - off * off), 0.0), 0.0, math.inf) == pytest.approx(whole * math.sqrt(0.75), rel=1e-9)
 
 
 def test_a_calm_sea_hides_what_is_under_it_and_behind_its_horizon():

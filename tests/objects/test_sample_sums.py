@@ -16,6 +16,7 @@ from seaglint.objects.drawing.light import Arriving
 from seaglint.objects.drawing.raster import Samples
 from seaglint.objects.drawing.sample_sums import (
     ACROSS,
+    COUNTED,
     COVER,
     DISTANCE,
     DOWN,
@@ -29,13 +30,12 @@ from seaglint.objects.drawing.sample_sums import (
     WHOLE,
     BodySurroundings,
     SensorMesh,
-    SunMap,
     Window,
     clear_to,
     shade_gas,
     shade_solid,
-    sun_map,
 )
+from seaglint.objects.drawing.self_shadow import SunMap, sun_map
 
 pytestmark = pytest.mark.kernel
 
@@ -56,10 +56,10 @@ class Scene(NamedTuple):
     plume: np.ndarray
 
 
-def gas(rng: np.random.Generator, centre: np.ndarray, size: float, depth: float) -> np.ndarray:
-    """Plume of semi-axes of some ``size`` [m], turned at random."""
+def gas(rng: np.random.Generator, centre: np.ndarray, size: float, longest: float) -> np.ndarray:
+    """Plume of semi-axes of some ``size`` [m], turned at random; shares of its chords are of ``longest`` [m] where that is above 0."""
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0] / (size * rng.uniform(0.5, 1.5, 3))[:, None]
-    return np.concatenate([turn @ centre, turn.ravel(), [depth]])
+    return np.concatenate([turn @ centre, turn.ravel(), [longest]])
 
 
 def crested(rng: np.random.Generator, azimuth: float) -> Crests:
@@ -70,7 +70,7 @@ def crested(rng: np.random.Generator, azimuth: float) -> Crests:
     return Crests(azimuth - 0.3, 6.0, arcs, tangent, height, mean.horizon, (float(height.max()), float(tangent.max())))
 
 
-def scene(seed: int, *, plane: bool, waves: bool, circle: int) -> Scene:
+def scene(seed: int, *, plane: bool, waves: bool, circle: int, longest: float = 0.0) -> Scene:
     """Everything drawn at random, so that each rule is met by some samples."""
     rng = np.random.default_rng(seed)
     grid = Grid((3, 1), (3, 3), (8, 5), (25, 6), (21, 13))
@@ -91,16 +91,18 @@ def scene(seed: int, *, plane: bool, waves: bool, circle: int) -> Scene:
     s, c = math.sin(azimuth), math.cos(azimuth)
     axes = np.array([[c, -s, 0.0], [-0.02 * s, -0.02 * c, 1.0], [s, c, 0.02]])
     axes /= np.linalg.norm(axes, axis=1)[:, None]
-    gases = np.array([gas(rng, 200.0 * axes[2] + 20.0 * axes[0], 60.0, 0.4), gas(rng, 900.0 * axes[2], 300.0, 0.8)])
+    gases = np.array([gas(rng, 200.0 * axes[2] + 20.0 * axes[0], 60.0, 0.0), gas(rng, 900.0 * axes[2], 300.0, 900.0)])
+    covers = np.sort(rng.uniform(0.0, 0.6, (2, 7)))
+    covers[:, 0] = 0.0
     others = np.where(rng.random(shape) < 0.3, 1.0 / rng.uniform(300.0, 1500.0, shape), 0.0)
     sea = crested(rng, azimuth) if waves else calm(EYE)
-    around = BodySurroundings(EYE, sea, others, gases, axes, (azimuth, s, c))
+    around = BodySurroundings(EYE, sea, others, gases, covers, axes, (azimuth, s, c))
     corners = np.array([400.0, 1.0 / 1800.0, -30.0, 1.0 / 50.0])
-    light = Arriving(corners, *(rng.random(size) for size in ((4, 3), (4, 13, 9), 4, 4, 4)))
+    light = Arriving(corners, *(rng.random(size) for size in ((2, 4, 3), (2, 4, 13, 9), (2, 4), (2, 4), 3, 5)))
     sun = np.array([0.5, -0.3, 0.8]) / math.sqrt(0.98)
     across = np.linalg.svd(sun[None])[2][1:]
     shadow = SunMap(sun, across, np.array([-500.0, -300.0, 0.002, 0.003]), rng.uniform(-1000.0, 3000.0, (3, 4)), 300.0)
-    return Scene(grid, lens, window, samples, mesh, around, light, shadow, gas(rng, 800.0 * axes[2], 200.0, 1.3))
+    return Scene(grid, lens, window, samples, mesh, around, light, shadow, gas(rng, 800.0 * axes[2], 200.0, longest))
 
 
 def place(one: Scene, x: float, y: float, depth: float) -> tuple[np.ndarray, float, float]:
@@ -112,17 +114,24 @@ def place(one: Scene, x: float, y: float, depth: float) -> tuple[np.ndarray, flo
 
 def clear(one: Scene, direction: np.ndarray, last: float) -> float:
     """Transmittance of the gases."""
-    return math.exp(-sum(depth(plume, direction, last) for plume in one.scene.gases))
+    pairs = zip(one.scene.gases, one.scene.covers, strict=True)
+    return math.prod(1.0 - along(share(plume, direction, last), cover) for plume, cover in pairs)
 
 
-def depth(plume: np.ndarray, direction: np.ndarray, last: float) -> float:
-    """Optical depth up to a distance, from where a line enters and leaves an ellipsoid."""
+def along(part: float, table: np.ndarray) -> float:
+    """Value for a share of the longest chord in a table that is even in its root."""
+    return float(np.interp(math.sqrt(part), np.linspace(0.0, 1.0, table.size), table))
+
+
+def share(plume: np.ndarray, direction: np.ndarray, last: float) -> float:
+    """Share of the longest chord up to a distance, from where a line enters and leaves an ellipsoid."""
     along = plume[3:12].reshape(3, 3) @ direction
     roots = np.roots([along @ along, -2.0 * along @ plume[:3], plume[:3] @ plume[:3] - 1.0])
     if np.iscomplex(roots).any():
         return 0.0
     inside = np.clip(np.sort(roots.real), 0.0, last)
-    return float(plume[12] * 0.5 * (inside[1] - inside[0]) * np.linalg.norm(along))
+    longest = plume[12] if plume[12] > 0.0 else 2.0 / np.linalg.norm(along)
+    return float((inside[1] - inside[0]) / longest)
 
 
 def visible(one: Scene, point: np.ndarray, arc: float, height: float) -> bool:
@@ -163,21 +172,21 @@ def mixed(one: Scene, four: np.ndarray, arc: float, height: float) -> np.ndarray
     return np.tensordot(np.outer([1.0 - w, w], [1.0 - u, u]).ravel(), four, axes=1)
 
 
-def facet(one: Scene, t: int, at: tuple[np.ndarray, float, float]) -> tuple[float, float, float, float]:
-    """Emissivity of a triangle at a point, its emission, reflected diffuse light and Sun, of white surfaces."""
+def facet(one: Scene, t: int, at: tuple[np.ndarray, float, float], kind: int) -> tuple[float, float, float, float]:
+    """Emissivity of a triangle at a point, its emission, reflected diffuse light and Sun, of white surfaces; as radiance (0) or counted."""
     a, b, c = one.shape.vertex[one.shape.corner[t]]
     g, h = np.linalg.lstsq(np.stack([b - a, c - a], axis=1), at[0] - a, rcond=None)[0]
     g = np.clip(g, 0.0, 1.0)
     h = np.clip(h, 0.0, 1.0 - g)
     share = np.array([1.0 - g - h, g, h])
     emissivity, kelvin = share @ one.shape.emissivity[one.shape.corner[t]], share @ one.shape.kelvin[one.shape.corner[t]]
-    warm = np.interp(kelvin, range(3), mixed(one, one.light.emitted, *at[1:]))
+    warm = np.interp(kelvin, range(3), mixed(one, one.light.emitted[kind], *at[1:]))
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal)
     turn = abs(np.angle(complex(*normal[:2]) / complex(*one.shadow.sun[:2])))
-    table = mixed(one, one.light.mirrored, *at[1:])
+    table = mixed(one, one.light.mirrored[kind], *at[1:])
     diffuse = RegularGridInterpolator((np.linspace(-1.0, 1.0, 13), np.linspace(0.0, math.pi, 9)), table)((normal[2], turn))[()]
-    return emissivity, warm, float(diffuse), max(normal @ one.shadow.sun, 0.0) * mixed(one, one.light.sun, *at[1:])
+    return emissivity, warm, float(diffuse), max(normal @ one.shadow.sun, 0.0) * mixed(one, one.light.sun[kind], *at[1:])
 
 
 def lit(one: Scene, point: np.ndarray) -> bool:
@@ -201,7 +210,7 @@ def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
     shade_solid(*one[:8], (planes, sums))
     expected, total = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
     hidden = dark = 0
-    first: dict[tuple, tuple] = {}
+    first: dict[tuple, list] = {}
     for j, i in np.ndindex(one.samples.near.shape):
         near, share = one.samples.near[j, i], one.samples.share[j, i]
         if near == 0.0 or share == 0.0:
@@ -217,12 +226,15 @@ def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
             continue
         through = clear(one, at[0] / distance, distance)
         t = one.samples.triangle[j, i]
-        emissivity, warm, diffuse, sun, path = first.setdefault((j, *where, t), (*facet(one, t, at), mixed(one, one.light.path, *at[1:])))
+        both = first.setdefault((j, *where, t), [(*facet(one, t, at, q), mixed(one, one.light.path[q], *at[1:])) for q in (0, 1)])
+        emissivity, warm, diffuse, sun, path = both[0]
         shines = lit(one, at[0])
         dark += not shines
         part = share * through / 40.0
         entered = {COVER: 1.0, PATH: path, EMITTED: emissivity * warm, MIRRORED: (1.0 - emissivity) * diffuse, DISTANCE: distance}
-        for name, value in (entered | {SUN: shines * (1.0 - emissivity) * sun}).items():
+        _, counted_warm, counted_diffuse, counted_sun, counted_path = both[1]
+        counted = counted_path + emissivity * counted_warm + (1.0 - emissivity) * (counted_diffuse + shines * counted_sun)
+        for name, value in (entered | {SUN: shines * (1.0 - emissivity) * sun, COUNTED: counted}).items():
             expected[name][where] += part * value
         total[SEEN] += solid * through
         total[ACROSS] += solid * through * (one.grid.begin[0] + i + 0.5) / 8.0
@@ -232,13 +244,15 @@ def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
     np.testing.assert_allclose(sums, total, rtol=1e-10)
 
 
+@pytest.mark.parametrize("longest", [0.0, 650.0])
 @pytest.mark.parametrize(("seed", "plane", "waves", "circle"), SCENES)
-def test_a_plume_is_the_sum_over_its_samples(seed, plane, waves, circle):
+def test_a_plume_is_the_sum_over_its_samples(seed, plane, waves, circle, longest):
     """It is seen where the line of sight is nearest to its middle, in units of its semi-axes."""
-    one = scene(seed, plane=plane, waves=waves, circle=circle)
+    one = scene(seed, plane=plane, waves=waves, circle=circle, longest=longest)
     one.samples.x[0, ::5] = 1e9  # beside the camera
+    light = one.light
     planes, sums = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
-    shade_gas(*one[:4], one.plume, one.scene, one.light, (planes, sums))
+    shade_gas(*one[:4], one.plume, one.scene, light, (planes, sums))
     expected, total = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
     for j, i in np.ndindex(one.samples.x.shape):
         x, y = one.samples.x[j, i], one.samples.y[j, i]
@@ -247,18 +261,21 @@ def test_a_plume_is_the_sum_over_its_samples(seed, plane, waves, circle):
         slant = math.sqrt(x * x + y * y + 1.0)
         direction = one.scene.axes.T @ (x, y, 1.0) / slant
         solid = solid_angle(one, i, j)
-        total[WHOLE] += -solid * math.expm1(-depth(one.plume, direction, np.inf))
+        if whole := share(one.plume, direction, np.inf):
+            total[WHOLE] += solid * along(whole, light.cover)
         last = slant / one.scene.others[j, i] if one.scene.others[j, i] else np.inf
-        where, dense = pixel(one, i, j), depth(one.plume, direction, last)
-        along = one.plume[3:12].reshape(3, 3) @ direction
-        distance = float(np.linalg.lstsq(along[:, None], one.plume[:3], rcond=None)[0][0])
+        where, inside = pixel(one, i, j), share(one.plume, direction, last)
+        per_metre = one.plume[3:12].reshape(3, 3) @ direction
+        distance = float(np.linalg.lstsq(per_metre[:, None], one.plume[:3], rcond=None)[0][0])
         at = place(one, x, y, distance / slant)
-        if where is None or dense == 0.0 or not visible(one, *at):
+        if where is None or inside == 0.0 or not visible(one, *at):
             continue
-        cover = -math.expm1(-dense) * clear(one, direction, distance)
-        entered = {COVER: 1.0, PATH: mixed(one, one.light.path, *at[1:]), DISTANCE: distance}
-        for name, value in (entered | {EMITTED: mixed(one, one.light.emitted[:, 0], *at[1:])}).items():
-            expected[name][where] += cover * value / 40.0
+        through = clear(one, direction, distance)
+        cover = along(inside, light.cover) * through
+        glow = [through * along(inside, mixed(one, light.emitted[q], *at[1:])) for q in (0, 1)]
+        path = [cover * mixed(one, light.path[q], *at[1:]) for q in (0, 1)]
+        for name, value in {COVER: cover, PATH: path[0], DISTANCE: cover * distance, EMITTED: glow[0], COUNTED: path[1] + glow[1]}.items():
+            expected[name][where] += value / 40.0
         total[SEEN] += solid * cover
         total[ACROSS] += solid * cover * (one.grid.begin[0] + i + 0.5) / 8.0
         total[DOWN] += solid * cover * (one.grid.begin[1] + j + 0.5) / 5.0

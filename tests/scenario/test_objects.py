@@ -72,7 +72,20 @@ def test_nested_parts_keep_or_take_their_material():
 PLUME = {"semi_axes_m": [1, 3, 1], "at_m": [0, -5, 0], "temperature_k": 600, "emissivity": 0.3}
 
 
+GASES = {key: value for key, value in PLUME.items() if key != "emissivity"}
+
+
+def test_plumes_of_gases_have_no_emissivity():
+    inner = {"kind": "plume", **GASES, "co2_share": 0.1}
+    outer = {"kind": "union", "emissivity": 0.9, "parts": [{"kind": "box", "size_m": [2, 4, 2]}, inner]}
+    assert made({**BALL, "shape": outer}).parts[1] == GasPlume((0.0, -5.0, 0.0), (1.0, 3.0, 1.0), 600.0, None, 0.1, 0.0)
+    turned = {"kind": "plume", **GASES, "heading_deg": 90, "h2o_share": 0.2}
+    assert made({**BALL, "shape": turned}).parts == (GasPlume((0.0, -5.0, 0.0), (3.0, 1.0, 1.0), 600.0, None, 0.0, 0.2),)
+
+
 def test_points():
+    hot = {"name": "flare", "shape": {"kind": "point", "intensity_w_sr": 50, "temperature_k": 2200}, "north_m": -900, "height_m": 3}
+    assert made(hot).parts == (PointSource(50.0, temperature=2200.0),)
     body = made({"name": "lamp", "shape": {"kind": "point", "intensity_w_sr": "5 kW/sr"}, "north_m": -900, "height_m": 3})
     assert body.parts == (PointSource(5000.0),)
 
@@ -143,6 +156,26 @@ REFUSED = {
     "speed": ({"course_deg": 5}, r"\('ball'\)\.speed_m_s is missing"),
     "dry": ({"floats": True, "height_m": 9}, r"\('ball'\): floats, but the water does not cut it"),
     "point": ({"shape": {"kind": "point"}}, r"\('ball'\): shape of kind 'point' needs intensity_w_sr"),
+    "spectrum of nothing": (
+        {"shape": {"kind": "point", "temperature_difference_k": 5, "area_m2": 1, "temperature_k": 900}},
+        r"\('ball'\): shape of kind 'point' has temperature_k without intensity_w_sr.*; leave it out",
+    ),
+    "plume": (
+        {"shape": {"kind": "plume", "semi_axes_m": [1, 1, 1]}},
+        r"\('ball'\): shape\.emissivity is missing: a plume lets.*or co2_share and h2o_share",
+    ),
+    "two plumes in one": (
+        {"shape": {"kind": "plume", "semi_axes_m": [1, 1, 1], "emissivity": 0.3, "co2_share": 0.1}},
+        r"\('ball'\): shape of kind 'plume' has an emissivity and shares of gases; give",
+    ),
+    "too much gas": (
+        {"shape": {"kind": "plume", "semi_axes_m": [1, 1, 1], "h2o_share": 0.5, "co2_share": 0.7}},
+        r"\('ball'\): shape of kind 'plume' has co2_share \+ h2o_share = 1\.2; give mole fractions",
+    ),
+    "no gas": (
+        {"shape": {"kind": "plume", "semi_axes_m": [1, 1, 1], "h2o_share": 0}},
+        r"\('ball'\): shape of kind 'plume' has co2_share \+ h2o_share = 0; give mole fractions",
+    ),
 }
 
 

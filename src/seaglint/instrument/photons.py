@@ -5,8 +5,9 @@ A detector counts photons, a scene gives watts in a band. With the response ``R`
 
 .. math:: K(T) = \frac{\int \eta R B \lambda / (h c)\,d\lambda}{\int R B\,d\lambda}
 
-electrons for each joule. :class:`Photons` uses the ``K`` of one reference temperature for everything, so that the chain stays linear;
-:meth:`Photons.error` says what that costs for other spectra.
+electrons for each joule. :class:`Photons` uses the ``K`` of one reference temperature for the sea and sky, so that the chain stays linear;
+:meth:`Photons.error` says what that costs for other spectra. Spectra that are known, as those of objects are, are counted by
+:meth:`Photons.counted`.
 """
 
 from __future__ import annotations
@@ -111,6 +112,18 @@ class Photons:
     def electrons_per_joule(self) -> float:
         """Electrons per joule at the reference temperature, which the chain uses [J-1]."""
         return self.per_joule(self.temperature)
+
+    def counted(self, wavenumber_cm: ArrayLike) -> FloatArray:
+        """Electrons per joule at wavenumbers [cm-1] over those of the reference temperature [1, shape of ``wavenumber_cm``].
+
+        A spectrum times this gives, by :attr:`electrons_per_joule`, its own electrons.
+
+        >>> Photons(Band.rectangular(3.0, 5.0)).counted([2000.0, 3000.0]).round(2)
+        array([1.12, 0.75])
+        """
+        nu = np.asarray(wavenumber_cm, np.float64)
+        curve = 1.0 if self.efficiency is None else self.efficiency.response_at(nu)
+        return np.asarray(self.peak * curve / (100.0 * constants.h * constants.c * nu) / self.electrons_per_joule)
 
     def error(self, temperature: float) -> float:
         """Relative error of the chain's electrons for the spectrum of another blackbody [1]; positive where it has too many.

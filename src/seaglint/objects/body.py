@@ -35,9 +35,10 @@ class Solid:
 
 @dataclass(frozen=True)
 class GasPlume:
-    """Ellipsoid of gas that emits and transmits, without a surface or reflection.
+    """Ellipsoid of gas that emits and transmits, without a surface or reflection, uniform inside.
 
-    Its optical depth along a line is that of the middle times (chord / longest chord in that direction): uniform inside.
+    It is grey, with an optical depth along a line that is the middle's times (chord / longest chord in that direction), or a mixture of hot
+    carbon dioxide and water vapour at 1 atm (:mod:`seaglint.objects.combustion_gas`), which absorbs by the length of the chord.
 
     Attributes
     ----------
@@ -47,14 +48,18 @@ class GasPlume:
         Along x, y and z [m].
     temperature : float
         Temperature of the gas [K].
-    emissivity : float
-        Along a line through the middle, below 1 [1].
+    emissivity : float, optional
+        Of a grey plume along a line through the middle, below 1 [1]; None for one of gases.
+    co2_share, h2o_share : float
+        Mole fractions of carbon dioxide and water vapour [1].
     """
 
     centre: tuple[float, float, float]
     semi_axes: tuple[float, float, float]
     temperature: float
-    emissivity: float
+    emissivity: float | None = None
+    co2_share: float = 0.0
+    h2o_share: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -69,11 +74,14 @@ class PointSource:
         Apparent, to what is behind it [K]; with ``area`` it stands in place of an intensity.
     area : float, optional
         Projected [m2].
+    temperature : float, optional
+        Of the blackbody that has the spectrum of ``intensity`` [K]; without it the air takes the flat mean of its transmittance.
     """
 
     intensity: float | None = None
     temperature_difference: float | None = None
     area: float | None = None
+    temperature: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Literal, assert_never
 
 import numpy as np
@@ -49,7 +50,7 @@ def plume_in(part: GasPlume, at: ArrayLike, rotation: FloatArray) -> GasPlume:
     semi_axes = np.rint(quarters) @ np.asarray(part.semi_axes)
     x, y, z = (float(v) for v in centre)
     a, b, c = (float(v) for v in semi_axes)
-    return GasPlume((x, y, z), (a, b, c), part.temperature, part.emissivity)
+    return replace(part, centre=(x, y, z), semi_axes=(a, b, c))
 
 
 def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.objects.body import PointSource
+from seaglint.objects.body import GasPlume, PointSource
 from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, solid_angle
 from seaglint.objects.drawing.eye import Stand
 from seaglint.objects.drawing.light import Surroundings
+from seaglint.objects.drawing.parts import Placed
 from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
-from seaglint.optics.band import Band
+from seaglint.optics.blackbody import planck_wavenumber
 
 LEAST_COVER: Final = 1e-12
 """Least share of a pixel that a visible body covers."""
@@ -129,7 +130,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
         Image, and one for every body.
     """
     if not picture.patches:
-        return layers, sights(picture, [], [], stage.window.circle)
+        return layers, sights(picture, [], [], stage.window.circle, light)
     sea = np.asarray(layers.radiance, np.float64)
     out = {name: layers[name].copy() for name in layers}
     pixel = _pixels(stage)
@@ -151,7 +152,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
     _distances(layers, stage, picture.patches, out)
     if {"slope", "glint_share"} & set(out):
         _derived(layers, stage, picture.patches, out)
-    return Layers(out), sights(picture, list(picture.patches), shares, stage.window.circle)
+    return Layers(out), sights(picture, list(picture.patches), shares, stage.window.circle, light)
 
 
 def _pixels(stage: Stage) -> FloatArray:
@@ -170,28 +171,41 @@ def _share(patch: PixelPatch, stage: Stage, sea: FloatArray, pixel: FloatArray, 
 
 
 def point_light(patch: PixelPatch, solid: FloatArray | float, behind: float, light: Surroundings) -> tuple[Any, Any]:
-    """Radiance that a point adds to a pixel of a solid angle [sr], before what is ``behind`` it, as counted and as power [W m-2 sr-1]."""
-    radiance = patch.clear * _intensity(patch, behind, light) / (patch.placed.distance**2 * solid)
-    return radiance, radiance
+    """Radiance that a point adds to a pixel of a solid angle [sr] before a radiance behind it, as counted and as power [W m-2 sr-1]."""
+    power, counted = point_intensity(patch, behind, light)
+    share = patch.clear / (patch.placed.distance**2 * solid)
+    return counted * share, power * share
 
 
-def _intensity(patch: PixelPatch, behind: float, light: Surroundings) -> float:
-    """Radiant intensity of a point above its background, before the path [W sr-1]."""
+def point_intensity(patch: PixelPatch, behind: float, light: Surroundings) -> tuple[float, float]:
+    """Radiant intensity of a point above its background, before the path, and the same as it is counted behind the air [W sr-1].
+
+    ``behind``: radiance of the image there [W m-2 sr-1]. An intensity without a temperature counts as the spectrum does for which the
+    sensor's chain converts.
+    """
     point = patch.placed.part.kind
     assert isinstance(point, PointSource)  # only points have no extent
     if point.intensity is not None:
-        return point.intensity
+        if point.temperature is None:
+            return point.intensity, point.intensity
+        return point.intensity, point.intensity * _counting(light, patch.air, _planck(light, point.temperature))
     assert point.temperature_difference is not None  # one of the two is given
     assert point.area is not None
     kelvin = light.kelvin(behind)
     kelvin = kelvin if math.isfinite(kelvin) else light.view.sea_temperature
-    warmer = _blackbody(light, kelvin + point.temperature_difference) - _blackbody(light, kelvin)
-    return point.area * warmer
+    warmer = _planck(light, kelvin + point.temperature_difference) - _planck(light, kelvin)
+    intensity = point.area * float(light.view.in_band.weights @ warmer)
+    return intensity, intensity * _counting(light, patch.air, warmer)
 
 
-def _blackbody(light: Surroundings, kelvin: float) -> float:
-    band: Band = light.view.band
-    return float(band.radiance(np.array([max(kelvin, 1.0)]), light.view.atmosphere.wavenumber_cm)[0])
+def _counting(light: Surroundings, air: FloatArray, spectrum: FloatArray) -> float:
+    """Ratio of what is counted to what arrives of a spectrum through the air [1]."""
+    arrives = float(air @ spectrum)
+    return float((air * light.counted) @ spectrum) / arrives if arrives != 0.0 else 1.0
+
+
+def _planck(light: Surroundings, kelvin: float) -> FloatArray:
+    return planck_wavenumber(light.view.in_band.wavenumber_cm, max(kelvin, 1.0))
 
 
 def _distances(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
@@ -223,7 +237,15 @@ def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: d
         out["slope"][left <= LEAST_SEEN] = np.nan
 
 
-def sights(picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare], circle: int) -> tuple[BodySight, ...]:
+def _bare_cover(one: Placed, light: Surroundings) -> FloatArray:
+    """Share of the light behind a plume that it absorbs along its chords, before the air [1, (k,)]; empty for all else."""
+    kind = one.part.kind
+    return light.bare_cover(kind) if isinstance(kind, GasPlume) else np.zeros(0)
+
+
+def sights(
+    picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare], circle: int, light: Surroundings
+) -> tuple[BodySight, ...]:
     """Sight of each body, from the patches of its parts and the shares of each.
 
     Parameters
@@ -236,6 +258,8 @@ def sights(picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodySha
         For each patch.
     circle : int
         Columns of a full circle in the pixels of the sums, 0 where there is none.
+    light : Surroundings
+        The view's.
     """
     out = []
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
@@ -243,7 +267,7 @@ def sights(picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodySha
         sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(4))
         points = [patch for patch, _ in own if patch.clear > 0.0]
         drawn = {id(patch.placed): float(patch.sums[0]) for patch, _ in own}
-        whole = sum(drawn.get(id(one)) or solid_angle(one) for one in picture.placed if one.part.body == number)
+        whole = sum(drawn.get(id(one)) or solid_angle(one, _bare_cover(one, light)) for one in picture.placed if one.part.body == number)
         seen, across, down = float(sums[SEEN]), float(sums[ACROSS]), float(sums[DOWN])
         if points and seen == 0.0:  # points alone: their mean place, of no solid angle
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))

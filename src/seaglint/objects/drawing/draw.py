@@ -24,10 +24,13 @@ from seaglint.objects.body import Body, GasPlume, PointSource
 from seaglint.objects.drawing.crests import Crests, calm
 from seaglint.objects.drawing.eye import FEWEST_CELLS, Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand
 from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map, solid_angle_of
-from seaglint.objects.drawing.light import Arriving, Corners, Surroundings
+from seaglint.objects.drawing.light import Arriving, Corners, Counting, Surroundings
 from seaglint.objects.drawing.parts import DrawnPart, Mesh, Placed, parts_of, placed
+from seaglint.objects.drawing.plume_spectra import CHORDS, chord_shares
 from seaglint.objects.drawing.raster import Faces
-from seaglint.objects.drawing.sample_sums import LIFT, PLANES, WHOLE, BodySurroundings, SensorMesh, SunMap, Window
+from seaglint.objects.drawing.sample_sums import COUNTED, PLANES, WHOLE, BodySurroundings, SensorMesh, Window
+from seaglint.objects.drawing.self_shadow import LIFT, SunMap
+from seaglint.optics.blackbody import planck_wavenumber
 
 SHADOW_CELLS: Final = (128, 256)
 """Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones."""
@@ -58,6 +61,8 @@ class PixelPatch:
         :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
     clear : float
         Transmittance of the path to a point that is in view [1]; 0 for all else.
+    air : ndarray
+        Transmittance of the air to a point times the band's weights [cm-1, (n,)]; empty for all else.
     """
 
     placed: Placed
@@ -66,11 +71,12 @@ class PixelPatch:
     planes: FloatArray
     sums: FloatArray
     clear: float = 0.0
+    air: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def counted(self) -> FloatArray:
-        """Radiance times share."""
-        return np.asarray(self.planes[1:5].sum(axis=0))
+        """Radiance as it is counted times the share of the pixel, of a solid or a plume [W m-2 sr-1, (rows, columns)]."""
+        return np.asarray(self.planes[COUNTED])
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +178,7 @@ class Drawer:
 
     bodies: tuple[Body, ...]
     _parts: tuple[DrawnPart, ...]
+    counted: Counting | None = None
     _light: OrderedDict[SeaView, Surroundings] = field(default_factory=OrderedDict)
 
     @property
@@ -180,9 +187,9 @@ class Drawer:
         return self._parts
 
     @classmethod
-    def of(cls, bodies: tuple[Body, ...]) -> Drawer:
-        """Prepare everything that does not change in time."""
-        return cls(bodies, parts_of(bodies))
+    def of(cls, bodies: tuple[Body, ...], counted: Counting | None = None) -> Drawer:
+        """Prepare everything that does not change in time, for a detector that counts photons; without ``counted`` one of energy."""
+        return cls(bodies, parts_of(bodies), counted)
 
     def moved(self, bodies: tuple[Body, ...]) -> Drawer:
         """Return the drawer of the same bodies at other places, in the light that is already computed."""
@@ -191,7 +198,7 @@ class Drawer:
     def light(self, view: SeaView) -> Surroundings:
         """Light about bodies in a view; the latest ones are cached."""
         if view not in self._light:
-            self._light[view] = Surroundings.of(view)
+            self._light[view] = Surroundings.of(view, self.counted)
         self._light.move_to_end(view)
         cached = self._light[view]
         while len(self._light) > _KEPT:
@@ -234,12 +241,14 @@ class Drawer:
         """
         corners = [_corners(one) for _, one in selected]
         try:
-            arriving = light.arriving(corners, [_temperatures(one) for _, one in selected])
+            arriving = light.arriving(corners, [_source(one) for _, one in selected])
         except DomainError as error:
             raise DomainError(f"objects: {error}") from error
 
+        covers = {id(one.part): sums.cover for (_, one), sums in zip(selected, arriving, strict=True) if one.gas.size}
+
         def draw(n: int) -> PixelPatch | None:
-            return _drawn(*selected[n], every[n], arriving[n], light)
+            return _drawn(*selected[n], every[n], arriving[n], (light, covers))
 
         with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
             # the first alone: it compiles, if need be, in one thread
@@ -269,11 +278,12 @@ def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: Floa
     return Faces(point, image, none, none[:, :2], none, bend)
 
 
-def _temperatures(one: Placed) -> FloatArray:
+def _source(one: Placed) -> FloatArray | GasPlume:
+    """Temperatures [K] of a part's surface, none of a point, or the plume that it is."""
     kind = one.part.kind
     if isinstance(kind, Mesh):
         return kind.temperatures
-    return np.array([kind.temperature]) if isinstance(kind, GasPlume) else np.array([300.0])
+    return kind if isinstance(kind, GasPlume) else np.zeros(0)
 
 
 def _corners(one: Placed) -> Corners:
@@ -293,8 +303,11 @@ def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
     return out
 
 
-def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, light: Surroundings) -> PixelPatch | None:
-    """Draw one part on its own grid of samples; None where it contributes nothing."""
+def _drawn(
+    stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, about: tuple[Surroundings, dict[int, FloatArray]]
+) -> PixelPatch | None:
+    """Draw one part on its own grid of samples, among plumes with covers by their identity; None where it contributes nothing."""
+    light, known = about
     plane = TangentPlane.to(one.place)
     faces = stage.faces(one, plane, one)
     box = stage.box(faces)
@@ -304,17 +317,19 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
     if inside is None:
         return None
     others = _overlapping(one, every)
-    gases = np.array([other.gas for other in others if other.gas.size]).reshape(-1, 13)
+    plumes = [other for other in others if id(other.part) in known]  # others hide no pixel that is drawn
+    gases = np.array([other.gas for other in plumes]).reshape(-1, 13)
+    covers = np.array([known[id(other.part)] for other in plumes]).reshape(-1, CHORDS)
     solids = [stage.faces(other, plane, one) for other in others if isinstance(other.part.kind, Mesh)]
     sea = stage.crests(one)
+    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, covers, plane.axes, one.heading)
     if one.radius == 0.0:
-        return _point(stage, one, (plane, sea, solids, gases), box, arriving)
+        return _point(stage, one, (scene, solids), box, arriving)
     grid = grid_over(inside, stage.cells)
     shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
-    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
     planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids), _body(one), scene, arriving, shadow)
     if inside != box:
-        sums[WHOLE] = solid_angle(one)
+        sums[WHOLE] = solid_angle(one, arriving.cover)
     return _patch(stage, one, grid, planes, sums)
 
 
@@ -348,20 +363,24 @@ def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: Floa
 def _point(
     stage: Stage,
     one: Placed,
-    around: tuple[TangentPlane, Crests, list[Faces], FloatArray],
+    around: tuple[BodySurroundings, list[Faces]],
     box: tuple[float, float, float, float],
     arriving: Arriving,
 ) -> PixelPatch | None:
     """Draw a point source: its visibility and the transmittance of its path."""
-    plane, sea, solids, gases = around
-    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
+    scene, solids = around
+    kind = one.part.kind
+    assert isinstance(kind, PointSource)  # only points have no extent
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
-    clear = clear_to_point(scene, solids, one.distance) * float(arriving.clear[0])
+    over = stage.view.in_band
+    spectrum = np.ones(over.weights.size) if kind.temperature is None else planck_wavenumber(over.wavenumber_cm, kind.temperature)
+    through = float(arriving.clear @ spectrum / (over.weights @ spectrum))
+    clear = clear_to_point(scene, solids, one.distance) * through
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
     if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
         return None
     sums = np.array([0.0, 0.0, column, row])
-    return PixelPatch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
+    return PixelPatch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear, arriving.clear)
 
 
 def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
@@ -377,8 +396,11 @@ def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     return shadow_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
 
 
-def solid_angle(one: Placed) -> float:
-    """Solid angle of a part [sr] without occlusion; for a plume that of its absorption of the light behind it."""
+def solid_angle(one: Placed, cover: FloatArray) -> float:
+    """Solid angle of a part [sr] without occlusion; of a plume times the share of the light behind it that it absorbs.
+
+    ``cover``: this share of a plume along its chords (:class:`~seaglint.objects.drawing.light.Arriving`) [1, (k,)]; empty for all else.
+    """
     if one.radius == 0.0:
         return 0.0
     plane = TangentPlane.to(one.place)
@@ -399,7 +421,9 @@ def solid_angle(one: Placed) -> float:
     u = np.stack([x, y, np.ones_like(x)], axis=-1)
     w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
     d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T
+    per_metre = np.linalg.norm(d, axis=-1, keepdims=True) / np.linalg.norm(u, axis=-1, keepdims=True)
     d /= np.linalg.norm(d, axis=-1, keepdims=True)
     off = one.gas[:3] - (d @ one.gas[:3])[..., None] * d
     half = np.sqrt(np.maximum(1.0 - (off**2).sum(axis=-1), 0.0))
-    return float((w * -np.expm1(-one.gas[12] * half)).sum())
+    share = half if one.gas[12] == 0.0 else 2.0 * half / (per_metre[..., 0] * one.gas[12])
+    return float((w * np.interp(np.sqrt(share), np.sqrt(chord_shares()), cover)).sum())

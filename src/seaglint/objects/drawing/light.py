@@ -7,12 +7,17 @@ A facet of temperature T, emissivity e and normal n, in diffuse light of the rad
 and the sensor receives ``tau L + L_path`` of the path to the facet's own range and height, integrated per wavenumber. Above the horizontal
 L is the sky over the sea, thermal and scattered sunlight; below it the mean sea without glint, as seen from close above. Both are those at
 the sensor's foot, at the height of the sea.
+
+Each sum is made twice: of the radiance, and of the radiance as a detector counts it, each wavenumber times its electrons per joule over
+those of the spectrum for which the sensor's chain converts. No sub-bands are needed for it: the sums run over wavenumbers anyway.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -25,6 +30,8 @@ from seaglint.facet.haze import is_dark
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import mirrored_sky
 from seaglint.facet.surface_spectra import SeaSurface
+from seaglint.objects.body import GasPlume
+from seaglint.objects.drawing.plume_spectra import plume_emissivity
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 
@@ -39,14 +46,22 @@ LOWEST_LINE: Final = -50.0
 """Greatest depth of the line of sight below the sea [m]; paths to points that lie deeper end higher up instead."""
 
 
+Counting = Callable[[FloatArray], FloatArray]
+"""Electrons per joule at wavenumbers [cm-1, (n,)] over those of the spectrum for which the sensor's chain converts [1, (n,)]."""
+
+
 class Arriving(NamedTuple):
     """Sums over the band at four corners of a body's range and height [W m-2 sr-1].
 
-    The field ``corner`` holds arc and height of the first, each followed by its inverse extent.
+    The field ``corner`` holds arc and height of the first, each followed by its inverse extent. The first axis of the others, q, has the
+    radiance, and the radiance as it is counted.
 
-    Of corner p: ``emitted[p, k]`` of a blackbody at the body's k-th temperature, ``mirrored[p, m, a]`` of light diffusely reflected by a
-    white facet of the m-th and a-th of :data:`NORMALS`, ``sun[p]`` of the Sun at normal incidence on it, ``path[p]`` of the path;
-    ``clear[p]``: flat mean of the transmittance over the band [1].
+    Of corner p: ``emitted[q, p, k]`` of a blackbody at the body's k-th temperature, or of a plume along its k-th chord
+    (:func:`~seaglint.objects.drawing.plume_spectra.chord_shares`), ``mirrored[q, p, m, a]`` of light diffusely reflected by a white facet
+    of the m-th and a-th of :data:`NORMALS`, ``sun[q, p]`` of the Sun at normal incidence on it, ``path[q, p]`` of the path.
+
+    ``cover[k]``: share of the light behind it that a plume absorbs along its k-th chord [1]; empty for other bodies. ``clear``:
+    transmittance to the first corner times the band's weights [cm-1, (n,)].
     """
 
     corner: np.ndarray
@@ -54,6 +69,7 @@ class Arriving(NamedTuple):
     mirrored: np.ndarray
     sun: np.ndarray
     path: np.ndarray
+    cover: np.ndarray
     clear: np.ndarray
 
 
@@ -76,14 +92,17 @@ class Surroundings:
         Sea, air and Sun.
     diffuse : ndarray
         Mean radiance over the hemisphere of a normal [W m-2 sr-1 per cm-1, (m, a, n)], normals as :data:`NORMALS`.
+    counted : ndarray
+        Weight of each wavenumber of the view's band in what is counted [1, (n,)]; 1 for a detector of energy.
     """
 
     view: SeaView
     diffuse: FloatArray
+    counted: FloatArray
 
     @classmethod
-    def of(cls, view: SeaView) -> Surroundings:
-        """Surroundings for a view's sky and mean sea."""
+    def of(cls, view: SeaView, counted: Counting | None = None) -> Surroundings:
+        """Surroundings for a view's sky and mean sea, and a detector that counts photons; without ``counted`` one of energy."""
         grid = view.in_band.grid
         x, w = np.polynomial.legendre.leggauss(_ELEVATIONS)
         # crowded at the horizontal, where the sky is brightest and the sea darkens
@@ -101,7 +120,9 @@ class Surroundings:
             light[:_ELEVATIONS] += view.sun_distance_factor * np.maximum(shares @ table.spectral, 0.0)
         up = np.concatenate([sine, -sine])
         solid = np.concatenate([weight, weight])[:, None] * share
-        return cls(view, _hemispheres(up, azimuth, solid, light))
+        nu = view.in_band.wavenumber_cm
+        weight_of = np.ones(nu.size) if counted is None else np.asarray(counted(nu), np.float64)
+        return cls(view, _hemispheres(up, azimuth, solid, light), weight_of)
 
     @property
     def sun(self) -> FloatArray:
@@ -110,17 +131,23 @@ class Surroundings:
         return np.array([math.sin(z) * math.sin(a), math.sin(z) * math.cos(a), math.cos(z)])
 
     @property
-    def sea_counted(self) -> float:
-        """1."""
-        return 1.0
-
-    @property
     def shines(self) -> bool:
         """True if the Sun's centre is above the horizontal and its light arrives."""
         return bool(self.view.solar_zenith < 0.5 * np.pi and self.view.irradiance.any())
 
-    def arriving(self, places: list[Corners], temperatures: list[FloatArray]) -> list[Arriving]:
-        """Sums over the band for bodies at some places, for surfaces at some temperatures [K, (k,)]."""
+    @cached_property
+    def _sea(self) -> FloatArray:
+        """Blackbody at the sea's temperature [W m-2 sr-1 per cm-1, (n,)]."""
+        return planck_wavenumber(self.view.in_band.wavenumber_cm, self.view.sea_temperature)
+
+    @cached_property
+    def sea_counted(self) -> float:
+        """Radiance as it is counted over radiance, for a blackbody at the sea's temperature [1]."""
+        sea = self.view.in_band.weights * self._sea
+        return float(sea @ self.counted / sea.sum())
+
+    def arriving(self, places: list[Corners], sources: Sequence[FloatArray | GasPlume]) -> list[Arriving]:
+        """Sums over the band for bodies at some places: surfaces at some temperatures [K, (k,)], or plumes."""
         if not places:
             return []
         eye, view = self.view.sensor_height, self.view
@@ -128,14 +155,16 @@ class Surroundings:
         heights = np.array([[p.height[0], p.height[0], p.height[1], p.height[1]] for p in places])
         heights = np.maximum(np.maximum(heights, 0.0), _lowest_seen(eye, arcs))
         tau = np.clip(view.atmosphere.transmittance(eye, arcs, heights)[..., view.in_band.grid], 0.0, 1.0) * view.in_band.weights
-        path = view.in_band(view.atmosphere.path_radiance(eye, arcs, heights))
-        path = path + self._scattered(arcs, heights, places)
-        nu = view.in_band.wavenumber_cm
-        sun = tau @ (view.irradiance / np.pi) if self.shines else np.zeros(tau.shape[:2])
+        kinds = np.stack([np.ones_like(self.counted), self.counted])[:, None]
+        path = view.atmosphere.path_radiance(eye, arcs, heights)[..., view.in_band.grid] * view.in_band.weights
+        sunlight = tau * (view.irradiance / np.pi) if self.shines else np.zeros_like(tau)
+        scattered = self._scattered(arcs, heights, places)
         out = []
-        for i, (place, kelvin) in enumerate(zip(places, temperatures, strict=True)):
-            emitted = tau[i] @ planck_wavenumber(nu, kelvin[:, None]).T
-            mirrored = np.tensordot(tau[i], self.diffuse, axes=(1, 2))
+        for i, (place, source) in enumerate(zip(places, sources, strict=True)):
+            seen = tau[i] * kinds
+            sun = (sunlight[i] * kinds).sum(axis=-1)
+            # sunlight scattered into the path is known in the band alone: it has the spectrum of the light that arrives from the Sun
+            as_counted = np.divide(sun, sun[0], out=np.ones_like(sun), where=sun[0] > 0.0)
             lengths = (place.arc[1] - place.arc[0], place.height[1] - place.height[0])
             corner = np.array(
                 [
@@ -145,9 +174,36 @@ class Surroundings:
                     1.0 / lengths[1] if lengths[1] > 0.0 else 0.0,
                 ]
             )
-            flat = tau[i].sum(axis=-1) / view.in_band.weights.sum()
-            out.append(Arriving(corner, np.ascontiguousarray(emitted), np.ascontiguousarray(mirrored), sun[i].copy(), path[i].copy(), flat))
+            emitted, cover = self._plume(source, seen) if isinstance(source, GasPlume) else (self._blackbodies(source, seen), np.zeros(0))
+            mirrored = np.ascontiguousarray(np.tensordot(seen, self.diffuse, axes=(2, 2)))
+            along = (path[i] * kinds).sum(axis=-1) + scattered[i] * as_counted
+            out.append(Arriving(corner, np.ascontiguousarray(emitted), mirrored, sun, along, cover, tau[i, 0].copy()))
         return out
+
+    def _blackbodies(self, kelvin: FloatArray, seen: FloatArray) -> FloatArray:
+        """Blackbodies at some temperatures [K, (k,)] through the air [W m-2 sr-1, (2, corners, k)]."""
+        return np.asarray(seen @ planck_wavenumber(self.view.in_band.wavenumber_cm, kelvin[:, None]).T)
+
+    def _plume(self, plume: GasPlume, seen: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Emission of a plume through the air along its chords [W m-2 sr-1, (2, corners, k)], and the share of the light behind [1, (k,)].
+
+        The light behind is taken as a blackbody at the sea's temperature through the same air: most of it is, and air emits as much as it
+        absorbs. The share is one for both kinds of light and all corners; where theirs differ, the emission has the difference, so that a
+        plume of the sea's temperature is not seen.
+        """
+        absorbed = plume_emissivity(plume, self.view.in_band.wavenumber_cm).T
+        behind = seen * self._sea
+        mean = behind[0].mean(axis=0)
+        # where nothing comes through the air at all, the plain mean
+        weights = mean if mean.any() else self.view.in_band.weights
+        cover = weights @ absorbed / weights.sum()
+        emitted = (seen * planck_wavenumber(self.view.in_band.wavenumber_cm, plume.temperature)) @ absorbed
+        return emitted + behind.sum(axis=-1)[..., None] * cover - behind @ absorbed, np.ascontiguousarray(cover)
+
+    def bare_cover(self, plume: GasPlume) -> FloatArray:
+        """Share that a plume absorbs of the sea's blackbody radiance along its chords, without air [1, (k,)]."""
+        weights = self.view.in_band.weights * self._sea
+        return np.asarray(plume_emissivity(plume, self.view.in_band.wavenumber_cm) @ weights / weights.sum())
 
     def _scattered(self, arcs: FloatArray, heights: FloatArray, places: list[Corners]) -> FloatArray:
         """Sunlight scattered into the paths [W m-2 sr-1, (places, corners)].

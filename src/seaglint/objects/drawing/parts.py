@@ -17,6 +17,7 @@ from seaglint.base.jit import njit
 from seaglint.objects.body import Body, GasPlume, PointSource, Solid
 from seaglint.objects.drawing.crests import Span
 from seaglint.objects.drawing.eye import Stand
+from seaglint.objects.drawing.plume_spectra import longest_chord
 from seaglint.objects.solids import merged
 
 MOST_TEMPERATURES: Final = 16
@@ -205,7 +206,7 @@ def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
         # a little beyond the surface, so that what lies between the points is inside
         surface = middle + 1.03 * (_BALL * axes) @ stand.turn.T
         to_unit = stand.turn.T / axes[:, None]
-        gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [-math.log1p(-part.kind.emissivity)]])
+        gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [longest_chord(part.kind)]])
         if np.linalg.norm(gas[:3]) < 1.0:
             raise DomainError(f"objects '{part.name}': the sensor is inside its plume; move it, or the sensor")
         return Placed(part, middle, 1.03 * float(axes.max()), surface, gas, eye)

@@ -266,10 +266,10 @@ def _crossed(x: float, a: float, b: float) -> float:
 
 @kernel
 def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, last: float) -> float:
-    """Optical depth of a plume between two distances [m] along a direction (unit, sensor's axes).
+    """Length of a plume between two distances [m] along a direction (unit, sensor's axes), as a share of its longest [1].
 
-    ``gas``: its centre in units of its semi-axes, from the sensor (3), rows that turn a direction into these units (9), and the optical
-    depth of its middle.
+    ``gas``: its centre in units of its semi-axes, from the sensor (3), rows that turn a direction into these units (9), and its longest
+    chord [m]; with 0 in place of that, shares are of the longest chord in the direction.
     """
     ux = gas[3] * direction[0] + gas[4] * direction[1] + gas[5] * direction[2]
     uy = gas[6] * direction[0] + gas[7] * direction[1] + gas[8] * direction[2]
@@ -282,7 +282,8 @@ def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, 
         return 0.0
     half = math.sqrt(half)
     begin, end = max(middle - half, first * length), min(middle + half, last * length)
-    return float(gas[12] * max(end - begin, 0.0) * 0.5)
+    inside = max(end - begin, 0.0)
+    return float(min(inside / (length * gas[12]) if gas[12] > 0.0 else 0.5 * inside, 1.0))
 
 
 @njit

@@ -14,6 +14,7 @@ from seaglint.objects.drawing.crests import Crests, in_sight
 from seaglint.objects.drawing.eye import Grid, Lens
 from seaglint.objects.drawing.light import Arriving
 from seaglint.objects.drawing.raster import Samples, chord
+from seaglint.objects.drawing.self_shadow import SunMap, lit
 
 COVER: Final = 0
 """Plane of the share of a pixel that a body covers [1]."""
@@ -27,7 +28,10 @@ SUN: Final = 4
 DISTANCE: Final = 5
 """Plane of the distance times that share [m]."""
 
-PLANES: Final = 6
+COUNTED: Final = 6
+"""Plane of the whole radiance times that share, each wavenumber by how the detector counts it [W m-2 sr-1]."""
+
+PLANES: Final = 7
 
 WHOLE: Final = 0
 SEEN: Final = 1
@@ -36,9 +40,6 @@ DOWN: Final = 3
 """Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels]."""
 
 SUMS: Final = 4
-
-LIFT: Final = 1e-3
-"""Least distance towards the Sun between a shading and a shaded surface, as a share of the body's size: rounding of its shadow map."""
 
 
 class SensorMesh(NamedTuple):
@@ -54,31 +55,19 @@ class SensorMesh(NamedTuple):
     emissivity: np.ndarray
 
 
-class SunMap(NamedTuple):
-    """Shadow map: coordinates towards the Sun [m] of the surfaces that face away from it, on a grid across its light.
-
-    The fields are direction to the Sun (3), unit vectors across (2, 3), coordinates of the first cell and cells per metre (4), and
-    coordinates towards the Sun [m]. Without cells nothing is shaded.
-    """
-
-    sun: np.ndarray
-    across: np.ndarray
-    first: np.ndarray
-    nearest: np.ndarray
-    lift: float
-
-
 class BodySurroundings(NamedTuple):
-    """Surroundings of a body: the sensor's height [m], the sea, other bodies, gases, axes and heading.
+    """Surroundings of a body: the sensor's height [m], the sea, other bodies, gases with what they take, axes and heading.
 
-    Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`; the
-    heading is the azimuth of the body's centre [rad] with its sine and cosine.
+    Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`, each
+    with its row of covers as :class:`~seaglint.objects.drawing.light.Arriving` has them; the heading is the azimuth of the body's centre
+    [rad] with its sine and cosine.
     """
 
     eye: float
     crests: Crests
     others: np.ndarray
     gases: np.ndarray
+    covers: np.ndarray
     axes: np.ndarray
     heading: tuple[float, float, float]
 
@@ -152,12 +141,21 @@ def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, floa
 
 
 @kernel
+def _chord_node(share: float, count: int) -> tuple[int, float]:
+    """Number of a tabulated chord, and how far a share of the longest chord lies towards the next [1]; even in the root of the share."""
+    x = math.sqrt(share) * (count - 1)
+    k = min(int(x), count - 2)
+    return k, x - k
+
+
+@kernel
 def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float) -> float:
     """Transmittance of the gases before a distance [m] along a direction."""
-    depth = 0.0
+    through = 1.0
     for g in range(scene.gases.shape[0]):
-        depth += chord(scene.gases[g], direction, 0.0, last)
-    return math.exp(-depth)
+        k, f = _chord_node(chord(scene.gases[g], direction, 0.0, last), scene.covers.shape[1])
+        through *= 1.0 - (scene.covers[g, k] + f * (scene.covers[g, k + 1] - scene.covers[g, k]))
+    return through
 
 
 @njit
@@ -185,25 +183,28 @@ def _mix(u: float, v: float, a: float, b: float, c: float, d: float) -> float:
 
 
 @kernel
-def _lit(shadow: SunMap, point: tuple[float, float, float]) -> bool:
-    """True if no part of the body stands between a point and the Sun."""
-    if shadow.nearest.shape[0] == 0:
-        return True
-    a, f = shadow.across, shadow.first
-    i = int((a[0, 0] * point[0] + a[0, 1] * point[1] + a[0, 2] * point[2] - f[0]) * f[2])
-    j = int((a[1, 0] * point[0] + a[1, 1] * point[1] + a[1, 2] * point[2] - f[1]) * f[3])
-    if i < 0 or j < 0 or i >= shadow.nearest.shape[1] or j >= shadow.nearest.shape[0]:
-        return True
-    along = shadow.sun[0] * point[0] + shadow.sun[1] * point[1] + shadow.sun[2] * point[2]
-    return bool(shadow.nearest[j, i] <= along + shadow.lift)
+def _corners_mean(four: np.ndarray, kind: int, u: float, v: float) -> float:
+    """Light of a kind (0 radiance, 1 as counted) between the corners."""
+    return _mix(u, v, four[kind, 0], four[kind, 1], four[kind, 2], four[kind, 3])
 
 
 @kernel
-def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: tuple[float, float, float]) -> tuple[float, float]:
-    """Diffuse light reflected by a white facet, interpolated between the corners, and its cosine towards the Sun, 0 behind."""
+def _glow(light: Arriving, kind: int, k: int, s: float, u: float, v: float) -> float:
+    """Emission of a kind (0 radiance, 1 as counted) between the corners, a share ``s`` of the way from one of its tabulated values on."""
+    e = light.emitted
+    glow = _mix(u, v, e[kind, 0, k], e[kind, 1, k], e[kind, 2, k], e[kind, 3, k])
+    if s > 0.0:
+        n = k + 1
+        glow += s * (_mix(u, v, e[kind, 0, n], e[kind, 1, n], e[kind, 2, n], e[kind, 3, n]) - glow)
+    return glow
+
+
+@kernel
+def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Diffuse light reflected by a white facet and the same as counted, between the corners, and its cosine towards the Sun, 0 behind."""
     m = light.mirrored
-    x = (normal[2] + 1.0) * 0.5 * (m.shape[1] - 1)
-    i = min(max(int(x), 0), m.shape[1] - 2)
+    x = (normal[2] + 1.0) * 0.5 * (m.shape[2] - 1)
+    i = min(max(int(x), 0), m.shape[2] - 2)
     f = x - i
     sun = shadow.sun
     across = math.sqrt(sun[0] * sun[0] + sun[1] * sun[1])
@@ -211,28 +212,32 @@ def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: t
     turn = 0.0
     if across > 1e-9 and level > 1e-9:
         turn = math.acos(min(max((normal[0] * sun[0] + normal[1] * sun[1]) / (across * level), -1.0), 1.0))
-    y = turn / math.pi * (m.shape[2] - 1)
-    k = min(int(y), m.shape[2] - 2)
+    y = turn / math.pi * (m.shape[3] - 1)
+    k = min(int(y), m.shape[3] - 2)
     g = y - k
-    total = 0.0
+    total = counted = 0.0
     for p in range(4):
         weight = (at[0] if p % 2 else 1.0 - at[0]) * (at[1] if p >= 2 else 1.0 - at[1])
-        low = m[p, i, k] + g * (m[p, i, k + 1] - m[p, i, k])
-        high = m[p, i + 1, k] + g * (m[p, i + 1, k + 1] - m[p, i + 1, k])
-        total += weight * (low + f * (high - low))
-    return total, max(normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2], 0.0)
+        for q in range(2):
+            low = m[q, p, i, k] + g * (m[q, p, i, k + 1] - m[q, p, i, k])
+            high = m[q, p, i + 1, k] + g * (m[q, p, i + 1, k + 1] - m[q, p, i + 1, k])
+            part = weight * (low + f * (high - low))
+            if q == 0:
+                total += part
+            else:
+                counted += part
+    return total, counted, max(normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2], 0.0)
 
 
 @kernel
 def _facet(
     shape: SensorMesh, light: Arriving, shadow: SunMap, t: int, at: tuple[float, float, float, float, float]
-) -> tuple[float, float, float, float, float]:
-    """Light of a triangle at a point: emissivity, blackbody radiance, reflected diffuse light, reflected Sun, and path.
-
-    The Sun counts if nothing shades it; both kinds of reflected light are those of a white surface.
+) -> tuple[float, float, float, float, float, float]:
+    """Light of a triangle at a point [W m-2 sr-1]: path, emission, reflected diffuse light, reflected Sun, and as counted: all without
+    the Sun, and the Sun. The Sun is seen where nothing shades it.
     """
-    emitted, sun, path, v = light.emitted, light.sun, light.path, shape.vertex
-    most = emitted.shape[1] - 1
+    sun, path, v = light.sun, light.path, shape.vertex
+    most = light.emitted.shape[2] - 1
     a, b, c = shape.corner[t, 0], shape.corner[t, 1], shape.corner[t, 2]
     ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
     wx, wy, wz = v[c, 0] - v[a, 0], v[c, 1] - v[a, 1], v[c, 2] - v[a, 2]
@@ -249,32 +254,36 @@ def _facet(
     emissivity = f * shape.emissivity[a] + g * shape.emissivity[b] + h * shape.emissivity[c]
     kelvin = min(max(f * shape.kelvin[a] + g * shape.kelvin[b] + h * shape.kelvin[c], 0.0), float(most))
     k = min(int(kelvin), max(most - 1, 0))
-    s, n = kelvin - k, min(k + 1, most)
+    s = kelvin - k
     u, w = _between(light.corner, at[3], at[4])
-    warm = _mix(u, w, emitted[0, k], emitted[1, k], emitted[2, k], emitted[3, k])
-    if s > 0.0:
-        warm += s * (_mix(u, w, emitted[0, n], emitted[1, n], emitted[2, n], emitted[3, n]) - warm)
-    mirrored = direct = 0.0
+    warm, warm_counted = emissivity * _glow(light, 0, k, s, u, w), emissivity * _glow(light, 1, k, s, u, w)
+    diffuse = diffuse_counted = direct = direct_counted = 0.0
     if emissivity < 1.0:
         length = 1.0 / math.sqrt(size)
-        mirrored, cosine = _reflect(light, shadow, (u, w), (nx * length, ny * length, nz * length))
-        if cosine > 0.0 and sun[0] > 0.0:
-            direct = cosine * _mix(u, w, sun[0], sun[1], sun[2], sun[3])
-    return emissivity, warm, mirrored, direct, _mix(u, w, path[0], path[1], path[2], path[3])
+        diffuse, diffuse_counted, cosine = _reflect(light, shadow, (u, w), (nx * length, ny * length, nz * length))
+        diffuse *= 1.0 - emissivity
+        diffuse_counted *= 1.0 - emissivity
+        if cosine > 0.0 and sun[0, 0] > 0.0:
+            cosine *= 1.0 - emissivity
+            direct = cosine * _corners_mean(sun, 0, u, w)
+            direct_counted = cosine * _corners_mean(sun, 1, u, w)
+    steady = _corners_mean(path, 1, u, w) + warm_counted + diffuse_counted
+    return _corners_mean(path, 0, u, w), warm, diffuse, direct, steady, direct_counted
 
 
 @kernel
 def _enter(
-    planes: np.ndarray, row: int, column: int, facet: tuple[float, float, float, float, float], parts: tuple[float, float, float]
+    planes: np.ndarray, row: int, column: int, facet: tuple[float, float, float, float, float, float], parts: tuple[float, float, float]
 ) -> None:
     """Add a facet's contribution to the planes of a pixel: its share, the lit share, and distance times share."""
     if parts[0] > 0.0:
         planes[COVER, row, column] += parts[0]
-        planes[PATH, row, column] += parts[0] * facet[4]
-        planes[EMITTED, row, column] += parts[0] * facet[0] * facet[1]
-        planes[MIRRORED, row, column] += parts[0] * (1.0 - facet[0]) * facet[2]
-        planes[SUN, row, column] += parts[1] * (1.0 - facet[0]) * facet[3]
+        planes[PATH, row, column] += parts[0] * facet[0]
+        planes[EMITTED, row, column] += parts[0] * facet[1]
+        planes[MIRRORED, row, column] += parts[0] * facet[2]
+        planes[SUN, row, column] += parts[1] * facet[3]
         planes[DISTANCE, row, column] += parts[2]
+        planes[COUNTED, row, column] += parts[0] * facet[4] + parts[1] * facet[5]
 
 
 @njit
@@ -295,11 +304,11 @@ def shade_solid(
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
     # of the present facet in a pixel of a row: its light, and the numbers of its samples, those lit and their distances
-    facet = (0.0, 0.0, 0.0, 0.0, 0.0)
+    facet = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for j in range(grid.size[1]):
         row_solid = _row_solid_angle(lens, grid, j)
         last, before, above = -1, -1, 0
-        parts = lit = far = 0.0
+        parts = sunlit = far = 0.0
         whole = seen = across = 0.0
         for i in range(grid.size[0]):
             near, clear = samples.near[j, i], samples.share[j, i]
@@ -319,18 +328,18 @@ def shade_solid(
                 clear, solid = clear * through, solid * through
             t = samples.triangle[j, i]
             if t != last or column != before:
-                _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
-                parts = lit = far = 0.0
+                _enter(planes, above, before, facet, (share * parts, share * sunlit, share * far))
+                parts = sunlit = far = 0.0
                 last, before, above = t, column, row
                 # neighbouring samples of a pixel on one facet have the same radiance
                 facet = _facet(shape, light, shadow, t, at)
             parts += clear
             far += clear * distance
-            if facet[3] > 0.0 and _lit(shadow, (at[0], at[1], at[2])):
-                lit += clear
+            if facet[3] > 0.0 and lit(shadow, (at[0], at[1], at[2])):
+                sunlit += clear
             seen += solid
             across += solid * (grid.begin[0] + i + 0.5)
-        _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
+        _enter(planes, above, before, facet, (share * parts, share * sunlit, share * far))
         sums[WHOLE] += whole
         sums[SEEN] += seen
         sums[ACROSS] += across / grid.cells[0]
@@ -350,11 +359,11 @@ def shade_gas(
 ) -> None:
     """Add the samples of a plume (:func:`~seaglint.objects.drawing.raster.chord`), as :func:`shade_solid`.
 
-    What it covers of a sample is the share of light that it does not let through.
+    What it covers of a sample is the share of the light behind it that it absorbs, a mean over the band.
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
-    emitted, path = light.emitted, light.path
+    covers, path = light.cover, light.path
     for j in range(grid.size[1]):
         row_solid = _row_solid_angle(lens, grid, j)
         for i in range(grid.size[0]):
@@ -368,73 +377,33 @@ def shade_gas(
             if whole <= 0.0:
                 continue
             solid = row_solid * _falling(lens, grid, j, i)
-            sums[WHOLE] += solid * (1.0 - math.exp(-whole))
+            k, f = _chord_node(whole, covers.size)
+            sums[WHOLE] += solid * (covers[k] + f * (covers[k + 1] - covers[k]))
             column, row, drawn = _pixel(grid, window, i, j)
             if not drawn:
                 continue
             last = slant / scene.others[j, i] if scene.others[j, i] > 0.0 else math.inf
-            depth = chord(plume, direction, 0.0, last)
+            inside = chord(plume, direction, 0.0, last)
             # seen at its middle along the line
             ux = plume[3] * direction[0] + plume[4] * direction[1] + plume[5] * direction[2]
             uy = plume[6] * direction[0] + plume[7] * direction[1] + plume[8] * direction[2]
             uz = plume[9] * direction[0] + plume[10] * direction[1] + plume[11] * direction[2]
             distance = (plume[0] * ux + plume[1] * uy + plume[2] * uz) / (ux * ux + uy * uy + uz * uz)
-            if depth <= 0.0 or distance <= 0.0:
+            if inside <= 0.0 or distance <= 0.0:
                 continue
             at = place_of(x, y, distance / slant, scene)
             if not _visible(scene, at):
                 continue
-            cover = (1.0 - math.exp(-depth)) * (_clear(scene, direction, distance) if scene.gases.shape[0] > 0 else 1.0)
+            through = _clear(scene, direction, distance) if scene.gases.shape[0] > 0 else 1.0
+            k, f = _chord_node(inside, covers.size)
+            cover = through * (covers[k] + f * (covers[k + 1] - covers[k]))
             u, w = _between(light.corner, at[3], at[4])
             part = share * cover
             planes[COVER, row, column] += part
-            planes[PATH, row, column] += part * _mix(u, w, path[0], path[1], path[2], path[3])
-            planes[EMITTED, row, column] += part * _mix(u, w, emitted[0, 0], emitted[1, 0], emitted[2, 0], emitted[3, 0])
+            planes[PATH, row, column] += part * _corners_mean(path, 0, u, w)
+            planes[EMITTED, row, column] += share * through * _glow(light, 0, k, f, u, w)
+            planes[COUNTED, row, column] += part * _corners_mean(path, 1, u, w) + share * through * _glow(light, 1, k, f, u, w)
             planes[DISTANCE, row, column] += part * distance
             sums[SEEN] += solid * cover
             sums[ACROSS] += solid * cover * (grid.begin[0] + i + 0.5) / grid.cells[0]
             sums[DOWN] += solid * cover * (grid.begin[1] + j + 0.5) / grid.cells[1]
-
-
-@njit
-def sun_map(vertex: np.ndarray, corner: np.ndarray, axes: tuple[np.ndarray, np.ndarray], cells: int, lift: float) -> SunMap:
-    """Shadow map of triangles that face away from the Sun: a closed body shades itself by these, and no lit facet by itself.
-
-    ``axes``: direction to the Sun and unit vectors across it; ``cells``: along a side; ``lift``: how much nearer to the Sun shades [m].
-    """
-    sun, across = axes
-    wide = high = cells
-    nearest = np.full((high, wide), -np.inf)
-    point = np.empty((vertex.shape[0], 3))
-    low, top = np.full(2, np.inf), np.full(2, -np.inf)
-    for n in range(vertex.shape[0]):
-        east, north, up = vertex[n, 0], vertex[n, 1], vertex[n, 2]
-        for k in range(2):
-            point[n, k] = across[k, 0] * east + across[k, 1] * north + across[k, 2] * up
-            low[k], top[k] = min(low[k], point[n, k]), max(top[k], point[n, k])
-        point[n, 2] = sun[0] * east + sun[1] * north + sun[2] * up
-    first = np.array([low[0], low[1], cells / max(top[0] - low[0], 1e-9), cells / max(top[1] - low[1], 1e-9)])
-    for n in range(vertex.shape[0]):
-        point[n, 0], point[n, 1] = (point[n, 0] - first[0]) * first[2], (point[n, 1] - first[1]) * first[3]
-    for t in range(corner.shape[0]):
-        a, b, c = corner[t, 0], corner[t, 1], corner[t, 2]
-        ax, ay, bx, by, cx, cy = point[a, 0], point[a, 1], point[b, 0], point[b, 1], point[c, 0], point[c, 1]
-        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-        if area >= 0.0:
-            continue
-        # shares of b and c, and the coordinate towards the Sun, change linearly from cell to cell
-        scale = 1.0 / area
-        b_across, b_down, c_across, c_down = (cy - ay) * scale, (ax - cx) * scale, (ay - by) * scale, (bx - ax) * scale
-        to_b, to_c = point[b, 2] - point[a, 2], point[c, 2] - point[a, 2]
-        left, right = max(int(min(ax, bx, cx)), 0), min(int(max(ax, bx, cx)) + 1, wide)
-        for j in range(max(int(min(ay, by, cy)), 0), min(int(max(ay, by, cy)) + 1, high)):
-            dx, dy = left + 0.5 - ax, j + 0.5 - ay
-            of_b, of_c = dx * b_across + dy * b_down, dx * c_across + dy * c_down
-            for i in range(left, right):
-                if of_b >= 0.0 and of_c >= 0.0 and of_b + of_c <= 1.0:
-                    along = point[a, 2] + of_b * to_b + of_c * to_c
-                    if along > nearest[j, i]:
-                        nearest[j, i] = along
-                of_b += b_across
-                of_c += c_across
-    return SunMap(sun, across, first, nearest, lift)

@@ -105,12 +105,33 @@ class Plume(Part):
 
     kind: Literal["plume"] = "plume"
     semi_axes_m: Annotated[tuple[_Length, _Length, _Length], Field(description="half of its width, length and height")]
+    co2_share: Annotated[
+        Annotated[float, Quantity(ge=0, le=1)] | None,
+        Field(description="mole fraction of carbon dioxide at 1 atm, in place of emissivity"),
+    ] = None
+    h2o_share: Annotated[
+        Annotated[float, Quantity(ge=0, le=1)] | None,
+        Field(description="mole fraction of water vapour at 1 atm, in place of emissivity"),
+    ] = None
+
+    @property
+    def gases(self) -> bool:
+        """True if it is given by its gases, rather than grey."""
+        return self.co2_share is not None or self.h2o_share is not None
 
     @model_validator(mode="after")
     def _lets_through(self) -> Self:
-        if self.emissivity is None or self.emissivity >= 1.0:
-            given = "is missing" if self.emissivity is None else f"= {self.emissivity:g}"
-            raise rule("shape.emissivity", f"{given}: a plume lets radiation through; give the emissivity along its middle, below 1")
+        if not self.gases:
+            if self.emissivity is None or self.emissivity >= 1.0:
+                given = "is missing" if self.emissivity is None else f"= {self.emissivity:g}"
+                text = "a plume lets radiation through; give the emissivity along its middle, below 1, or co2_share and h2o_share"
+                raise rule("shape.emissivity", f"{given}: {text}")
+            return self
+        if self.emissivity is not None:
+            raise rule("shape", "of kind 'plume' has an emissivity and shares of gases; give emissivity, or co2_share and h2o_share")
+        total = (self.co2_share or 0.0) + (self.h2o_share or 0.0)
+        if not 0.0 < total <= 1.0:
+            raise rule("shape", f"of kind 'plume' has co2_share + h2o_share = {total:g}; give mole fractions with a sum above 0, up to 1")
         return self
 
 
@@ -125,12 +146,18 @@ class Point(Record):
         Annotated[float, Quantity("K", ge=-300, le=3000)] | None, Field(description="apparent, to what is behind it; with area_m2")
     ] = None
     area_m2: Annotated[Annotated[float, Quantity("m^2", gt=0, le=1e6)] | None, Field(description="projected area")] = None
+    temperature_k: Annotated[
+        Temperature | None,
+        Field(description="of the blackbody with the spectrum of intensity_w_sr; default: no spectrum"),
+    ] = None
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         pair = (self.temperature_difference_k is not None, self.area_m2 is not None)
         if (self.intensity_w_sr is None and not all(pair)) or (self.intensity_w_sr is not None and any(pair)):
             raise rule("shape", "of kind 'point' needs intensity_w_sr, or temperature_difference_k and area_m2; give one of the two")
+        if self.temperature_k is not None and self.intensity_w_sr is None:
+            raise rule("shape", "of kind 'point' has temperature_k without intensity_w_sr, whose spectrum it says; leave it out")
         return self
 
 

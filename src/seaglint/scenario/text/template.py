@@ -74,6 +74,8 @@ _IN_LISTS = {
     "semi_axes_m": "[1, 4, 1]",
     "size_m": "[4, 20, 3]",
     "length_m": "10",
+    "co2_share": "0.05",
+    "h2o_share": "0.05",
     "parts": '[{ kind = "box", size_m = [2, 2, 2] }, { kind = "sphere", radius_m = 1.2 }]',
     "intensity_w_sr": "50",
     "temperature_difference_k": "5",

@@ -122,7 +122,7 @@ def shape_parts(item: Object) -> Parts:
 def _built(shape: shapes.Shape, above: Material) -> Parts:
     """A shape in the axes of what it is part of."""
     if isinstance(shape, shapes.Point):
-        return [PointSource(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2)]
+        return [PointSource(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2, shape.temperature_k)]
     own = (above[0] if shape.temperature_k is None else shape.temperature_k, above[1] if shape.emissivity is None else shape.emissivity)
     turn = rotation(*(float(np.radians(angle)) for angle in (shape.heading_deg, shape.pitch_deg, shape.roll_deg)))
     out: Parts = []
@@ -156,7 +156,11 @@ def _unplaced(shape: shapes.Shape, material: Material) -> Parts:
         case shapes.MeshFile():
             return [_from_file(shape, material)]
         case shapes.Plume(semi_axes_m=semi_axes):
-            return [GasPlume((0.0, 0.0, 0.0), semi_axes, _temperature(material), material[1])]
+            # a plume of gases has no emissivity of what it is part of
+            emissivity = None if shape.gases else material[1]
+            return [
+                GasPlume((0.0, 0.0, 0.0), semi_axes, _temperature(material), emissivity, shape.co2_share or 0.0, shape.h2o_share or 0.0)
+            ]
         case shapes.Union(parts=parts):
             return _together(parts, material)
         case shapes.Intersection(parts=parts):

@@ -158,7 +158,7 @@ class ExposedObjects:
                     add_window(added, kept, self._circle)
             sums.setdefault(drawing.part, []).append((drawing, boxes))
         central = [(patch, scale, drawing.part) for drawing, patch, scale in patches if drawing.central]
-        seen = self._sights(time, pose, central, sums, (backdrop, shift))
+        seen = self._sights(time, pose, central, sums, (backdrop, shift), surroundings)
         each = tuple(together(some, added.shape, self._circle) for some in windows)
         return ObjectLight(added.astype(np.float32), each, seen, self._streaks(time, drawings))
 
@@ -380,6 +380,7 @@ class ExposedObjects:
         central: Sequence[tuple[PixelPatch, float, int]],
         drawn: Mapping[int, Sequence[tuple[_Drawing, Boxes]]],
         behind_them: tuple[Backdrop, tuple[float, float]],
+        light: Surroundings,
     ) -> tuple[BodySight, ...]:
         """Sights of the bodies in the detector's pixels: shapes of the middle of the exposure, shares and places averaged over it."""
         stands, every = self.objects.drawer.placed(pose, time)
@@ -393,7 +394,8 @@ class ExposedObjects:
                 moved[place] = moved[place] / scale + offset * (1.0 if patch.clear > 0.0 else moved[SEEN])
             patches.append(replace(patch, sums=moved))
             shares.append(self._share(drawn[part], time, pose, behind_them))
-        return sights(DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), every), patches, shares, self._circle)
+        picture = DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), every)
+        return sights(picture, patches, shares, self._circle, light)
 
     def _share(
         self, drawn: Sequence[tuple[_Drawing, Boxes]], time: float, pose: Pose, behind_them: tuple[Backdrop, tuple[float, float]]

@@ -31,6 +31,7 @@ from seaglint.imaging.scene import Scene, image
 from seaglint.imaging.swept import SweptScene
 from seaglint.imaging.turned import TurnedScene
 from seaglint.objects.drawing.image_path import View
+from seaglint.objects.drawing.light import Counting
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position, sun_step
@@ -148,6 +149,8 @@ class Sequence:
         Scenes for later positions of the Sun; None where it stands.
     objects : SceneObjects, optional
         What stands or flies in the scene.
+    counted : callable, optional
+        How a detector of photons counts the light of objects (:meth:`seaglint.instrument.photons.Photons.counted`).
     """
 
     scene: Scene
@@ -155,6 +158,7 @@ class Sequence:
     layout: Layout
     sun: MovingSun | None = None
     objects: SceneObjects | None = None
+    counted: Counting | None = None
 
     def at(self, time: float) -> Layers:
         """The image at a time from the start [s]."""
@@ -186,11 +190,16 @@ class Sequence:
         objects = None if self.objects is None else self.objects.over(scene.waves)
         return replace(self, scene=scene, layout=layout, sun=sun, objects=objects)
 
+    def counting(self, counted: Counting | None) -> Sequence:
+        """Return the sequence before a detector that counts photons, or of energy (None); the radiance of its images is the same."""
+        return replace(self, counted=counted, objects=None if self.objects is None else self.objects.counting(counted))
+
     @single_threaded_algebra()
     def with_sea_of(self, scenario: Scenario) -> Sequence:
         """Return this sequence with the seed and the objects of another scenario, which differs in nothing else."""
         reseeded = replace(self, objects=None).reseeded(scenario.seed)
         objects = SceneObjects.of(bodies_of(scenario), reseeded.scene.waves, shadows=scenario.render.object_shadows)
+        objects = None if objects is None else objects.counting(self.counted)
         previous = reseeded.layout.attributes
         attributes = {**previous, **provenance(previous["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
         layout = replace(reseeded.layout, truth=None if objects is None else objects.layout(), attributes=attributes)

@@ -20,6 +20,7 @@ from seaglint.objects.body import Body
 from seaglint.objects.drawing.compose import BodySight, composed
 from seaglint.objects.drawing.draw import Drawer, Stage
 from seaglint.objects.drawing.image_path import SHORT, Streak, View, path_about
+from seaglint.objects.drawing.light import Counting
 from seaglint.objects.drawing.object_shadow import shadowed
 from seaglint.objects.drawing.refracted_bodies import refracted_picture
 from seaglint.objects.drawing.truth import labels, numbers_of, size_classes
@@ -76,6 +77,10 @@ class SceneObjects:
         """Objects over a sea, with ``shadows`` on its glint or without; None where there are none."""
         placed = bodies(waves)
         return cls(Drawer.of(placed), bodies, shadows) if placed else None
+
+    def counting(self, counted: Counting | None) -> SceneObjects:
+        """Return the objects before a detector that counts photons, or of energy (None)."""
+        return replace(self, drawer=Drawer.of(self.drawer.bodies, counted))
 
     def over(self, waves: WaveField | None) -> SceneObjects:
         """Return the objects over another realisation of the sea."""

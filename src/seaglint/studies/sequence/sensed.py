@@ -20,6 +20,7 @@ from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
 from seaglint.imaging.refracted import RefractedScene
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.scan import ScanPattern
 from seaglint.optics.band import apparent_temperature
@@ -276,6 +277,8 @@ def prepare_sensed(
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
     sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
+    if isinstance(model.detector, PhotonPixels):
+        sequence = sequence.counting(model.photons.counted)
     _require_track(sequence, way, sensor.pixels)
 
     def rates(number: int) -> tuple[float, float]:
