@@ -24,9 +24,10 @@ from seaglint.imaging.launch import surface_of
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import composed
-from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage, solid_angle
+from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage
 from seaglint.objects.drawing.sample_sums import COVER, SUN
 from seaglint.objects.drawing.truth import labels
+from seaglint.objects.drawing.whole_shapes import solid_angles
 from seaglint.objects.solids import placed, solid
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
@@ -274,7 +275,7 @@ def test_the_whole_of_a_plume_is_what_it_covers_and_of_a_solid_too(semi_axes):
     hull = body(primitives.ellipsoid(semi_axes), (1.0, 900.0, 12.0), turned)
     for one in (gas, hull):
         picture = draw(one, at=at)
-        assert solid_angle(picture.placed[0]) == pytest.approx(covered(picture, at), rel=3e-3)
+        assert solid_angles(picture.placed[0])[0] == pytest.approx(covered(picture, at), rel=3e-3)
 
 
 def test_a_point_sends_its_intensity_through_the_air():
@@ -339,7 +340,9 @@ def test_a_run_holds_its_truth_and_labels_say_it(tmp_path):
     assert found[1].values["solid_angle_sr"] > 0.0
     write_labels(Labels.of(tmp_path / "run.zarr"), tmp_path / "l.csv")
     header = (tmp_path / "l.csv").read_text().splitlines()[0]
-    assert header.startswith("frame,object,column_px,row_px,range_m,solid_angle_sr,visible_share,contrast_W_m2_sr")
+    assert header.startswith(
+        "frame,object,column_px,row_px,range_m,solid_angle_sr,visible_share,occluded_share,truncated_share,contrast_W_m2_sr"
+    )
     coco = json.loads(write_labels(Labels.of(tmp_path / "run.zarr"), tmp_path / "l.json").read_text())
     assert len(coco["annotations"]) == 2
     runs = coco["annotations"][0]["segmentation"]["counts"]

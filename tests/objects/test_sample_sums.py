@@ -19,6 +19,9 @@ from seaglint.objects.drawing.sample_sums import (
     COVER,
     DISTANCE,
     DOWN,
+    DRY,
+    DRY_INSIDE,
+    DRY_SEEN,
     EMITTED,
     MIRRORED,
     PATH,
@@ -94,7 +97,12 @@ def scene(seed: int, *, plane: bool, waves: bool, circle: int) -> Scene:
     gases = np.array([gas(rng, 200.0 * axes[2] + 20.0 * axes[0], 60.0, 0.4), gas(rng, 900.0 * axes[2], 300.0, 0.8)])
     others = np.where(rng.random(shape) < 0.3, 1.0 / rng.uniform(300.0, 1500.0, shape), 0.0)
     sea = crested(rng, azimuth) if waves else calm(EYE)
-    around = BodySurroundings(EYE, sea, others, gases, axes, (azimuth, s, c))
+    # the first gas and, for plumes, the depths of another solid are the body's own; the waterline cuts the samples
+    normal = np.array([0.1, -0.05, 0.99])
+    points = (np.stack([x, y, np.ones(shape)], axis=-1) / np.where(near > 0.0, near, np.inf)[..., None]) @ axes
+    water = np.append(normal, np.median(points @ normal) + 0.01)
+    own = np.where(rng.random(shape) < 0.3, 1.0 / rng.uniform(300.0, 1500.0, shape), 0.0)
+    around = BodySurroundings(EYE, sea, others, gases, axes, (azimuth, s, c), water, own, 1)
     corners = np.array([400.0, 1.0 / 1800.0, -30.0, 1.0 / 50.0])
     light = Arriving(corners, *(rng.random(size) for size in ((4, 3), (4, 13, 9), 4, 4, 4)))
     sun = np.array([0.5, -0.3, 0.8]) / math.sqrt(0.98)
@@ -197,19 +205,24 @@ SCENES = [(1, True, False, 0), (2, False, True, 4), (3, True, True, 0), (4, Fals
 def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
     """A facet's light in a pixel's row is that of its first sample in view."""
     one = scene(seed, plane=plane, waves=waves, circle=circle)
-    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     shade_solid(*one[:8], (planes, sums))
-    expected, total = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    expected, total = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     hidden = dark = 0
+    counted = {True: 0, False: 0}
     first: dict[tuple, tuple] = {}
     for j, i in np.ndindex(one.samples.near.shape):
         near, share = one.samples.near[j, i], one.samples.share[j, i]
         if near == 0.0 or share == 0.0:
             continue
-        solid = solid_angle(one, i, j) * share
-        total[WHOLE] += solid
+        solid, line = solid_angle(one, i, j) * share, (one.grid.begin[1] + j) // 5 - one.grid.first[1]
+        total[WHOLE, line] += solid
         at = place(one, one.samples.x[j, i], one.samples.y[j, i], 1.0 / near)
         where, distance = pixel(one, i, j), float(np.linalg.norm(at[0]))
+        dry = at[0] @ one.scene.water[:3] > one.scene.water[3]
+        left = dry * solid * math.exp(-depth(one.scene.gases[0], at[0] / distance, distance))
+        total[DRY, line] += left
+        total[DRY_INSIDE, line] += left * (where is not None)
         if where is None or one.scene.others[j, i] > near:
             continue
         if not visible(one, *at):
@@ -224,10 +237,12 @@ def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
         entered = {COVER: 1.0, PATH: path, EMITTED: emissivity * warm, MIRRORED: (1.0 - emissivity) * diffuse, DISTANCE: distance}
         for name, value in (entered | {SUN: shines * (1.0 - emissivity) * sun}).items():
             expected[name][where] += part * value
-        total[SEEN] += solid * through
-        total[ACROSS] += solid * through * (one.grid.begin[0] + i + 0.5) / 8.0
-        total[DOWN] += solid * through * (one.grid.begin[1] + j + 0.5) / 5.0
-    assert min(hidden, dark) > 3
+        total[SEEN, line] += solid * through
+        total[DRY_SEEN, line] += dry * solid * through
+        counted[dry] += 1
+        total[ACROSS, line] += solid * through * (one.grid.begin[0] + i + 0.5) / 8.0
+        total[DOWN, line] += solid * through * (one.grid.begin[1] + j + 0.5) / 5.0
+    assert min(hidden, dark, *counted.values()) > 3
     np.testing.assert_allclose(planes, expected, rtol=1e-8)
     np.testing.assert_allclose(sums, total, rtol=1e-10)
 
@@ -237,31 +252,37 @@ def test_a_plume_is_the_sum_over_its_samples(seed, plane, waves, circle):
     """It is seen where the line of sight is nearest to its middle, in units of its semi-axes."""
     one = scene(seed, plane=plane, waves=waves, circle=circle)
     one.samples.x[0, ::5] = 1e9  # beside the camera
-    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     shade_gas(*one[:4], one.plume, one.scene, one.light, (planes, sums))
-    expected, total = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    expected, total = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     for j, i in np.ndindex(one.samples.x.shape):
         x, y = one.samples.x[j, i], one.samples.y[j, i]
         if x > 1e6:
             continue
         slant = math.sqrt(x * x + y * y + 1.0)
         direction = one.scene.axes.T @ (x, y, 1.0) / slant
-        solid = solid_angle(one, i, j)
-        total[WHOLE] += -solid * math.expm1(-depth(one.plume, direction, np.inf))
+        solid, line = solid_angle(one, i, j), (one.grid.begin[1] + j) // 5 - one.grid.first[1]
+        total[WHOLE, line] += -solid * math.expm1(-depth(one.plume, direction, np.inf))
         last = slant / one.scene.others[j, i] if one.scene.others[j, i] else np.inf
         where, dense = pixel(one, i, j), depth(one.plume, direction, last)
         along = one.plume[3:12].reshape(3, 3) @ direction
         distance = float(np.linalg.lstsq(along[:, None], one.plume[:3], rcond=None)[0][0])
         at = place(one, x, y, distance / slant)
+        dry = distance > 0.0 and at[0] @ one.scene.water[:3] > one.scene.water[3]
+        before = slant / one.scene.own[j, i] if one.scene.own[j, i] else np.inf
+        left = -solid * dry * math.expm1(-depth(one.plume, direction, before)) * math.exp(-depth(one.scene.gases[0], direction, distance))
+        total[DRY, line] += left
+        total[DRY_INSIDE, line] += left * (where is not None)
         if where is None or dense == 0.0 or not visible(one, *at):
             continue
         cover = -math.expm1(-dense) * clear(one, direction, distance)
         entered = {COVER: 1.0, PATH: mixed(one, one.light.path, *at[1:]), DISTANCE: distance}
         for name, value in (entered | {EMITTED: mixed(one, one.light.emitted[:, 0], *at[1:])}).items():
             expected[name][where] += cover * value / 40.0
-        total[SEEN] += solid * cover
-        total[ACROSS] += solid * cover * (one.grid.begin[0] + i + 0.5) / 8.0
-        total[DOWN] += solid * cover * (one.grid.begin[1] + j + 0.5) / 5.0
+        total[SEEN, line] += solid * cover
+        total[DRY_SEEN, line] += dry * solid * cover
+        total[ACROSS, line] += solid * cover * (one.grid.begin[0] + i + 0.5) / 8.0
+        total[DOWN, line] += solid * cover * (one.grid.begin[1] + j + 0.5) / 5.0
     assert (expected[COVER] > 0.0).sum() >= 4
     np.testing.assert_allclose(planes, expected, rtol=1e-8)
     np.testing.assert_allclose(sums, total, rtol=1e-10)

@@ -19,14 +19,29 @@ from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.wave_surface import Surface
-from seaglint.objects.body import Body, GasPlume, PointSource
+from seaglint.objects.body import Body, GasPlume
 from seaglint.objects.drawing.crests import Crests, calm
 from seaglint.objects.drawing.eye import Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand
-from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map, solid_angle_of
+from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map
 from seaglint.objects.drawing.light import Arriving, Corners, Surroundings
 from seaglint.objects.drawing.parts import DrawnPart, Mesh, Placed, parts_of, placed
 from seaglint.objects.drawing.raster import Faces
-from seaglint.objects.drawing.sample_sums import LIFT, PLANES, WHOLE, BodySurroundings, SensorMesh, SunMap, Window
+from seaglint.objects.drawing.sample_sums import (
+    ACROSS,
+    DOWN,
+    DRY,
+    DRY_INSIDE,
+    DRY_SEEN,
+    LIFT,
+    PLANES,
+    SUMS,
+    WHOLE,
+    BodySurroundings,
+    SensorMesh,
+    SunMap,
+    Window,
+)
+from seaglint.objects.drawing.whole_shapes import faces_of, solid_angles
 
 SHADOW_CELLS: Final = (128, 256)
 """Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones."""
@@ -36,7 +51,6 @@ _FEW: Final = 192
 _FACES_SUN: Final = 1e-3
 """Least reflectance of a surface for which its shadow map is computed."""
 
-_WHOLE_CELLS: Final = 128
 _POLE: Final = math.radians(88.0)
 _KEPT: Final = 4
 
@@ -55,6 +69,9 @@ class PixelPatch:
         :data:`~seaglint.objects.drawing.sample_sums.PLANES` of them [(planes, rows, columns)].
     sums : ndarray
         :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
+    lines : ndarray
+        What is above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; of a point 1
+        or 0.
     clear : float
         Transmittance of the path to a point that is in view [1]; 0 for all else.
     """
@@ -64,6 +81,7 @@ class PixelPatch:
     columns: np.ndarray
     planes: FloatArray
     sums: FloatArray
+    lines: FloatArray
     clear: float = 0.0
 
 
@@ -220,14 +238,6 @@ class Drawer:
         return half > 1.2 or away <= half + one.angle
 
 
-def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
-    """Faces of a part on a plane; the points alone where it is no mesh."""
-    if isinstance(kind, Mesh):
-        return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
-    none = np.zeros((0, 3), np.int32)
-    return Faces(point, image, none, none[:, :2], none, bend)
-
-
 def _temperatures(one: Placed) -> FloatArray:
     kind = one.part.kind
     if isinstance(kind, Mesh):
@@ -262,19 +272,23 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
     inside = _clipped(box, stage.window)
     if inside is None:
         return None
-    others = _overlapping(one, every)
+    # those of the same body come first: they hide, but are no reason to call it hidden
+    others = sorted(_overlapping(one, every), key=lambda other: other.part.body != one.part.body)
     gases = np.array([other.gas for other in others if other.gas.size]).reshape(-1, 13)
     solids = [stage.faces(other, plane, one) for other in others if isinstance(other.part.kind, Mesh)]
-    sea = stage.crests(one)
+    own = [other for other in others if other.part.body == one.part.body]
+    own_solids = solids[: sum(isinstance(other.part.kind, Mesh) for other in own)]
+    around = (stage.pose.height, stage.crests(one), NOTHING, gases, plane.axes, one.heading, one.water, NOTHING)
+    scene = BodySurroundings(*around, sum(other.gas.size > 0 for other in own))
     if one.radius == 0.0:
-        return _point(stage, one, (plane, sea, solids, gases), box, arriving)
+        return _point(stage, one, scene, solids, box, arriving)
     grid = grid_over(inside)
     shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
-    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
-    planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids), _body(one), scene, arriving, shadow)
+    planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids, own_solids), _body(one), scene, arriving, shadow)
+    total = sums.sum(axis=1)
     if inside != box:
-        sums[WHOLE] = solid_angle(one)
-    return _patch(stage, one, grid, planes, sums)
+        total[[WHOLE, DRY]] = solid_angles(one, every)
+    return _patch(stage, one, grid, planes, (total, sums))
 
 
 def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[float, float, float, float] | None:
@@ -294,33 +308,34 @@ def _body(one: Placed) -> SensorMesh | FloatArray:
     return SensorMesh(one.surface, kind.corners, kind.code, kind.emissivity) if isinstance(kind, Mesh) else one.gas
 
 
-def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> PixelPatch | None:
-    """Patch of the pixels to draw, from the pixels of the grid."""
+def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: tuple[FloatArray, FloatArray]) -> PixelPatch | None:
+    """Patch of the pixels to draw, from the pixels of the grid; ``sums``: of all samples, and of each row."""
     rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
     if stage.window.circle:
         columns = columns % stage.window.circle
     keep = (rows >= stage.rows[0]) & (rows < stage.rows[1])
     also = (columns >= stage.columns[0]) & (columns < stage.columns[1])
-    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums)
+    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums[0], sums[1][[DRY_INSIDE, DRY_SEEN]][:, keep])
 
 
 def _point(
     stage: Stage,
     one: Placed,
-    around: tuple[TangentPlane, Crests, list[Faces], FloatArray],
+    scene: BodySurroundings,
+    solids: list[Faces],
     box: tuple[float, float, float, float],
     arriving: Arriving,
 ) -> PixelPatch | None:
-    """Draw a point source: its visibility and the transmittance of its path."""
-    plane, sea, solids, gases = around
-    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, plane.axes, one.heading)
+    """Draw a point source: its visibility and the transmittance of its path; None where it is not in the pixels to draw."""
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
     clear = clear_to_point(scene, solids, one.distance) * float(arriving.clear[0])
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
-    if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
+    if not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
         return None
-    sums = np.array([0.0, 0.0, column, row])
-    return PixelPatch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
+    sums = np.zeros(SUMS)
+    sums[[ACROSS, DOWN]] = column, row
+    lines = np.array([[1.0], [float(clear > 0.0)]])
+    return PixelPatch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, lines, clear)
 
 
 def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
@@ -334,31 +349,3 @@ def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
     return shadow_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
-
-
-def solid_angle(one: Placed) -> float:
-    """Solid angle of a part [sr] without occlusion; for a plume that of its absorption of the light behind it."""
-    if one.radius == 0.0:
-        return 0.0
-    plane = TangentPlane.to(one.place)
-    seen = one.surface @ plane.axes.T
-    ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
-    depth = np.where(ahead, seen[:, 2], 1.0)
-    point = np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1)
-    if not ahead.any():
-        return 0.0
-    low, high = point[ahead, :2].min(axis=0), point[ahead, :2].max(axis=0)
-    step = np.maximum(high - low, 1e-12) / _WHOLE_CELLS
-    i = np.arange(_WHOLE_CELLS)
-    x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
-    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
-    if isinstance(one.part.kind, Mesh):
-        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows count downwards
-        return solid_angle_of(faces_of(one.part.kind, point, image, 1e-9), x, y, (float(step[0]), float(step[1])))
-    u = np.stack([x, y, np.ones_like(x)], axis=-1)
-    w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
-    d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T
-    d /= np.linalg.norm(d, axis=-1, keepdims=True)
-    off = one.gas[:3] - (d @ one.gas[:3])[..., None] * d
-    half = np.sqrt(np.maximum(1.0 - (off**2).sum(axis=-1), 0.0))
-    return float((w * -np.expm1(-one.gas[12] * half)).sum())

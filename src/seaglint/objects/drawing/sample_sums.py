@@ -35,7 +35,12 @@ ACROSS: Final = 2
 DOWN: Final = 3
 """Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels]."""
 
-SUMS: Final = 4
+DRY: Final = 4
+DRY_INSIDE: Final = 5
+DRY_SEEN: Final = 6
+"""Sums of the solid angle above the waterline that no part of the same body hides [sr]: in all, in the pixels to draw, and in view."""
+
+SUMS: Final = 7
 
 LIFT: Final = 1e-3
 """Least distance towards the Sun between a shading and a shaded surface, as a share of the body's size: rounding of its shadow map."""
@@ -72,7 +77,9 @@ class BodySurroundings(NamedTuple):
     """Surroundings of a body: the sensor's height [m], the sea, other bodies, gases, axes and heading.
 
     Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`; the
-    heading is the azimuth of the body's centre [rad] with its sine and cosine.
+    heading is the azimuth of the body's centre [rad] with its sine and cosine. ``water`` is the plane of its waterline, as in
+    :class:`~seaglint.objects.drawing.eye.Stand`; ``own``: depths of the body's own solid at the samples of its gas, without samples where
+    it has none; ``own_gases``: how many of the gases, the first ones, are its own.
     """
 
     eye: float
@@ -81,6 +88,9 @@ class BodySurroundings(NamedTuple):
     gases: np.ndarray
     axes: np.ndarray
     heading: tuple[float, float, float]
+    water: np.ndarray
+    own: np.ndarray
+    own_gases: int
 
 
 class Window(NamedTuple):
@@ -152,12 +162,18 @@ def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, floa
 
 
 @kernel
-def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float) -> float:
-    """Transmittance of the gases before a distance [m] along a direction."""
+def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float, count: int) -> float:
+    """Transmittance of the first gases before a distance [m] along a direction."""
     depth = 0.0
-    for g in range(scene.gases.shape[0]):
+    for g in range(count):
         depth += chord(scene.gases[g], direction, 0.0, last)
     return math.exp(-depth)
+
+
+@kernel
+def _dry(scene: BodySurroundings, at: tuple[float, float, float, float, float]) -> bool:
+    """True if a point of a body is above its waterline."""
+    return bool(scene.water[0] * at[0] + scene.water[1] * at[1] + scene.water[2] * at[2] > scene.water[3])
 
 
 @njit
@@ -166,7 +182,7 @@ def clear_to(scene: BodySurroundings, distance: float) -> float:
     at = place_of(0.0, 0.0, distance, scene)
     if scene.others[0, 0] * distance > 1.0 or not _visible(scene, at):
         return 0.0
-    return _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
+    return _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance, scene.gases.shape[0])
 
 
 @kernel
@@ -290,7 +306,7 @@ def shade_solid(
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
     """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``
-    (:data:`SUMS`).
+    (:data:`SUMS`, rows) of their rows.
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
@@ -300,7 +316,8 @@ def shade_solid(
         row_solid = _row_solid_angle(lens, grid, j)
         last, before, above = -1, -1, 0
         parts = lit = far = 0.0
-        whole = seen = across = 0.0
+        whole = seen = across = dry = inside = dry_seen = 0.0
+        line = (grid.begin[1] + j) // grid.cells[1] - grid.first[1]
         for i in range(grid.size[0]):
             near, clear = samples.near[j, i], samples.share[j, i]
             if near <= 0.0 or clear <= 0.0:
@@ -308,14 +325,19 @@ def shade_solid(
             solid = row_solid * _falling(lens, grid, j, i) * clear
             whole += solid
             column, row, drawn = _pixel(grid, window, i, j)
-            if not drawn or scene.others[j, i] > near:
-                continue
             at = place_of(samples.x[j, i], samples.y[j, i], 1.0 / near, scene)
-            if not _visible(scene, at):
-                continue
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
+            direction = (at[0] / distance, at[1] / distance, at[2] / distance)
+            above_water = _dry(scene, at)
+            if above_water:
+                left = solid * _clear(scene, direction, distance, scene.own_gases)
+                dry += left
+                if drawn:
+                    inside += left
+            if not drawn or scene.others[j, i] > near or not _visible(scene, at):
+                continue
             if scene.gases.shape[0] > 0:
-                through = _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
+                through = _clear(scene, direction, distance, scene.gases.shape[0])
                 clear, solid = clear * through, solid * through
             t = samples.triangle[j, i]
             if t != last or column != before:
@@ -329,12 +351,17 @@ def shade_solid(
             if facet[3] > 0.0 and _lit(shadow, (at[0], at[1], at[2])):
                 lit += clear
             seen += solid
+            if above_water:
+                dry_seen += solid
             across += solid * (grid.begin[0] + i + 0.5)
         _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
-        sums[WHOLE] += whole
-        sums[SEEN] += seen
-        sums[ACROSS] += across / grid.cells[0]
-        sums[DOWN] += seen * (grid.begin[1] + j + 0.5) / grid.cells[1]
+        sums[WHOLE, line] += whole
+        sums[SEEN, line] += seen
+        sums[ACROSS, line] += across / grid.cells[0]
+        sums[DOWN, line] += seen * (grid.begin[1] + j + 0.5) / grid.cells[1]
+        sums[DRY, line] += dry
+        sums[DRY_INSIDE, line] += inside
+        sums[DRY_SEEN, line] += dry_seen
 
 
 @njit
@@ -368,32 +395,42 @@ def shade_gas(
             if whole <= 0.0:
                 continue
             solid = row_solid * _falling(lens, grid, j, i)
-            sums[WHOLE] += solid * (1.0 - math.exp(-whole))
+            line = (grid.begin[1] + j) // grid.cells[1] - grid.first[1]
+            sums[WHOLE, line] += solid * (1.0 - math.exp(-whole))
             column, row, drawn = _pixel(grid, window, i, j)
-            if not drawn:
-                continue
-            last = slant / scene.others[j, i] if scene.others[j, i] > 0.0 else math.inf
-            depth = chord(plume, direction, 0.0, last)
             # seen at its middle along the line
             ux = plume[3] * direction[0] + plume[4] * direction[1] + plume[5] * direction[2]
             uy = plume[6] * direction[0] + plume[7] * direction[1] + plume[8] * direction[2]
             uz = plume[9] * direction[0] + plume[10] * direction[1] + plume[11] * direction[2]
             distance = (plume[0] * ux + plume[1] * uy + plume[2] * uz) / (ux * ux + uy * uy + uz * uz)
-            if depth <= 0.0 or distance <= 0.0:
+            if distance <= 0.0:
                 continue
             at = place_of(x, y, distance / slant, scene)
-            if not _visible(scene, at):
+            above_water = _dry(scene, at)
+            if above_water:
+                last = slant / scene.own[j, i] if scene.own.shape[0] > 0 and scene.own[j, i] > 0.0 else math.inf
+                left = solid * (1.0 - math.exp(-chord(plume, direction, 0.0, last))) * _clear(scene, direction, distance, scene.own_gases)
+                sums[DRY, line] += left
+                if drawn:
+                    sums[DRY_INSIDE, line] += left
+            if not drawn:
                 continue
-            cover = (1.0 - math.exp(-depth)) * (_clear(scene, direction, distance) if scene.gases.shape[0] > 0 else 1.0)
+            last = slant / scene.others[j, i] if scene.others[j, i] > 0.0 else math.inf
+            depth = chord(plume, direction, 0.0, last)
+            if depth <= 0.0 or not _visible(scene, at):
+                continue
+            cover = (1.0 - math.exp(-depth)) * _clear(scene, direction, distance, scene.gases.shape[0])
             u, w = _between(light.corner, at[3], at[4])
             part = share * cover
             planes[COVER, row, column] += part
             planes[PATH, row, column] += part * _mix(u, w, path[0], path[1], path[2], path[3])
             planes[EMITTED, row, column] += part * _mix(u, w, emitted[0, 0], emitted[1, 0], emitted[2, 0], emitted[3, 0])
             planes[DISTANCE, row, column] += part * distance
-            sums[SEEN] += solid * cover
-            sums[ACROSS] += solid * cover * (grid.begin[0] + i + 0.5) / grid.cells[0]
-            sums[DOWN] += solid * cover * (grid.begin[1] + j + 0.5) / grid.cells[1]
+            sums[SEEN, line] += solid * cover
+            sums[ACROSS, line] += solid * cover * (grid.begin[0] + i + 0.5) / grid.cells[0]
+            sums[DOWN, line] += solid * cover * (grid.begin[1] + j + 0.5) / grid.cells[1]
+            if above_water:
+                sums[DRY_SEEN, line] += solid * cover
 
 
 @njit

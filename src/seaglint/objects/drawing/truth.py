@@ -147,8 +147,8 @@ def _numbers(
     row = dict.fromkeys(NUMBERS, math.nan)
     row |= {
         "range_m": sight.distance,
-        "solid_angle_sr": sight.whole,
-        "visible_share": 0.0,
+        "solid_angle_sr": sight.dry if sight.whole > 0.0 else 0.0,
+        **_shares(sight),
         "bearing_deg": math.degrees(sight.azimuth) % 360.0,
         "elevation_deg": math.degrees(sight.elevation),
         "pixels": 0.0,
@@ -160,7 +160,6 @@ def _numbers(
     total = float(difference.sum())
     point = sight.seen == 0.0
     weight = 1.0 if point else sight.seen
-    row["visible_share"] = 1.0 if point else min(sight.seen / sight.whole, 1.0) if sight.whole > 0.0 else math.nan
     row["column_px"] = _on_image(sight.across / weight / n - 0.5, box)
     row["row_px"] = sight.down / weight / n - 0.5
     rows, columns = np.nonzero(box.seen)
@@ -180,6 +179,13 @@ def _numbers(
     if spread > 0.0:
         row["signal_to_clutter"] = float(np.abs(peak).max()) / spread
     return row
+
+
+def _shares(sight: BodySight) -> dict[str, float]:
+    """Shares of a body that are in view, hidden in the picture, and outside it."""
+    outside, hidden = sight.truncated, sight.occluded
+    visible = (1.0 - outside) * (1.0 - hidden) if math.isfinite(outside) and math.isfinite(hidden) else 0.0
+    return {"visible_share": visible, "occluded_share": hidden, "truncated_share": outside}
 
 
 def _on_image(column: float, box: _Pixels) -> float:
