@@ -32,13 +32,12 @@ from seaglint.objects.drawing.sample_sums import (
     WHOLE,
     BodySurroundings,
     SensorMesh,
-    SunMap,
     Window,
     clear_to,
     shade_gas,
     shade_solid,
-    sun_map,
 )
+from seaglint.objects.drawing.self_shadow import SunMap, sun_map
 
 pytestmark = pytest.mark.kernel
 

@@ -29,6 +29,4 @@ def labels(
     write_labels(truth, output, overwrite=overwrite)
     log(f"{output} written: {len(truth.names)} object{'s' * (len(truth.names) != 1)} in {len(truth.frames)} frames")
     if output.suffix.lower() == ".json":
-        log(
-            "its images have no file_name, as no pictures belong to it (id is the frame); 'seaglint dataset' writes pictures and their names"
-        )
+        log("its images have no file_name, as no pictures are written (id is the frame's number); 'seaglint dataset' writes them")

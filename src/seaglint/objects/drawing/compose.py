@@ -264,8 +264,9 @@ def _sights(stage: Stage, picture: DrawnBodies, patches: list[PixelPatch], share
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
         elif points:
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
-        visible = (whole, seen, across, down, tuple(share for _, share in own))
-        out.append(BodySight(body.name, *_direction(place), *visible, dry if extended else float(len(parts)), lines))
+        shares_of = tuple(share for _, share in own)
+        above = dry if extended else float(len(parts))
+        out.append(BodySight(body.name, *_direction(place), whole, seen, across, down, shares_of, above, lines))
     return tuple(out)
 
 

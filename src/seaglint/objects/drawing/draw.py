@@ -32,15 +32,14 @@ from seaglint.objects.drawing.sample_sums import (
     DRY,
     DRY_INSIDE,
     DRY_SEEN,
-    LIFT,
     PLANES,
     SUMS,
     WHOLE,
     BodySurroundings,
     SensorMesh,
-    SunMap,
     Window,
 )
+from seaglint.objects.drawing.self_shadow import LIFT, SunMap
 from seaglint.objects.drawing.whole_shapes import faces_of, solid_angles
 
 SHADOW_CELLS: Final = (128, 256)

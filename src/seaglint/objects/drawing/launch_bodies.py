@@ -25,13 +25,12 @@ from seaglint.objects.drawing.sample_sums import (
     SUMS,
     BodySurroundings,
     SensorMesh,
-    SunMap,
     Window,
     clear_to,
     shade_gas,
     shade_solid,
-    sun_map,
 )
+from seaglint.objects.drawing.self_shadow import SunMap, sun_map
 
 LINES_PER_WAVE = 4.0
 """Number of azimuth lines across the shortest wave that the picture has at a body."""
@@ -134,7 +133,7 @@ def sampled_solid(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float,
 
 
 def shadow_map(vertex: FloatArray, corner: np.ndarray, axes: tuple[FloatArray, FloatArray], cells: int, lift: float) -> SunMap:
-    """Shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.sample_sums.sun_map`."""
+    """Shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.self_shadow.sun_map`."""
     result: SunMap = sun_map(vertex, corner, axes, cells, lift)
     return result
 

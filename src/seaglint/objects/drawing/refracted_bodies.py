@@ -54,8 +54,8 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
                 patches.append(replace(patch, rows=row, lines=np.array([[1.0], [0.0]]), clear=0.0))
         else:
             mixed = shift.objects(arc, standard, into_sea=waves)
-            shown = mixed[0] if waves else shift.objects(arc, standard, into_sea=True)[0]
-            patches += _shifted(patch, mixed, shown, stage)
+            unhidden = mixed[0] if waves else shift.objects(arc, standard, into_sea=True)[0]
+            patches += _shifted(patch, mixed, unhidden, stage)
     return DrawnBodies(picture.bodies, picture.stands, tuple(patches), picture.placed)
 
 
