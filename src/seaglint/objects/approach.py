@@ -18,7 +18,7 @@ from seaglint.objects.motion import Keyframed
 CLEARANCE: Final = 0.1
 """Distance from the sensor that a point needs [m]."""
 
-STRAIGHT: Final = 0.02
+STRAIGHT: Final = 0.005
 """Deviation from a straight line that a piece of the way may have [m]."""
 
 MOST_PIECES: Final = 1000

@@ -38,13 +38,22 @@ class _Pixels:
     solid: FloatArray
     seen: NDArray[np.bool_]
 
-    def where(self, margin: int = 0) -> tuple[NDArray[Any], ...]:
-        """Box in the image, with some pixels around it."""
-        top, bottom = max(self.top - margin, 0), min(self.top + self.seen.shape[0] + margin, self.shape[0])
-        left, right = self.left - margin, self.left + self.seen.shape[1] + margin
-        if self.around:
-            return np.ix_(np.arange(top, bottom), np.arange(left, min(right, left + self.shape[1])) % self.shape[1])
-        return np.ix_(np.arange(top, bottom), np.arange(max(left, 0), min(right, self.shape[1])))
+    def where(self) -> tuple[NDArray[Any], ...]:
+        """Box in the image."""
+        rows, columns = self.seen.shape
+        return np.ix_(self.top + np.arange(rows), (self.left + np.arange(columns)) % self.shape[1])
+
+    def frame(self, margin: int) -> tuple[NDArray[Any], ...]:
+        """Box with some pixels around it, as many at the image's edge: a deviation over fewer is another one in a sea that is correlated.
+
+        Rows that are lost are made up by columns, as the sea changes with elevation; columns that are lost, on the other side.
+        """
+        rows, columns = (size + 2 * margin for size in self.seen.shape)
+        top, bottom = max(self.top - margin, 0), min(self.top - margin + rows, self.shape[0])
+        width = min(math.ceil(rows * columns / (bottom - top)), self.shape[1])
+        left = self.left - margin - (width - columns) // 2
+        left = left if self.around else min(max(left, 0), self.shape[1] - width)
+        return np.ix_(np.arange(top, bottom), (left + np.arange(width)) % self.shape[1])
 
 
 def labels(
@@ -195,7 +204,7 @@ def _on_image(column: float, box: _Pixels) -> float:
 
 def _clutter(box: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
     """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN with too few pixels of sea."""
-    where = box.where(SURROUND)
+    where = box.frame(SURROUND)
     around = sea[where][~covered[where]]
     around = around[np.isfinite(around)]
     return float(around.std()) if around.size >= LEAST_CLUTTER else math.nan
