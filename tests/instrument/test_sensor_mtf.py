@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from sensors import camera, flat
 
-from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.base.errors import DataError, DomainError, ScenarioError
+from seaglint.files.recording import open_recording
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import BACKGROUND, figures, mtf, point_response
 from seaglint.instrument.noise import DetectorNoise
@@ -19,6 +20,7 @@ from seaglint.studies.mean.sensor_figures import describe_sensor
 from seaglint.studies.prepare import memory
 from seaglint.studies.prepare.memory import memory_needed, require_memory
 from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.studies.sequence.sense import prepare_sense
 
 SIZE, FINE = 65, 15
 
@@ -158,6 +160,18 @@ def test_blur_is_in_the_memory_that_is_asked_for_before(monkeypatch):
     with pytest.raises(ScenarioError, match="GB of memory") as error:
         require_memory(soft, 3, sensor_model(soft))
     assert "\n" not in str(error.value)
+
+
+def test_a_recording_too_small_for_the_blur_or_too_large_for_the_memory_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    np.save(tmp_path / "small.npy", np.ones((2, 32, 40), np.float32))
+    opened = open_recording(tmp_path / "small.npy", frame_rate=25.0)
+    soft = scenario({"jitter_urad": 100.0 * 150.0}, pixels=(640, 512))
+    with pytest.raises(DataError, match=r"small\.npy: sensor\.optics\.jitter_urad = 15000: jitter = 100 pixels rms is too wide") as error:
+        prepare_sense(opened, soft, oversampling=1)
+    assert "\n" not in str(error.value)
+    monkeypatch.setattr(memory, "memory_available", lambda: 1 << 20)
+    with pytest.raises(DataError, match=r"small\.npy: blur of 40 x 32 pixels, 1 x 1 finer, needs about 0\.3 GB of memory"):
+        prepare_sense(opened, scenario(), oversampling=1)
 
 
 def test_a_background_that_fills_the_well_is_reported(caplog):

@@ -345,6 +345,9 @@ def test_a_run_holds_its_truth_and_labels_say_it(tmp_path):
     )
     coco = json.loads(write_labels(Labels.of(tmp_path / "run.zarr"), tmp_path / "l.json").read_text())
     assert len(coco["annotations"]) == 2
+    assert all(set(image) == {"id", "width", "height"} for image in coco["images"])
+    about = coco["annotations"][0]["attributes"]
+    assert (about["visible_share"], about["occluded_share"], about["truncated_share"]) == (1.0, 0.0, 0.0)
     runs = coco["annotations"][0]["segmentation"]["counts"]
     assert sum(runs) == 64 * 48
     assert np.array_equal(np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape(64, 48).T, found[0].mask)
