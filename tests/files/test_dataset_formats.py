@@ -114,6 +114,7 @@ def test_pycocotools_reads_the_masks_of_the_truth(coco):
             rows, columns = np.nonzero(mask)
             assert one["centroid"] == [columns.mean() + 0.25, rows.mean()]
             assert one["filled_px"] == 0.25 * mask.sum()
+            assert one["attributes"] == {"visible_share": 1.0, "occluded_share": None, "truncated_share": None}
             assert one["snr"] > 0.0
             seen += 1
     assert seen == (SCENES - 1) * (2 * FRAMES - 1)

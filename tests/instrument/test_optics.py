@@ -125,7 +125,8 @@ def test_total_is_the_product_of_its_parts_along_and_across() -> None:
     assert "motion" not in found["across"]
     for parts in found.values():
         product = np.prod([part for name, part in parts.items() if name != "total"], axis=0)
-        np.testing.assert_allclose(parts["total"], product)
+        # the table of the optics, linear between its nodes, is within 1e-5
+        np.testing.assert_allclose(parts["total"], product, rtol=1e-5)
         assert parts["total"][0] == pytest.approx(1.0, abs=1e-6)
 
 

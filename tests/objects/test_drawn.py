@@ -24,10 +24,11 @@ from seaglint.imaging.launch import surface_of
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import composed
-from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage, solid_angle
+from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.sample_sums import COVER, SUN
 from seaglint.objects.drawing.truth import labels
+from seaglint.objects.drawing.whole_shapes import solid_angles
 from seaglint.objects.solids import placed, solid
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
@@ -275,9 +276,8 @@ def test_the_whole_of_a_plume_is_what_it_covers_and_of_a_solid_too(semi_axes):
     hull = body(primitives.ellipsoid(semi_axes), (1.0, 900.0, 12.0), turned)
     for one in (gas, hull):
         picture = draw(one, at=at)
-        part = picture.placed[0].part.kind
-        cover = Surroundings.of(at.view).bare_cover(part) if isinstance(part, GasPlume) else np.zeros(0)
-        assert solid_angle(picture.placed[0], cover) == pytest.approx(covered(picture, at), rel=3e-3)
+        cover = Surroundings.of(at.view).cover_of
+        assert solid_angles(picture.placed[0], (), cover)[0] == pytest.approx(covered(picture, at), rel=3e-3)
 
 
 def test_a_point_sends_its_intensity_through_the_air():
@@ -342,9 +342,14 @@ def test_a_run_holds_its_truth_and_labels_say_it(tmp_path):
     assert found[1].values["solid_angle_sr"] > 0.0
     write_labels(Labels.of(tmp_path / "run.zarr"), tmp_path / "l.csv")
     header = (tmp_path / "l.csv").read_text().splitlines()[0]
-    assert header.startswith("frame,object,column_px,row_px,range_m,solid_angle_sr,visible_share,contrast_W_m2_sr")
+    assert header.startswith(
+        "frame,object,column_px,row_px,range_m,solid_angle_sr,visible_share,occluded_share,truncated_share,contrast_W_m2_sr"
+    )
     coco = json.loads(write_labels(Labels.of(tmp_path / "run.zarr"), tmp_path / "l.json").read_text())
     assert len(coco["annotations"]) == 2
+    assert all(set(image) == {"id", "width", "height"} for image in coco["images"])
+    about = coco["annotations"][0]["attributes"]
+    assert (about["visible_share"], about["occluded_share"], about["truncated_share"]) == (1.0, 0.0, 0.0)
     runs = coco["annotations"][0]["segmentation"]["counts"]
     assert sum(runs) == 64 * 48
     assert np.array_equal(np.repeat(np.arange(len(runs)) % 2 == 1, runs).reshape(64, 48).T, found[0].mask)

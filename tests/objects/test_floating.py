@@ -131,3 +131,13 @@ def test_a_floating_sensor_heaves_pitches_and_rolls():
     assert low < -0.05 - 0.99 * AMPLITUDE * k
     assert high > -0.05 + 0.99 * AMPLITUDE * k
     assert found.lowest < 19.5 < 20.5 < found.highest
+
+
+@pytest.mark.parametrize("time", [0.0, 1.7, 40.0])
+def test_the_waterline_is_fixed_to_the_body(time):
+    """The plane of the flat sea, 1 m below the origin, heaves and leans with the hull."""
+    at = box_on(plane_wave(60.0), heading=0.4).at(time)
+    normal, point = at.water
+    np.testing.assert_allclose(at.rotation.T @ normal, [0.0, 0.0, 1.0], atol=1e-12)
+    assert normal @ (point - at.position) == pytest.approx(-1.0, abs=1e-12)
+    assert abs(normal[2] - 1.0) > 1e-9

@@ -20,6 +20,9 @@ from seaglint.objects.drawing.sample_sums import (
     COVER,
     DISTANCE,
     DOWN,
+    DRY,
+    DRY_INSIDE,
+    DRY_SEEN,
     EMITTED,
     MIRRORED,
     PATH,
@@ -75,7 +78,8 @@ def scene(seed: int, *, plane: bool, waves: bool, circle: int, longest: float = 
     rng = np.random.default_rng(seed)
     grid = Grid((3, 1), (3, 3), (8, 5), (25, 6), (21, 13))
     lens = Lens(np.eye(3), plane, (-0.31, 0.11), (0.21, -0.09), 0.11 * 0.09)
-    window = Window((1, 4) if circle else (3, 5), (1, 3), circle)
+    columns = (1, 4) if circle else (3, 5)
+    window = Window(columns, (1, 3), circle, (columns[0], columns[1] - 1, 1, 3))  # the last column is beyond the picture
     shape = (grid.size[1], grid.size[0])
     x, y = rng.uniform(-0.3, 0.3, shape), rng.uniform(-0.06, 0.03, shape)
     near = 1.0 / np.exp(rng.uniform(math.log(300.0), math.log(3000.0), shape))
@@ -96,7 +100,12 @@ def scene(seed: int, *, plane: bool, waves: bool, circle: int, longest: float = 
     covers[:, 0] = 0.0
     others = np.where(rng.random(shape) < 0.3, 1.0 / rng.uniform(300.0, 1500.0, shape), 0.0)
     sea = crested(rng, azimuth) if waves else calm(EYE)
-    around = BodySurroundings(EYE, sea, others, gases, covers, axes, (azimuth, s, c))
+    # the first gas and, for plumes, the depths of another solid are the body's own; the waterline cuts the samples
+    normal = np.array([0.1, -0.05, 0.99])
+    points = (np.stack([x, y, np.ones(shape)], axis=-1) / np.where(near > 0.0, near, np.inf)[..., None]) @ axes
+    water = np.append(normal, np.median(points @ normal) + 0.01)
+    own = np.where(rng.random(shape) < 0.3, 1.0 / rng.uniform(300.0, 1500.0, shape), 0.0)
+    around = BodySurroundings(EYE, sea, others, gases, covers, axes, (azimuth, s, c), water, own, 1)
     corners = np.array([400.0, 1.0 / 1800.0, -30.0, 1.0 / 50.0])
     light = Arriving(corners, *(rng.random(size) for size in ((2, 4, 3), (2, 4, 13, 9), (2, 4), (2, 4), 3, 5)))
     sun = np.array([0.5, -0.3, 0.8]) / math.sqrt(0.98)
@@ -134,6 +143,9 @@ def share(plume: np.ndarray, direction: np.ndarray, last: float) -> float:
     return float((inside[1] - inside[0]) / longest)
 
 
+chords = share
+
+
 def visible(one: Scene, point: np.ndarray, arc: float, height: float) -> bool:
     """Whether the sea leaves a point in view."""
     sea, tangent = one.scene.crests, point[2] / math.hypot(point[0], point[1])
@@ -163,6 +175,17 @@ def pixel(one: Scene, i: int, j: int) -> tuple[int, int] | None:
     if at not in range(*one.window.columns) or row not in range(*one.window.rows):
         return None
     return row - one.grid.first[1], column - one.grid.first[0]
+
+
+def framed(one: Scene, where: tuple[int, int] | None) -> bool:
+    """Whether a cell of the planes is in the picture."""
+    if where is None:
+        return False
+    column = where[1] + one.grid.first[0]
+    left, right, top, bottom = one.window.frame
+    return (column % one.window.circle if one.window.circle else column) in range(left, right) and top <= where[0] + one.grid.first[
+        1
+    ] < bottom
 
 
 def mixed(one: Scene, four: np.ndarray, arc: float, height: float) -> np.ndarray:
@@ -206,19 +229,25 @@ SCENES = [(1, True, False, 0), (2, False, True, 4), (3, True, True, 0), (4, Fals
 def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
     """A facet's light in a pixel's row is that of its first sample in view."""
     one = scene(seed, plane=plane, waves=waves, circle=circle)
-    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     shade_solid(*one[:8], (planes, sums))
-    expected, total = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    expected, total = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     hidden = dark = 0
+    seen_dry = {True: 0, False: 0}
     first: dict[tuple, list] = {}
     for j, i in np.ndindex(one.samples.near.shape):
         near, share = one.samples.near[j, i], one.samples.share[j, i]
         if near == 0.0 or share == 0.0:
             continue
-        solid = solid_angle(one, i, j) * share
-        total[WHOLE] += solid
+        solid, line = solid_angle(one, i, j) * share, (one.grid.begin[1] + j) // 5 - one.grid.first[1]
+        total[WHOLE, line] += solid
         at = place(one, one.samples.x[j, i], one.samples.y[j, i], 1.0 / near)
         where, distance = pixel(one, i, j), float(np.linalg.norm(at[0]))
+        dry = at[0] @ one.scene.water[:3] > one.scene.water[3]
+        bare = np.interp(math.sqrt(chords(one.scene.gases[0], at[0] / distance, distance)), np.linspace(0.0, 1.0, 7), one.scene.covers[0])
+        left = dry * solid * (1.0 - float(bare))
+        total[DRY, line] += left
+        total[DRY_INSIDE, line] += left * framed(one, where)
         if where is None or one.scene.others[j, i] > near:
             continue
         if not visible(one, *at):
@@ -236,10 +265,14 @@ def test_a_solid_is_the_sum_over_its_samples(seed, plane, waves, circle):
         counted = counted_path + emissivity * counted_warm + (1.0 - emissivity) * (counted_diffuse + shines * counted_sun)
         for name, value in (entered | {SUN: shines * (1.0 - emissivity) * sun, COUNTED: counted}).items():
             expected[name][where] += part * value
-        total[SEEN] += solid * through
-        total[ACROSS] += solid * through * (one.grid.begin[0] + i + 0.5) / 8.0
-        total[DOWN] += solid * through * (one.grid.begin[1] + j + 0.5) / 5.0
-    assert min(hidden, dark) > 3
+        if not framed(one, where):
+            continue
+        total[SEEN, line] += solid * through
+        total[DRY_SEEN, line] += dry * solid * through
+        seen_dry[bool(dry)] += 1
+        total[ACROSS, line] += solid * through * (one.grid.begin[0] + i + 0.5) / 8.0
+        total[DOWN, line] += solid * through * (one.grid.begin[1] + j + 0.5) / 5.0
+    assert min(hidden, dark, *seen_dry.values()) > 3
     np.testing.assert_allclose(planes, expected, rtol=1e-8)
     np.testing.assert_allclose(sums, total, rtol=1e-10)
 
@@ -251,23 +284,31 @@ def test_a_plume_is_the_sum_over_its_samples(seed, plane, waves, circle, longest
     one = scene(seed, plane=plane, waves=waves, circle=circle, longest=longest)
     one.samples.x[0, ::5] = 1e9  # beside the camera
     light = one.light
-    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    planes, sums = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     shade_gas(*one[:4], one.plume, one.scene, light, (planes, sums))
-    expected, total = np.zeros((PLANES, 3, 3)), np.zeros(SUMS)
+    expected, total = np.zeros((PLANES, 3, 3)), np.zeros((SUMS, 3))
     for j, i in np.ndindex(one.samples.x.shape):
         x, y = one.samples.x[j, i], one.samples.y[j, i]
         if x > 1e6:
             continue
         slant = math.sqrt(x * x + y * y + 1.0)
         direction = one.scene.axes.T @ (x, y, 1.0) / slant
-        solid = solid_angle(one, i, j)
+        solid, line = solid_angle(one, i, j), (one.grid.begin[1] + j) // 5 - one.grid.first[1]
         if whole := share(one.plume, direction, np.inf):
-            total[WHOLE] += solid * along(whole, light.cover)
+            total[WHOLE, line] += solid * along(whole, light.cover)
         last = slant / one.scene.others[j, i] if one.scene.others[j, i] else np.inf
         where, inside = pixel(one, i, j), share(one.plume, direction, last)
         per_metre = one.plume[3:12].reshape(3, 3) @ direction
         distance = float(np.linalg.lstsq(per_metre[:, None], one.plume[:3], rcond=None)[0][0])
         at = place(one, x, y, distance / slant)
+        dry = distance > 0.0 and at[0] @ one.scene.water[:3] > one.scene.water[3]
+        before = slant / one.scene.own[j, i] if one.scene.own[j, i] else np.inf
+        bare = share(one.scene.gases[0], direction, distance) if distance > 0.0 else 0.0
+        left = (
+            solid * dry * bool(whole) * along(share(one.plume, direction, before), light.cover) * (1.0 - along(bare, one.scene.covers[0]))
+        )
+        total[DRY, line] += left
+        total[DRY_INSIDE, line] += left * framed(one, where)
         if where is None or inside == 0.0 or not visible(one, *at):
             continue
         through = clear(one, direction, distance)
@@ -276,9 +317,12 @@ def test_a_plume_is_the_sum_over_its_samples(seed, plane, waves, circle, longest
         path = [cover * mixed(one, light.path[q], *at[1:]) for q in (0, 1)]
         for name, value in {COVER: cover, PATH: path[0], DISTANCE: cover * distance, EMITTED: glow[0], COUNTED: path[1] + glow[1]}.items():
             expected[name][where] += value / 40.0
-        total[SEEN] += solid * cover
-        total[ACROSS] += solid * cover * (one.grid.begin[0] + i + 0.5) / 8.0
-        total[DOWN] += solid * cover * (one.grid.begin[1] + j + 0.5) / 5.0
+        if not framed(one, where):
+            continue
+        total[SEEN, line] += solid * cover
+        total[DRY_SEEN, line] += dry * solid * cover
+        total[ACROSS, line] += solid * cover * (one.grid.begin[0] + i + 0.5) / 8.0
+        total[DOWN, line] += solid * cover * (one.grid.begin[1] + j + 0.5) / 5.0
     assert (expected[COVER] > 0.0).sum() >= 4
     np.testing.assert_allclose(planes, expected, rtol=1e-8)
     np.testing.assert_allclose(sums, total, rtol=1e-10)

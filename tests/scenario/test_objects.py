@@ -149,7 +149,7 @@ REFUSED = {
     "too short": ({"keyframes": KEYFRAMES[:2]}, r"\('ball'\): time = 4 s is outside its keyframes.*add keyframes"),
     "under water": ({"height_m": -3}, r"\('ball'\): height_m: at 0 s it is under water.*give a greater height_m"),
     "above the air": ({"height_m": 99_999}, r"\('ball'\): height_m: .*allowed: up to 100000 m"),
-    "sensor": ({"north_m": 0, "height_m": 31}, r"\('ball'\): at 0 s the sensor is inside it; move"),
+    "sensor": ({"north_m": 0, "height_m": 31}, r"\('ball'\): at 0 s the sensor is inside it, 1 m from its origin; move"),
     "no height": ({"height_m": None}, r"\('ball'\): height_m is missing"),
     "degrees": ({"latitude_deg": 36, "longitude_deg": 5}, r"\('ball'\) has metres and degrees; give"),
     "units": ({"shape": {"kind": "mesh", "path": "x.stl", "units": "parsec"}}, r"\('ball'\)\.shape\.units = 'parsec' is not one of"),

@@ -51,6 +51,11 @@ def moving(place, velocity):
     return {"keyframes": ends, "path": "straight", "heading_deg": 0.0}
 
 
+def photons(wavelength):
+    """Photons of a power are as many as the wavelength is long."""
+    return wavelength
+
+
 TIMES = (np.arange(600) + 0.5) / 600 - 0.5
 
 
@@ -86,7 +91,9 @@ def test_spheres_of_any_size_and_phase_have_the_peak_of_integrals(f_number, size
         columns, rows, distances = way(place, (speed, 0.0, 0.0), 0.005 * TIMES)
         solid = 2.0 * np.pi * (1.0 - math.sqrt(1.0 - (radius / distances.mean()) ** 2))
         own = pixel(columns.mean(), rows.mean())
-        expected = seen(f_number, columns, rows, math.sqrt(solid / (np.pi * own))) * (planck(320.0) - planck(288.15)) * solid / own
+        # as counted: the ball by its own spectrum, the sea behind it by that of its temperature, both relative to 300 K
+        warmer = (planck(320.0, photons) - planck(288.15, photons)) * planck(300.0) / planck(300.0, photons)
+        expected = seen(f_number, columns, rows, math.sqrt(solid / (np.pi * own))) * warmer * solid / own
         assert change.max() == pytest.approx(expected.max(), rel=3e-3)
         np.testing.assert_allclose(change, expected, atol=3e-3 * expected.max())
         assert arrays["column_px"][0] == pytest.approx(columns.mean() - 0.5, abs=1e-3)

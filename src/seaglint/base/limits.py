@@ -30,6 +30,15 @@ The limit is a choice: c21 grows with the square of the wind, and the mass added
 NAVY_AEROSOL_WIND: Final = (0.0, 20.0)
 """Winds of the Navy maritime aerosol, and of the air tables made with it [m/s]; LOWTRAN7 silently takes any stronger wind for 20 m/s."""
 
+SHAKEN: Final = (0.25, 16.0)
+"""Largest rms jitter of a line of sight: as a share of the picture's smaller side, and in pixels, whichever is more.
+
+Beyond it blur takes most of a picture's light from outside the picture, where nothing is known.
+"""
+
+SMEARED: Final = 64.0
+"""Pixels over which a line of sight may drift in an exposure where the picture's side is shorter."""
+
 TABLE_HEIGHTS: Final = (2.0, 10_000.0)
 """Sensor heights that the air tables cover [m]."""
 

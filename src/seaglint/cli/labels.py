@@ -28,3 +28,5 @@ def labels(
     truth = Labels.of(run)
     write_labels(truth, output, overwrite=overwrite)
     log(f"{output} written: {len(truth.names)} object{'s' * (len(truth.names) != 1)} in {len(truth.frames)} frames")
+    if output.suffix.lower() == ".json":
+        log("its images have no file_name, as no pictures are written (id is the frame's number); 'seaglint dataset' writes them")

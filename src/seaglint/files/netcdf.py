@@ -13,6 +13,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
 from seaglint.base.schema import VARIABLES
@@ -27,6 +29,12 @@ NETCDF3: Final = (b"CDF\x01", b"CDF\x02")
 
 NETCDF_MAGIC: Final = (b"\x89HDF", *NETCDF3, b"CDF\x05")
 """First bytes of NetCDF files of any version."""
+
+
+MISTAKEN: Final = 65535
+"""Number of 16 bits that netCDF4 masks as missing wherever a variable has no ``_FillValue``, fill mode off or not: of counts the saturated
+ones. A ``_FillValue`` that does not occur would keep them, and make xarray read floats.
+"""
 
 
 def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
@@ -103,6 +111,8 @@ def coordinate_encoding(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
 def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
     """Write a dataset; variables named in :mod:`seaglint.base.schema` get their CF attributes.
 
+    Unsigned integers of 16 bits that reach :data:`MISTAKEN` are stored as integers of 32 bits.
+
     Raises
     ------
     DataError
@@ -114,7 +124,12 @@ def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = F
 
     output = refuse_existing(output, overwrite=overwrite)
     images = [name for name, variable in dataset.data_vars.items() if variable.ndim >= 2]
-    encoding = coordinate_encoding(dataset) | {name: {"zlib": True, "complevel": 3} for name in images}
+    encoding = coordinate_encoding(dataset)
+    for name, variable in dataset.data_vars.items():
+        if variable.dtype == np.uint16 and bool((variable == MISTAKEN).any()):
+            encoding[name] = {**encoding.get(name, {}), "dtype": "int32"}
+        if name in images:
+            encoding[name] = {**encoding.get(name, {}), "zlib": True, "complevel": 3}
     content = BytesIO()
     # What Dataset.to_netcdf does, which asks Dask for a lock first: where Dask is installed that loads all of it, 0.1 to 0.3 s.
     store = H5NetCDFStore.open(content, mode="w", lock=False)

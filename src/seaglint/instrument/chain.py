@@ -20,7 +20,7 @@ from seaglint.instrument.detector import FULL_SCALE_TEMPERATURE, PhotonPixels, R
 from seaglint.instrument.noise import DetectorNoise, Pattern, temporal_noise
 from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distorted_places
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.transfer import Sampling, Transfer, isolated, needed_oversampling
+from seaglint.instrument.transfer import BYTES_PER_FINE_PIXEL, Sampling, Transfer, isolated, needed_oversampling, padded_shape
 
 KEPT: Final = 4
 """Number of transfers of different sizes or smears that are cached."""
@@ -168,6 +168,11 @@ class SensorModel:
                 self._transfers.popitem(last=False)
         self._transfers.move_to_end(key)
         return cached
+
+    def transfer_bytes(self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> int:
+        """Memory that blur and sampling of pictures of ``shape`` (rows, columns of the detector) take [bytes]."""
+        rows, columns = padded_shape(self.blur, self.sampling(oversampling, rates), shape)
+        return rows * columns * oversampling**2 * BYTES_PER_FINE_PIXEL
 
     def focal_plane(
         self,

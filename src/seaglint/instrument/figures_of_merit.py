@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -24,6 +24,7 @@ from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.data_sheet import BudgetAtMean, ConversionError, SensorDataSheet, TransferCurves
 from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
 from seaglint.instrument.optics import motion_mtf
+from seaglint.instrument.transfer import sensor_mtf
 
 BACKGROUND: Final = 300.0
 """Temperature of the blackbody against which NETD, SiTF and the like are stated [K]."""
@@ -31,6 +32,13 @@ BACKGROUND: Final = 300.0
 MTF_POINTS: Final = 41
 """Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency."""
 
+
+RIPPLE_POINTS: Final = 8
+"""Frequencies in a ripple of the transfer of pixel, crosstalk and movement in the integral over a point's light."""
+
+LEAST_POINTS: Final = 512
+MOST_POINTS: Final = 1024
+"""Least and largest number of frequencies along each half axis of that integral."""
 
 BLUR_POINTS: Final = 4097
 """Number of frequencies up to the optics' cut-off among which the transfer's fall to a half is sought."""
@@ -50,7 +58,7 @@ class Budget:
 
 
 def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (0.0, 0.0)) -> dict[str, dict[str, FloatArray]]:
-    """Transfer along rows and across them, by cause, at frequencies [cycles rad-1]; ``total`` is their product.
+    """Transfer along rows and across them, by cause, at frequencies [cycles rad-1]; ``total`` is their product, that of pictures.
 
     >>> from seaglint.optics.band import Band
     >>> from seaglint.instrument.optics import SensorOptics
@@ -69,10 +77,8 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
             parts["crosstalk"] = crosstalk_mtf(f, np.zeros(f.size), model.detector.crosstalk, model.ifov)
         if smear[number]:
             parts["motion"] = motion_mtf(f, smear[number])
-        total = np.ones(f.size)
-        for part in parts.values():
-            total = total * part
-        out[name] = {**parts, "total": total}
+        axes = (f, np.zeros(f.size)) if number == 0 else (np.zeros(f.size), f)
+        out[name] = {**parts, "total": sensor_mtf(model.blur, model.sampling(1, rates), *axes)}
     return out
 
 
@@ -96,10 +102,12 @@ def blur_px(model: SensorModel) -> float:
     >>> round(blur_px(shaken), 2)  # 1.2 of jitter, and some diffraction
     1.23
     """
-    frequency = np.linspace(0.0, model.optics.cutoff(1e-6 * model.photons.band.min_um), BLUR_POINTS)
+    frequency: FloatArray = np.linspace(0.0, model.optics.cutoff(1e-6 * model.photons.band.min_um), BLUR_POINTS)
     squares = []
-    for parts in mtf(model, frequency).values():
-        beyond = np.prod([part for name, part in parts.items() if name not in ("detector", "total")], axis=0)
+    sampling = replace(model.sampling(1), width=0.0)
+    zero: FloatArray = np.zeros(BLUR_POINTS)
+    for axes in ((frequency, zero), (zero, frequency)):
+        beyond = sensor_mtf(model.blur, sampling, *axes)
         # Linear between the points; at the cut-off the transfer is 0, so that it falls to a half before.
         after = int(np.flatnonzero(beyond <= 0.5)[0])
         step = (beyond[after - 1] - 0.5) / (beyond[after - 1] - beyond[after])
@@ -166,16 +174,16 @@ def point_response(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) 
     ``I`` at the distance ``R`` adds to the radiance ``I / (R^2 p^2)`` of its pixel. The fill factor is not in it, as the radiance of a
     pixel is that over its sensitive area; :func:`point_share` has it.
     """
-    f = (np.arange(-512, 512) + 0.5) * (4.0 * model.optics.cutoff(1e-6 * model.photons.band.min_um) / 1024)
-    frequency, table = model.blur.table()
-    along, across = f[None, :], f[:, None]
-    width, smear = model.detector.active_width / model.optics.focal_length, model.smear(rates)
-    total = np.interp(np.hypot(across, along), frequency, table, right=0.0) * square_mtf(along, width) * square_mtf(across, width)
-    if isinstance(model.detector, PhotonPixels) and model.detector.crosstalk:
-        total = total * crosstalk_mtf(along, across, model.detector.crosstalk, model.ifov)
-    if any(smear):
-        total = total * motion_mtf(along * smear[0] + across * smear[1], 1.0)
-    return float((1.0 - model.optics.stray_share) * np.sum(total) * (f[1] - f[0]) ** 2 * model.ifov**2)
+    sampling, jitter = model.sampling(1, rates), model.optics.jitter
+    # up to the cut-off, or to where jitter leaves 1e-12; several points in the shortest ripple
+    end = model.optics.cutoff(1e-6 * model.photons.band.min_um)
+    end = min(end, 1.2 / jitter) if jitter else end
+    widest = max(sampling.step, *(abs(smear) for smear in sampling.smear))
+    count = min(max(math.ceil(RIPPLE_POINTS * widest * end), LEAST_POINTS), MOST_POINTS)
+    f = np.asarray((np.arange(count) + 0.5) * (end / count), np.float64)
+    # the transfer is real: the half of positive frequencies along rows counts twice
+    total = sensor_mtf(model.blur, sampling, f[None, :], np.concatenate([-f[::-1], f])[:, None])
+    return float((1.0 - model.optics.stray_share) * 2.0 * np.sum(total) * (end / count) ** 2 * model.ifov**2)
 
 
 def point_share(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) -> float:

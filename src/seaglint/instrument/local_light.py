@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
 from seaglint.instrument.optics import Blur
-from seaglint.instrument.transfer import Sampling, product
+from seaglint.instrument.transfer import Sampling, sensor_mtf
 
 NODES_PER_CYCLE: Final = 4.0
 """Nodes of the grid to a period of the optics' cut-off."""
@@ -222,7 +222,7 @@ class LocalLight:
         if cached is None:
             m, step = self.nodes, self.sampling.step
             x, y = scipy.fft.rfftfreq(m * shape[1], 1.0 / m), scipy.fft.fftfreq(m * shape[0], 1.0 / m)
-            total = product(self.blur, self.sampling, x[None, :] / step, y[:, None] / step)
+            total = sensor_mtf(self.blur, self.sampling, x[None, :] / step, y[:, None] / step)
             total = total / (np.sinc(x / m) ** 4)[None, :] / (np.sinc(y / m) ** 4)[:, None]
             phase = np.exp(1j * np.pi * x)[None, :] * np.exp(1j * np.pi * y)[:, None]  # a pixel's middle is half a pixel behind its edge
             cached = self._filters[shape] = (total * phase).astype(np.complex64)

@@ -270,10 +270,11 @@ class Blur:
         return out
 
     def table(self) -> tuple[FloatArray, FloatArray]:
-        """Product of these parts from 0 to the cut-off [cycles rad-1, 1]."""
+        """Product of these parts but for jitter, which may be too narrow for a table, from 0 to the cut-off [cycles rad-1, 1]."""
         total = np.ones(self.frequency.size)
-        for part in self.parts(self.frequency).values():
-            total = total * part
+        for name, part in self.parts(self.frequency).items():
+            if name != "jitter":
+                total = total * part
         return self.frequency, total
 
 

@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.limits import SHAKEN
 from seaglint.instrument.detector import crosstalk_mtf, square_mtf
-from seaglint.instrument.optics import Blur, motion_mtf
+from seaglint.instrument.optics import Blur, jitter_mtf, motion_mtf
 
 MARGIN: Final = 8
 """Least number of pixels by which the picture's border is continued."""
@@ -45,6 +46,10 @@ transfer at frequency 0. A margin of six rings lets through 0.005, which raises 
 
 MOST_MARGIN: Final = 64
 """Largest margin for those wings [pixels], or half the picture's side where that is more: wider ones cost more than they change."""
+
+
+BYTES_PER_FINE_PIXEL: Final = 40
+"""Memory of a transfer and its use per fine pixel, margins among them: tables in double precision while it is made, then spectra."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,64 @@ class Sampling:
     circle: bool = False
     points: bool = False
     """Whether the picture's values are light without extent in the middle of its pixels, rather than means over them."""
+
+
+def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: float = 0.0) -> FloatArray:
+    """Transfer from the radiance at the aperture to the pixels: optics, sensitive square, crosstalk and movement.
+
+    Pictures, MTF, the response to a point and NEI all take it from here.
+
+    Parameters
+    ----------
+    blur : Blur
+        Optics with their jitter.
+    sampling : Sampling
+        Pixels, crosstalk and movement.
+    along, across : ndarray
+        Frequencies along rows and across them, which broadcast [cycles rad-1].
+    grain : float
+        Angle of a picture's own pixels, whose means it holds: their blur is divided out [rad].
+
+    Returns
+    -------
+    ndarray
+        Transfer [1]; 0 beyond the optics' cut-off.
+    """
+    frequency, table = blur.table()
+    total = np.asarray(np.interp(np.hypot(along, across), frequency, table, right=0.0))
+    if sampling.crosstalk:
+        total *= crosstalk_mtf(along, across, sampling.crosstalk, sampling.step)
+    sides = [square_mtf(f, sampling.width) / square_mtf(f, grain) for f in (along, across)]
+    total *= sides[0] * sides[1]
+    if any(sampling.smear):
+        total *= motion_mtf(along * sampling.smear[0] + across * sampling.smear[1], 1.0)
+    if blur.optics.jitter:
+        total *= jitter_mtf(along, blur.optics.jitter) * jitter_mtf(across, blur.optics.jitter)
+    return total
+
+
+def margins(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int, int]:
+    """Pixels by which a picture of ``shape`` (rows, columns) is continued above and below, and to the left and right.
+
+    Jitter and movement count up to the picture's own side, or :data:`MOST_MARGIN`.
+    """
+    step, jitter = sampling.step, blur.optics.jitter
+    frequency, table = blur.table()
+    wings = float(table[0] - table[1]) / float(frequency[1]) / (2.0 * math.pi**2 * WINGS * step)
+    rings = AIRY_RINGS / (blur.optics.cutoff(blur.wavelength) * step)
+    out = []
+    for side, smear in zip(shape, (sampling.smear[1], sampling.smear[0]), strict=True):
+        most = max(side, MOST_MARGIN)
+        shaken = min(4.0 * jitter / step, most)
+        out.append(math.ceil(max(MARGIN + rings + shaken, min(wings, max(0.5 * side, MOST_MARGIN))) + min(abs(smear) / step, most)))
+    return out[0], out[1]
+
+
+def padded_shape(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int, int]:
+    """Rows and columns of a picture with its :func:`margins`, as they are transformed; a full circle needs none at its sides."""
+    above, left = margins(blur, sampling, shape)
+    rows = int(scipy.fft.next_fast_len(shape[0] + 2 * above, real=True))
+    return rows, shape[1] if sampling.circle else int(scipy.fft.next_fast_len(shape[1] + 2 * left, real=True))
 
 
 def needed_oversampling(step: float, cutoff: float) -> int:
@@ -108,6 +171,25 @@ def require_divides(shape: tuple[int, int], oversampling: int) -> tuple[int, int
     return rows // oversampling, columns // oversampling
 
 
+def require_steady(jitter: float, shape: tuple[int, int]) -> None:
+    """Refuse an rms jitter [pixels] that is too wide for a picture of ``shape``.
+
+    Raises
+    ------
+    DomainError
+        Jitter beyond :data:`~seaglint.base.limits.SHAKEN`.
+    """
+    most = max(SHAKEN[0] * min(shape), SHAKEN[1])
+    if jitter > most:
+        raise DomainError(
+            f"jitter = {jitter:.4g} pixels rms is too wide for a picture of {shape[0]} x {shape[1]} pixels; allowed are up to {most:g} "
+            "pixels: lower the jitter or give a larger picture",
+            name="jitter",
+            value=jitter,
+            allowed=f"up to {most:g} pixels",
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Transfer:
     """Blur and sampling of pictures of one size; make it with :meth:`of`."""
@@ -128,24 +210,18 @@ class Transfer:
         Raises
         ------
         DomainError
-            A picture that the oversampling does not divide.
+            A picture that the oversampling does not divide, or jitter beyond :data:`~seaglint.base.limits.SHAKEN`.
         """
         n, step = sampling.oversampling, sampling.step
         shape = require_divides(fine_shape, n)
-        spread = AIRY_RINGS / (blur.optics.cutoff(blur.wavelength) * step) + 4.0 * blur.optics.jitter / step
-        frequency, table = blur.table()
-        wings = float(table[0] - table[1]) / float(frequency[1]) / (2.0 * math.pi**2 * WINGS * step)
-        margin = tuple(
-            math.ceil(max(MARGIN + spread, min(wings, max(0.5 * side, MOST_MARGIN))) + abs(smear) / step)
-            for side, smear in zip(shape, (sampling.smear[1], sampling.smear[0]), strict=True)
-        )
-        rows = int(scipy.fft.next_fast_len(shape[0] + 2 * margin[0], real=True))
-        # A full circle needs no margin: the last column is followed by the first.
-        columns = shape[1] if sampling.circle else int(scipy.fft.next_fast_len(shape[1] + 2 * margin[1], real=True))
+        require_steady(blur.optics.jitter / step, shape)
+        rows, columns = padded_shape(blur, sampling, shape)
+        margin = margins(blur, sampling, shape)
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
         y = scipy.fft.fftfreq(n * rows, step / n)
-        total = product(blur, sampling, x[None, :], y[:, None], 0.0 if sampling.points else step / n)
+        # the mean over a fine pixel is in the picture already
+        total = sensor_mtf(blur, sampling, x[None, :], y[:, None], 0.0 if sampling.points else step / n)
         # A pixel's middle is half of n - 1 fine pixels behind its first one's.
         middle = 0.5 * (n - 1) * step / n
         phase = np.exp(2j * np.pi * x * middle)[None, :] * np.exp(2j * np.pi * y * middle)[:, None]
@@ -169,30 +245,6 @@ class Transfer:
         out = scipy.fft.irfft(lines, n * columns, axis=1)[:, ::n]
         top, left = self.before
         return np.asarray(out[top : top + self.shape[0], left : left + self.shape[1]] + level * self.filter[0, 0].real, np.float32)
-
-
-def product(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: float = 0.0) -> FloatArray:
-    """Transfer of optics, crosstalk, the sensitive square and steady movement together [1, broadcast shape].
-
-    Parameters
-    ----------
-    blur : Blur
-        Transfer of the optics.
-    sampling : Sampling
-        Pixels and movement; its oversampling does not matter.
-    along, across : ndarray
-        Frequencies along rows and across them [cycles rad-1].
-    grain : float
-        Angle of the picture's own pixels, whose means they are: the blur of these is divided out [rad].
-    """
-    total = np.interp(np.hypot(along, across), *blur.table(), right=0.0)
-    if sampling.crosstalk:
-        total *= crosstalk_mtf(along, across, sampling.crosstalk, sampling.step)
-    sides = [square_mtf(frequency, sampling.width) / square_mtf(frequency, grain) for frequency in (along, across)]
-    total *= sides[0] * sides[1]
-    if any(sampling.smear):
-        total *= motion_mtf(along * sampling.smear[0] + across * sampling.smear[1], 1.0)
-    return np.asarray(total)
 
 
 def isolated(picture: NDArray[np.float32]) -> NDArray[np.float32]:

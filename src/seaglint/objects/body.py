@@ -94,10 +94,14 @@ class Placement:
         Position of its origin: east and north on the sea's own axes, as the sensor's pose has them; height above the mean sea there [m].
     rotation : ndarray, (3, 3)
         From the body's axes to east, north and up.
+    water : ndarray, (2, 3), optional
+        Waterline of a floating body, the plane fixed to it that lies at the mean sea when the sea is flat: its upward unit normal (east,
+        north, up) and a point of it in the axes of ``position`` [m]. None is the mean sea.
     """
 
     position: FloatArray
     rotation: FloatArray
+    water: FloatArray | None = None
 
 
 class Motion(Protocol):

@@ -143,7 +143,8 @@ class Afloat:
         lift = self.swell.under(middle, heading, self.half_sides, time)
         turn = tilt(heading, lift.starboard, lift.forward)
         foot = np.array([middle[0], middle[1], 0.0])
-        return Placement(foot + np.array([0.0, 0.0, lift.height]) + turn @ (level.position - foot), turn @ level.rotation)
+        lifted = foot + np.array([0.0, 0.0, lift.height])
+        return Placement(lifted + turn @ (level.position - foot), turn @ level.rotation, np.stack([turn[:, 2], lifted]))
 
     def velocity(self, time: float) -> FloatArray:
         """Velocity of the middle of its waterline towards east, north and up [m s-1, (3,)]."""

@@ -99,8 +99,8 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObj
         "local_contrast_W_m2_sr": row.local_contrast,
         "snr": row.snr,
         "signal_to_clutter": values["signal_to_clutter"],
-        "visible_share": values["visible_share"],
         "filled_px": values["pixels"],
+        "attributes": {name: values[name] for name in ("visible_share", "occluded_share", "truncated_share")},
     }
 
 

@@ -46,6 +46,11 @@ class ExportFormat:
         return None
 
     @classmethod
+    def stored(cls, numbers: NumberFormat, stack: Stack) -> NumberFormat:
+        """Return the numbers as this format stores them; other than requested where its readers would mistake them."""
+        return numbers
+
+    @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
         """Write frames one after the other."""
         raise NotImplementedError

@@ -12,12 +12,14 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+
+from seaglint.files.export.encoding import NumberFormat
 from seaglint.files.export.export_format import ExportFormat
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from seaglint.files.export.encoding import NumberFormat
     from seaglint.files.export.stack import Stack
 
 
@@ -82,6 +84,16 @@ class Hdf5(ExportFormat):
 
     endings: ClassVar[tuple[str, ...]] = (".nc", ".h5")
     aliases: ClassVar[tuple[str, ...]] = (".hdf5",)
+
+    @classmethod
+    def stored(cls, numbers: NumberFormat, stack: Stack) -> NumberFormat:
+        """Return 32-bit integers for counts that may be :data:`~seaglint.files.netcdf.MISTAKEN`; others as they are."""
+        from seaglint.files.netcdf import MISTAKEN
+
+        most = stack.images.attrs.get("saturation_counts", MISTAKEN)
+        if numbers.dtype == np.uint16 and numbers.counts is None and most >= MISTAKEN:
+            return NumberFormat(np.dtype(np.int32))
+        return numbers
 
     @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:

@@ -91,7 +91,7 @@ def write_stack(
     if progress is not None:
         progress(0, passes * total)
     counts = Counts.over(*(limits or _range(images()))) if scaled else None
-    numbers = NumberFormat(np.dtype(dtype) if dtype is not None else stack.dtype, counts)
+    numbers = form.stored(NumberFormat(np.dtype(dtype) if dtype is not None else stack.dtype, counts), stack)
     cut = 0
 
     def encoded() -> Iterator[NDArray[Any]]:

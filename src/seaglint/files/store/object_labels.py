@@ -114,7 +114,10 @@ def _cell(value: float) -> str:
 
 
 def _coco(labels: Labels) -> JsonObject:
-    """Return COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view."""
+    """Return COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view.
+
+    Images have no ``file_name``, as a store holds no pictures that one could open.
+    """
     rows, columns = labels.shape
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
     annotations: list[JsonObject] = []
@@ -138,7 +141,7 @@ def _coco(labels: Labels) -> JsonObject:
         )
     return {
         "info": {"description": f"Objects of {labels.path.name}", "version": "1"},
-        "images": [{"id": n, "file_name": f"{labels.path.name}/frame/{n}", "width": columns, "height": rows} for n in labels.frames],
+        "images": [{"id": n, "width": columns, "height": rows} for n in labels.frames],
         "categories": [{"id": number, "name": name, "supercategory": "object"} for name, number in categories.items()],
         "annotations": annotations,
     }

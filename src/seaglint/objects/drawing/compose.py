@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.objects.body import GasPlume, PointSource
-from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, solid_angle
+from seaglint.objects.body import PointSource
+from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage
 from seaglint.objects.drawing.eye import Stand
 from seaglint.objects.drawing.light import Surroundings
-from seaglint.objects.drawing.parts import Placed
-from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
+from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, DRY, EMITTED, MIRRORED, PATH, SEEN, SUMS, SUN, WHOLE
+from seaglint.objects.drawing.whole_shapes import solid_angles
 from seaglint.optics.blackbody import planck_wavenumber
+
+LEAST_CUT: Final = 2e-3
+"""Least share of a body outside the picture: what its parts sum to in windows of the picture and in whole differs by less."""
 
 LEAST_COVER: Final = 1e-12
 """Least share of a pixel that a visible body covers."""
@@ -67,7 +70,11 @@ class BodySight:
     distance, azimuth, elevation : float
         To its origin [m], [rad].
     whole : float
-        Solid angle in all [sr].
+        Solid angle in all, under water too [sr].
+    dry : float
+        Solid angle of what is above its waterline, in the picture or not [sr]; of points their number.
+    lines : tuple of (ndarray, ndarray)
+        Rows of the image, and in each of them what of ``dry`` is in the image, and what of this is in view [sr, (2, rows)].
     seen, across, down : float
         Solid angle in view [sr]; the same times the place in the image [sr pixels].
     shares : tuple of BodyShare
@@ -83,6 +90,25 @@ class BodySight:
     across: float = 0.0
     down: float = 0.0
     shares: tuple[BodyShare, ...] = field(default=())
+    dry: float = 0.0
+    lines: tuple[tuple[NDArray[np.int64], FloatArray], ...] = field(default=())
+
+    @property
+    def truncated(self) -> float:
+        """Share of what is above the waterline that is outside the picture [1]; NaN where nothing is above it."""
+        if self.dry <= 0.0:
+            return math.nan
+        outside = 1.0 - self._dry_sums()[0] / self.dry
+        return min(outside, 1.0) if outside > LEAST_CUT else 0.0
+
+    @property
+    def occluded(self) -> float:
+        """Share of what is above the waterline and in the picture that something hides [1]; NaN where nothing is there."""
+        inside, seen = self._dry_sums()
+        return min(max(1.0 - seen / inside, 0.0), 1.0) if inside > 0.0 else math.nan
+
+    def _dry_sums(self) -> tuple[float, float]:
+        return sum(float(line[0].sum()) for _, line in self.lines), sum(float(line[1].sum()) for _, line in self.lines)
 
     def joined(self, other: BodySight) -> BodySight:
         """Return the sum with the sight of another part of the image."""
@@ -92,22 +118,25 @@ class BodySight:
             across=self.across + other.across,
             down=self.down + other.down,
             shares=self.shares + other.shares,
+            lines=self.lines + other.lines,
         )
 
     def between(self, first: int, end: int) -> BodySight:
         """Return the sight in some rows of the image alone, its centre from whole pixels where it lies partly in them."""
         shares = tuple(share.rows_between(first, end) for share in self.shares)
+        keep = [(rows >= first) & (rows < end) for rows, _ in self.lines]
+        lines = tuple((rows[some], line[:, some]) for some, (rows, line) in zip(keep, self.lines, strict=True))
         before = sum(int(share.cover.size) for share in self.shares)
         if sum(share.cover.size for share in shares) == before:
-            return self
+            return replace(self, lines=lines)
         cover = [share.cover * share.pixel for share in shares]
         seen = float(sum(c.sum() for c in cover))
         across = float(sum((c * (s.columns + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
         down = float(sum((c * (s.rows[:, None] + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
         if self.seen == 0.0:  # of a point it is there or not
-            visible = any(share.cover.size for share in shares)
+            visible = any((share.radiance != 0.0).any() for share in shares)
             across, down = (self.across, self.down) if visible else (0.0, 0.0)
-        return replace(self, seen=seen, across=across, down=down, shares=shares)
+        return replace(self, seen=seen, across=across, down=down, shares=shares, lines=lines)
 
 
 def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surroundings) -> tuple[Layers, tuple[BodySight, ...]]:
@@ -237,12 +266,6 @@ def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: d
         out["slope"][left <= LEAST_SEEN] = np.nan
 
 
-def _bare_cover(one: Placed, light: Surroundings) -> FloatArray:
-    """Share of the light behind a plume that it absorbs along its chords, before the air [1, (k,)]; empty for all else."""
-    kind = one.part.kind
-    return light.bare_cover(kind) if isinstance(kind, GasPlume) else np.zeros(0)
-
-
 def sights(
     picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare], circle: int, light: Surroundings
 ) -> tuple[BodySight, ...]:
@@ -264,16 +287,25 @@ def sights(
     out = []
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
-        sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(4))
+        sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(SUMS))
         points = [patch for patch, _ in own if patch.clear > 0.0]
-        drawn = {id(patch.placed): float(patch.sums[0]) for patch, _ in own}
-        whole = sum(drawn.get(id(one)) or solid_angle(one, _bare_cover(one, light)) for one in picture.placed if one.part.body == number)
+        drawn = {id(patch.placed): (float(patch.sums[WHOLE]), float(patch.sums[DRY])) for patch, _ in own}
+        parts = [one for one in picture.placed if one.part.body == number]
+        extended = [one for one in parts if one.radius > 0.0]
+        # one between two samples of its grid is measured on its own
+        angles = [
+            pair if (pair := drawn.get(id(one), (0.0, 0.0)))[0] > 0.0 else solid_angles(one, parts, light.cover_of) for one in extended
+        ]
+        whole, dry = (float(sum(pair[k] for pair in angles)) for k in (0, 1))
+        lines = tuple((patch.rows, patch.lines) for patch, _ in own if patch.placed.radius > 0.0 or not extended)
         seen, across, down = float(sums[SEEN]), float(sums[ACROSS]), float(sums[DOWN])
         if points and seen == 0.0:  # points alone: their mean place, of no solid angle
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
         elif points:
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
-        out.append(BodySight(body.name, *_direction(place), float(whole), seen, across, down, tuple(share for _, share in own)))
+        shares_of = tuple(share for _, share in own)
+        above = dry if extended else float(len(parts))
+        out.append(BodySight(body.name, *_direction(place), whole, seen, across, down, shares_of, above, lines))
     return tuple(out)
 
 

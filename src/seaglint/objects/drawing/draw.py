@@ -23,13 +23,27 @@ from seaglint.imaging.wave_surface import Surface
 from seaglint.objects.body import Body, GasPlume, PointSource
 from seaglint.objects.drawing.crests import Crests, calm
 from seaglint.objects.drawing.eye import FEWEST_CELLS, Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand
-from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map, solid_angle_of
+from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sea_before, shadow_map
 from seaglint.objects.drawing.light import Arriving, Corners, Counting, Surroundings
 from seaglint.objects.drawing.parts import DrawnPart, Mesh, Placed, parts_of, placed
-from seaglint.objects.drawing.plume_spectra import CHORDS, chord_shares
+from seaglint.objects.drawing.plume_spectra import CHORDS
 from seaglint.objects.drawing.raster import Faces
-from seaglint.objects.drawing.sample_sums import COUNTED, PLANES, WHOLE, BodySurroundings, SensorMesh, Window
+from seaglint.objects.drawing.sample_sums import (
+    ACROSS,
+    COUNTED,
+    DOWN,
+    DRY,
+    DRY_INSIDE,
+    DRY_SEEN,
+    PLANES,
+    SUMS,
+    WHOLE,
+    BodySurroundings,
+    SensorMesh,
+    Window,
+)
 from seaglint.objects.drawing.self_shadow import LIFT, SunMap
+from seaglint.objects.drawing.whole_shapes import faces_of, solid_angles
 from seaglint.optics.blackbody import planck_wavenumber
 
 SHADOW_CELLS: Final = (128, 256)
@@ -40,7 +54,6 @@ _FEW: Final = 192
 _FACES_SUN: Final = 1e-3
 """Least reflectance of a surface for which its shadow map is computed."""
 
-_WHOLE_CELLS: Final = 128
 _POLE: Final = math.radians(88.0)
 _KEPT: Final = 4
 
@@ -59,6 +72,9 @@ class PixelPatch:
         :data:`~seaglint.objects.drawing.sample_sums.PLANES` of them [(planes, rows, columns)].
     sums : ndarray
         :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
+    lines : ndarray
+        What is above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; of a point 1
+        or 0.
     clear : float
         Transmittance of the path to a point that is in view [1]; 0 for all else.
     air : ndarray
@@ -70,6 +86,7 @@ class PixelPatch:
     columns: np.ndarray
     planes: FloatArray
     sums: FloatArray
+    lines: FloatArray
     clear: float = 0.0
     air: FloatArray = field(default_factory=lambda: np.zeros(0))
 
@@ -109,6 +126,8 @@ class Stage:
         Arc beyond which the sea hides nothing of a body but what is under it [m].
     cells : int
         Least number of samples along the side of a pixel.
+    frame : (int, int, int, int), optional
+        First and end column and row of the picture, where pixels beyond it are drawn too.
     """
 
     imager: Imager
@@ -119,6 +138,7 @@ class Stage:
     rows: tuple[int, int]
     sea_hides: float = math.inf
     cells: int = FEWEST_CELLS
+    frame: tuple[int, int, int, int] | None = None
 
     @cached_property
     def lens(self) -> Lens:
@@ -128,7 +148,8 @@ class Stage:
     @cached_property
     def window(self) -> Window:
         """Pixels to draw."""
-        return Window(self.columns, self.rows, self.imager.columns if self.imager.goes_round else 0)
+        circle = self.imager.columns if self.imager.goes_round else 0
+        return Window(self.columns, self.rows, circle, self.frame or (*self.columns, *self.rows))
 
     def crests(self, one: Placed) -> Crests:
         """Sea in front of a part."""
@@ -270,14 +291,6 @@ def near(stage: Stage, one: Placed) -> bool:
     return half > 1.2 or away <= half + one.angle
 
 
-def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
-    """Faces of a part on a plane; the points alone where it is no mesh."""
-    if isinstance(kind, Mesh):
-        return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
-    none = np.zeros((0, 3), np.int32)
-    return Faces(point, image, none, none[:, :2], none, bend)
-
-
 def _source(one: Placed) -> FloatArray | GasPlume:
     """Temperatures [K] of a part's surface, none of a point, or the plume that it is."""
     kind = one.part.kind
@@ -316,21 +329,24 @@ def _drawn(
     inside = _clipped(box, stage.window)
     if inside is None:
         return None
-    others = _overlapping(one, every)
+    # those of the same body come first: they hide, but are no reason to call it hidden
+    others = sorted(_overlapping(one, every), key=lambda other: other.part.body != one.part.body)
     plumes = [other for other in others if id(other.part) in known]  # others hide no pixel that is drawn
     gases = np.array([other.gas for other in plumes]).reshape(-1, 13)
     covers = np.array([known[id(other.part)] for other in plumes]).reshape(-1, CHORDS)
     solids = [stage.faces(other, plane, one) for other in others if isinstance(other.part.kind, Mesh)]
-    sea = stage.crests(one)
-    scene = BodySurroundings(stage.pose.height, sea, NOTHING, gases, covers, plane.axes, one.heading)
+    own = sum(isinstance(other.part.kind, Mesh) and other.part.body == one.part.body for other in others)
+    around = (stage.pose.height, stage.crests(one), NOTHING, gases, covers, plane.axes, one.heading, one.water, NOTHING)
+    scene = BodySurroundings(*around, sum(other.part.body == one.part.body for other in plumes))
     if one.radius == 0.0:
         return _point(stage, one, (scene, solids), box, arriving)
     grid = grid_over(inside, stage.cells)
     shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
-    planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids), _body(one), scene, arriving, shadow)
+    planes, sums = part_planes(grid, (stage.lens, stage.window), (faces, solids, solids[:own]), _body(one), scene, arriving, shadow)
+    total = sums.sum(axis=1)
     if inside != box:
-        sums[WHOLE] = solid_angle(one, arriving.cover)
-    return _patch(stage, one, grid, planes, sums)
+        total[[WHOLE, DRY]] = solid_angles(one, every, light.cover_of)
+    return _patch(stage, one, grid, planes, (total, sums))
 
 
 def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[float, float, float, float] | None:
@@ -350,14 +366,14 @@ def _body(one: Placed) -> SensorMesh | FloatArray:
     return SensorMesh(one.surface, kind.corners, kind.code, kind.emissivity) if isinstance(kind, Mesh) else one.gas
 
 
-def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> PixelPatch | None:
-    """Patch of the pixels to draw, from the pixels of the grid."""
+def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: tuple[FloatArray, FloatArray]) -> PixelPatch | None:
+    """Patch of the pixels to draw, from the pixels of the grid; ``sums``: of all samples, and of each row."""
     rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
     if stage.window.circle:
         columns = columns % stage.window.circle
     keep = (rows >= stage.rows[0]) & (rows < stage.rows[1])
     also = (columns >= stage.columns[0]) & (columns < stage.columns[1])
-    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums)
+    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums[0], sums[1][[DRY_INSIDE, DRY_SEEN]][:, keep])
 
 
 def _point(
@@ -367,7 +383,7 @@ def _point(
     box: tuple[float, float, float, float],
     arriving: Arriving,
 ) -> PixelPatch | None:
-    """Draw a point source: its visibility and the transmittance of its path."""
+    """Draw a point source: its visibility and the transmittance of its path; None where it is not in the pixels to draw."""
     scene, solids = around
     kind = one.part.kind
     assert isinstance(kind, PointSource)  # only points have no extent
@@ -377,10 +393,14 @@ def _point(
     through = float(arriving.clear @ spectrum / (over.weights @ spectrum))
     clear = clear_to_point(scene, solids, one.distance) * through
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
-    if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
+    if not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
         return None
-    sums = np.array([0.0, 0.0, column, row])
-    return PixelPatch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear, arriving.clear)
+    sums = np.zeros(SUMS)
+    sums[[ACROSS, DOWN]] = column, row
+    framed = stage.window.framed(at, math.floor(row))
+    lines = np.array([[float(framed)], [float(framed and clear > 0.0)]])
+    pixel = np.array([math.floor(row)]), np.array([at])
+    return PixelPatch(one, *pixel, np.zeros((PLANES, 1, 1)), sums, lines, clear, arriving.clear)
 
 
 def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
@@ -394,36 +414,3 @@ def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
     return shadow_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
-
-
-def solid_angle(one: Placed, cover: FloatArray) -> float:
-    """Solid angle of a part [sr] without occlusion; of a plume times the share of the light behind it that it absorbs.
-
-    ``cover``: this share of a plume along its chords (:class:`~seaglint.objects.drawing.light.Arriving`) [1, (k,)]; empty for all else.
-    """
-    if one.radius == 0.0:
-        return 0.0
-    plane = TangentPlane.to(one.place)
-    seen = one.surface @ plane.axes.T
-    ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
-    depth = np.where(ahead, seen[:, 2], 1.0)
-    point = np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1)
-    if not ahead.any():
-        return 0.0
-    low, high = point[ahead, :2].min(axis=0), point[ahead, :2].max(axis=0)
-    step = np.maximum(high - low, 1e-12) / _WHOLE_CELLS
-    i = np.arange(_WHOLE_CELLS)
-    x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
-    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
-    if isinstance(one.part.kind, Mesh):
-        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows count downwards
-        return solid_angle_of(faces_of(one.part.kind, point, image, 1e-9), x, y, (float(step[0]), float(step[1])))
-    u = np.stack([x, y, np.ones_like(x)], axis=-1)
-    w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
-    d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T
-    per_metre = np.linalg.norm(d, axis=-1, keepdims=True) / np.linalg.norm(u, axis=-1, keepdims=True)
-    d /= np.linalg.norm(d, axis=-1, keepdims=True)
-    off = one.gas[:3] - (d @ one.gas[:3])[..., None] * d
-    half = np.sqrt(np.maximum(1.0 - (off**2).sum(axis=-1), 0.0))
-    share = half if one.gas[12] == 0.0 else 2.0 * half / (per_metre[..., 0] * one.gas[12])
-    return float((w * np.interp(np.sqrt(share), np.sqrt(chord_shares()), cover)).sum())

@@ -26,10 +26,15 @@ from seaglint.objects.body import Placement
 
 
 class Stand(NamedTuple):
-    """Body at an instant in the sensor's axes: place of its origin [m] and rotation from its axes to these."""
+    """Body at an instant in the sensor's axes: place of its origin [m], rotation from its axes to these, and its waterline.
+
+    ``water``: upward unit normal of the plane of the waterline and the plane's offset along it [m], (4,); points above the waterline have
+    a greater one.
+    """
 
     place: FloatArray
     turn: FloatArray
+    water: FloatArray
 
 
 def stand(placement: Placement, pose: Pose) -> Stand:
@@ -43,7 +48,11 @@ def stand(placement: Placement, pose: Pose) -> Stand:
     place = np.array([radius * sine * s, radius * sine * c, height - pose.height - radius * drop])
     ahead, aside = np.array([(1.0 - drop) * s, (1.0 - drop) * c, -sine]), np.array([c, -s, 0.0])
     axes = np.stack([s * ahead + c * aside, c * ahead - s * aside, np.array([sine * s, sine * c, 1.0 - drop])], axis=1)
-    return Stand(place, axes @ placement.rotation)
+    if placement.water is None:  # the mean sea under the origin; over a body it is a plane
+        normal, point = axes[:, 2], place - height * axes[:, 2]
+    else:
+        normal, point = axes @ placement.water[0], place + axes @ (placement.water[1] - placement.position)
+    return Stand(place, axes @ placement.rotation, np.append(normal, normal @ point))
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ _OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
 def part_planes(
     grid: Grid,
     camera: tuple[Lens, Window],
-    faces: tuple[Faces, Sequence[Faces]],
+    faces: tuple[Faces, Sequence[Faces], Sequence[Faces]],
     body: SensorMesh | FloatArray,
     around: BodySurroundings,
     arriving: Arriving,
@@ -67,8 +67,8 @@ def part_planes(
         Cells of its samples.
     camera : (Lens, Window)
         Conversion of image points, and the pixels to draw.
-    faces : (Faces, sequence of Faces)
-        Its faces, and those of the solids that may stand before it.
+    faces : (Faces, sequence of Faces, sequence of Faces)
+        Its faces, those of the solids that may stand before it, and of these the body's own.
     body : SensorMesh or ndarray
         Solid, or gas as in :func:`~seaglint.objects.drawing.raster.chord`.
     around : BodySurroundings
@@ -80,17 +80,17 @@ def part_planes(
     -------
     planes, sums : ndarray
         :data:`~seaglint.objects.drawing.sample_sums.PLANES` of the grid's pixels [(planes, rows, columns)], and
-        :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
+        :data:`~seaglint.objects.drawing.sample_sums.SUMS` of their rows [(sums, rows)].
     """
     lens, window = camera
-    planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros(SUMS)
+    planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros((SUMS, grid.pixels[1]))
     for some in strips(grid):
         samples = lay_samples(some, lens, around.axes)
         meet(faces[0], some, samples)
         outline(faces[0], lens, around.axes, some, samples)
-        scene = around._replace(others=_depths(samples, some, faces[1]))
-        rows = some.first[1] - grid.first[1]
-        out = (planes[:, rows : rows + some.pixels[1]], sums)
+        scene = around._replace(others=_depths(samples, some, faces[1]), own=_depths(samples, some, faces[2]) if faces[2] else NOTHING)
+        rows = slice(some.first[1] - grid.first[1], some.first[1] - grid.first[1] + some.pixels[1])
+        out = (planes[:, rows], sums[:, rows])
         if isinstance(body, SensorMesh):
             shade_solid(some, lens, window, samples, body, scene, arriving, shadow, out)
         else:
@@ -126,10 +126,10 @@ def hit_cells(grid: Grid, lens: Lens, axes: FloatArray, faces: Faces) -> Iterato
         yield some, samples.triangle >= 0
 
 
-def solid_angle_of(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float, float]) -> float:
-    """Solid angle of a solid [sr] from samples at tangents ``x`` and ``y``, ``cell`` apart."""
+def sampled_solid(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float, float]) -> tuple[float, Samples]:
+    """Solid angle of a solid [sr] from samples at tangents ``x`` and ``y``, ``cell`` apart, and these."""
     samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
-    return float(whole_solid_angle(faces, _OWN_PLANE, samples, cell))
+    return float(whole_solid_angle(faces, _OWN_PLANE, samples, cell)), samples
 
 
 def shadow_map(vertex: FloatArray, corner: np.ndarray, axes: tuple[FloatArray, FloatArray], cells: int, lift: float) -> SunMap:

@@ -205,6 +205,10 @@ class Surroundings:
         weights = self.view.in_band.weights * self._sea
         return np.asarray(plume_emissivity(plume, self.view.in_band.wavenumber_cm) @ weights / weights.sum())
 
+    def cover_of(self, part: GasPlume | object) -> FloatArray:
+        """Share of the light behind a plume that it absorbs along its chords, before the air [1, (k,)]; empty for all else."""
+        return self.bare_cover(part) if isinstance(part, GasPlume) else np.zeros(0)
+
     def _scattered(self, arcs: FloatArray, heights: FloatArray, places: list[Corners]) -> FloatArray:
         """Sunlight scattered into the paths [W m-2 sr-1, (places, corners)].
 

@@ -109,6 +109,8 @@ class Placed:
         Data of a plume, as :func:`~seaglint.objects.drawing.raster.chord` takes it.
     eye : float
         Height of the sensor above the mean sea [m].
+    water : ndarray, (4,)
+        Plane of the body's waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`.
     """
 
     part: DrawnPart
@@ -117,6 +119,7 @@ class Placed:
     surface: FloatArray
     gas: FloatArray
     eye: float
+    water: FloatArray
 
     @property
     def distance(self) -> float:
@@ -195,7 +198,7 @@ def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
     if isinstance(part.kind, Mesh):
         middle = stand.place + stand.turn @ part.kind.middle
         surface = part.kind.vertices @ stand.turn.T + stand.place
-        out = Placed(part, middle, part.kind.radius, surface, none, eye)
+        out = Placed(part, middle, part.kind.radius, surface, none, eye, stand.water)
         if out.distance < out.radius and _holds_sensor(surface, part.kind.corners):
             raise DomainError(
                 f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
@@ -209,8 +212,8 @@ def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
         gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [longest_chord(part.kind)]])
         if np.linalg.norm(gas[:3]) < 1.0:
             raise DomainError(f"objects '{part.name}': the sensor is inside its plume; move it, or the sensor")
-        return Placed(part, middle, 1.03 * float(axes.max()), surface, gas, eye)
-    return Placed(part, stand.place, 0.0, stand.place[None], none, eye)
+        return Placed(part, middle, 1.03 * float(axes.max()), surface, gas, eye, stand.water)
+    return Placed(part, stand.place, 0.0, stand.place[None], none, eye, stand.water)
 
 
 def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:

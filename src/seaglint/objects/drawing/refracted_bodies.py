@@ -44,13 +44,18 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
     for patch in picture.patches:
         near, far = patch.placed.span[0].arc
         arc, waves = 0.5 * (near + far), near <= straight.sea_hides
-        if patch.clear > 0.0:
+        if patch.placed.radius == 0.0:
             elevation = standard.top - float(patch.sums[DOWN]) * standard.row_step
-            patches += [_image(patch, *one) for one in shift.images(arc, elevation, into_sea=waves) if _inside(stage, one[0])]
+            shown, images = ([one for one in shift.images(arc, elevation, into_sea=how) if _inside(stage, one[0])] for how in (True, waves))
+            if patch.clear > 0.0 and images:
+                patches += [_image(patch, *one) for one in images]
+            elif shown:  # in the picture, and hidden
+                row = np.array([math.floor(shown[0][0])])
+                patches.append(replace(patch, rows=row, lines=np.array([[1.0], [0.0]]), clear=0.0))
         else:
-            rows, places = shift.objects(arc, standard, into_sea=waves)
-            some = slice(*stage.rows)
-            patches += _shifted(patch, rows[some], places[some], stage)
+            mixed = shift.objects(arc, standard, into_sea=waves)
+            unhidden = mixed[0] if waves else shift.objects(arc, standard, into_sea=True)[0]
+            patches += _shifted(patch, mixed, unhidden, stage)
     return DrawnBodies(picture.bodies, picture.stands, tuple(patches), picture.placed)
 
 
@@ -65,15 +70,17 @@ def _image(patch: PixelPatch, row: float, magnification: float) -> PixelPatch:
     return replace(patch, rows=np.array([math.floor(row)]), sums=sums, clear=patch.clear * magnification)
 
 
-def _shifted(patch: PixelPatch, shares: csr_array, places: csr_array, stage: Stage) -> list[PixelPatch]:
-    """Patch with its rows shifted; none where no ray meets it."""
-    shares, places = shares[:, patch.rows], places[:, patch.rows]
-    touched = np.flatnonzero(np.diff(shares.indptr))
+def _shifted(patch: PixelPatch, mixed: tuple[csr_array, csr_array], unhidden: csr_array, stage: Stage) -> list[PixelPatch]:
+    """Patch with its rows shifted; none where no ray comes near it. ``unhidden``: shares of rows where the sea hides nothing."""
+    shares, places, unhidden = (matrix[:, patch.rows] for matrix in (*mixed, unhidden))
+    lines = _lines(patch.lines, shares, unhidden)
+    rows = np.arange(*stage.rows)
+    shares, places = shares[rows], places[rows]
+    touched = np.flatnonzero((np.diff(shares.indptr) > 0) | (lines[0, rows] > 0.0))
     if touched.size == 0:
         return []
-    shares, places = shares[touched], places[touched]
+    shares, places, rows = shares[touched], places[touched], rows[touched]
     planes = np.stack([shares @ plane for plane in patch.planes])
-    rows = touched + stage.rows[0]
     pixel = stage.imager.solid_angle(stage.pose.attitude, patch.columns + 0.5, rows[:, None] + 0.5)
     pixel = np.broadcast_to(pixel, planes[COVER].shape)
     sums = patch.sums.copy()
@@ -81,4 +88,18 @@ def _shifted(patch: PixelPatch, shares: csr_array, places: csr_array, stage: Sta
     sums[DOWN] = float(((places @ patch.planes[COVER]) * pixel).sum())
     sums[ACROSS] *= sums[SEEN] / patch.sums[SEEN] if patch.sums[SEEN] > 0.0 else 0.0
     sums[WHOLE] = max(float(sums[WHOLE]), float(sums[SEEN]))
-    return [PixelPatch(patch.placed, rows, patch.columns, planes, sums)]
+    return [PixelPatch(patch.placed, rows, patch.columns, planes, sums, lines[:, rows])]
+
+
+def _lines(lines: FloatArray, shares: csr_array, unhidden: csr_array) -> FloatArray:
+    """Lines of a patch by the rows of the picture, each row of the standard picture shared out among its images in them [sr, (2, rows)]."""
+    total = np.asarray(unhidden.sum(axis=0)).ravel()
+    each = lines / np.where(total > 0.0, total, np.inf)
+    out = np.stack([unhidden @ each[0], shares @ each[1]])
+    met = np.flatnonzero(total)
+    if met.size:
+        # rows between images that no ray meets are in the picture, and hidden
+        dark = np.arange(met[0], met[-1])[total[met[0] : met[-1]] == 0.0]
+        for row in dark:
+            out[0, unhidden[:, [met[met < row][-1]]].nonzero()[0][0]] += lines[0, row]
+    return out

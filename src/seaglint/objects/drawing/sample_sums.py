@@ -39,7 +39,12 @@ ACROSS: Final = 2
 DOWN: Final = 3
 """Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels]."""
 
-SUMS: Final = 4
+DRY: Final = 4
+DRY_INSIDE: Final = 5
+DRY_SEEN: Final = 6
+"""Sums of the solid angle above the waterline that no part of the same body hides [sr]: in all, in the pixels to draw, and in view."""
+
+SUMS: Final = 7
 
 
 class SensorMesh(NamedTuple):
@@ -60,7 +65,9 @@ class BodySurroundings(NamedTuple):
 
     Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`, each
     with its row of covers as :class:`~seaglint.objects.drawing.light.Arriving` has them; the heading is the azimuth of the body's centre
-    [rad] with its sine and cosine.
+    [rad] with its sine and cosine. ``water`` is the plane of its waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`; ``own``:
+    depths of the body's own solid at the samples of its gas, without samples where it has none; ``own_gases``: how many of the gases, the
+    first ones, are its own.
     """
 
     eye: float
@@ -70,23 +77,36 @@ class BodySurroundings(NamedTuple):
     covers: np.ndarray
     axes: np.ndarray
     heading: tuple[float, float, float]
+    water: np.ndarray
+    own: np.ndarray
+    own_gases: int
 
 
 class Window(NamedTuple):
-    """Pixels to draw: first and end column, first and end row; columns in a full circle, 0 where there is none."""
+    """Pixels to draw: first and end column, first and end row; columns in a full circle, 0 where there is none.
+
+    ``frame``: first and end column and row of the picture, within these; what lies beyond is drawn for its blur alone.
+    """
 
     columns: tuple[int, int]
     rows: tuple[int, int]
     circle: int
+    frame: tuple[int, int, int, int]
+
+    def framed(self, column: int, row: int) -> bool:
+        """True if a pixel is in the picture."""
+        return self.frame[0] <= column < self.frame[1] and self.frame[2] <= row < self.frame[3]
 
 
 @kernel
-def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool]:
-    """Column and row of a cell's pixel, counted from the grid's first, and a flag for pixels to draw."""
+def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool, bool]:
+    """Column and row of a cell's pixel, counted from the grid's first, and flags for pixels to draw and for those in the picture."""
     column, row = (grid.begin[0] + i) // grid.cells[0], (grid.begin[1] + j) // grid.cells[1]
     at = column % window.circle if window.circle > 0 else column
     drawn = window.columns[0] <= at < window.columns[1] and window.rows[0] <= row < window.rows[1]
-    return column - grid.first[0], row - grid.first[1], drawn
+    frame = window.frame
+    framed = drawn and frame[0] <= at < frame[1] and frame[2] <= row < frame[3]
+    return column - grid.first[0], row - grid.first[1], drawn, framed
 
 
 @kernel
@@ -149,13 +169,19 @@ def _chord_node(share: float, count: int) -> tuple[int, float]:
 
 
 @kernel
-def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float) -> float:
-    """Transmittance of the gases before a distance [m] along a direction."""
+def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float, count: int) -> float:
+    """Transmittance of the first gases before a distance [m] along a direction."""
     through = 1.0
-    for g in range(scene.gases.shape[0]):
+    for g in range(count):
         k, f = _chord_node(chord(scene.gases[g], direction, 0.0, last), scene.covers.shape[1])
         through *= 1.0 - (scene.covers[g, k] + f * (scene.covers[g, k + 1] - scene.covers[g, k]))
     return through
+
+
+@kernel
+def _dry(scene: BodySurroundings, at: tuple[float, float, float, float, float]) -> bool:
+    """True if a point of a body is above its waterline."""
+    return bool(scene.water[0] * at[0] + scene.water[1] * at[1] + scene.water[2] * at[2] > scene.water[3])
 
 
 @njit
@@ -164,7 +190,7 @@ def clear_to(scene: BodySurroundings, distance: float) -> float:
     at = place_of(0.0, 0.0, distance, scene)
     if scene.others[0, 0] * distance > 1.0 or not _visible(scene, at):
         return 0.0
-    return _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
+    return _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance, scene.gases.shape[0])
 
 
 @kernel
@@ -299,7 +325,7 @@ def shade_solid(
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
     """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``
-    (:data:`SUMS`).
+    (:data:`SUMS`, rows) of their rows.
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
@@ -309,22 +335,28 @@ def shade_solid(
         row_solid = _row_solid_angle(lens, grid, j)
         last, before, above = -1, -1, 0
         parts = sunlit = far = 0.0
-        whole = seen = across = 0.0
+        whole = seen = across = dry = inside = dry_seen = 0.0
+        line = (grid.begin[1] + j) // grid.cells[1] - grid.first[1]
         for i in range(grid.size[0]):
             near, clear = samples.near[j, i], samples.share[j, i]
             if near <= 0.0 or clear <= 0.0:
                 continue
             solid = row_solid * _falling(lens, grid, j, i) * clear
             whole += solid
-            column, row, drawn = _pixel(grid, window, i, j)
-            if not drawn or scene.others[j, i] > near:
-                continue
+            column, row, drawn, framed = _pixel(grid, window, i, j)
             at = place_of(samples.x[j, i], samples.y[j, i], 1.0 / near, scene)
-            if not _visible(scene, at):
-                continue
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
+            direction = (at[0] / distance, at[1] / distance, at[2] / distance)
+            above_water = _dry(scene, at)
+            if above_water:
+                left = solid * _clear(scene, direction, distance, scene.own_gases)
+                dry += left
+                if framed:
+                    inside += left
+            if not drawn or scene.others[j, i] > near or not _visible(scene, at):
+                continue
             if scene.gases.shape[0] > 0:
-                through = _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
+                through = _clear(scene, direction, distance, scene.gases.shape[0])
                 clear, solid = clear * through, solid * through
             t = samples.triangle[j, i]
             if t != last or column != before:
@@ -337,13 +369,19 @@ def shade_solid(
             far += clear * distance
             if facet[3] > 0.0 and lit(shadow, (at[0], at[1], at[2])):
                 sunlit += clear
-            seen += solid
-            across += solid * (grid.begin[0] + i + 0.5)
+            if framed:
+                seen += solid
+                across += solid * (grid.begin[0] + i + 0.5)
+                if above_water:
+                    dry_seen += solid
         _enter(planes, above, before, facet, (share * parts, share * sunlit, share * far))
-        sums[WHOLE] += whole
-        sums[SEEN] += seen
-        sums[ACROSS] += across / grid.cells[0]
-        sums[DOWN] += seen * (grid.begin[1] + j + 0.5) / grid.cells[1]
+        sums[WHOLE, line] += whole
+        sums[SEEN, line] += seen
+        sums[ACROSS, line] += across / grid.cells[0]
+        sums[DOWN, line] += seen * (grid.begin[1] + j + 0.5) / grid.cells[1]
+        sums[DRY, line] += dry
+        sums[DRY_INSIDE, line] += inside
+        sums[DRY_SEEN, line] += dry_seen
 
 
 @njit
@@ -378,23 +416,33 @@ def shade_gas(
                 continue
             solid = row_solid * _falling(lens, grid, j, i)
             k, f = _chord_node(whole, covers.size)
-            sums[WHOLE] += solid * (covers[k] + f * (covers[k + 1] - covers[k]))
-            column, row, drawn = _pixel(grid, window, i, j)
-            if not drawn:
-                continue
-            last = slant / scene.others[j, i] if scene.others[j, i] > 0.0 else math.inf
-            inside = chord(plume, direction, 0.0, last)
+            line = (grid.begin[1] + j) // grid.cells[1] - grid.first[1]
+            sums[WHOLE, line] += solid * (covers[k] + f * (covers[k + 1] - covers[k]))
+            column, row, drawn, framed = _pixel(grid, window, i, j)
             # seen at its middle along the line
             ux = plume[3] * direction[0] + plume[4] * direction[1] + plume[5] * direction[2]
             uy = plume[6] * direction[0] + plume[7] * direction[1] + plume[8] * direction[2]
             uz = plume[9] * direction[0] + plume[10] * direction[1] + plume[11] * direction[2]
             distance = (plume[0] * ux + plume[1] * uy + plume[2] * uz) / (ux * ux + uy * uy + uz * uz)
-            if inside <= 0.0 or distance <= 0.0:
+            if distance <= 0.0:
                 continue
             at = place_of(x, y, distance / slant, scene)
-            if not _visible(scene, at):
+            above_water = _dry(scene, at)
+            if above_water:
+                last = slant / scene.own[j, i] if scene.own.shape[0] > 0 and scene.own[j, i] > 0.0 else math.inf
+                k, f = _chord_node(chord(plume, direction, 0.0, last), covers.size)
+                opaque = covers[k] + f * (covers[k + 1] - covers[k])
+                left = solid * opaque * _clear(scene, direction, distance, scene.own_gases)
+                sums[DRY, line] += left
+                if framed:
+                    sums[DRY_INSIDE, line] += left
+            if not drawn:
                 continue
-            through = _clear(scene, direction, distance) if scene.gases.shape[0] > 0 else 1.0
+            last = slant / scene.others[j, i] if scene.others[j, i] > 0.0 else math.inf
+            inside = chord(plume, direction, 0.0, last)
+            if inside <= 0.0 or not _visible(scene, at):
+                continue
+            through = _clear(scene, direction, distance, scene.gases.shape[0])
             k, f = _chord_node(inside, covers.size)
             cover = through * (covers[k] + f * (covers[k + 1] - covers[k]))
             u, w = _between(light.corner, at[3], at[4])
@@ -404,6 +452,9 @@ def shade_gas(
             planes[EMITTED, row, column] += share * through * _glow(light, 0, k, f, u, w)
             planes[COUNTED, row, column] += part * _corners_mean(path, 1, u, w) + share * through * _glow(light, 1, k, f, u, w)
             planes[DISTANCE, row, column] += part * distance
-            sums[SEEN] += solid * cover
-            sums[ACROSS] += solid * cover * (grid.begin[0] + i + 0.5) / grid.cells[0]
-            sums[DOWN] += solid * cover * (grid.begin[1] + j + 0.5) / grid.cells[1]
+            if framed:
+                sums[SEEN, line] += solid * cover
+                sums[ACROSS, line] += solid * cover * (grid.begin[0] + i + 0.5) / grid.cells[0]
+                sums[DOWN, line] += solid * cover * (grid.begin[1] + j + 0.5) / grid.cells[1]
+                if above_water:
+                    sums[DRY_SEEN, line] += solid * cover

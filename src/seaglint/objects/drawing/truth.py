@@ -39,13 +39,22 @@ class _Pixels:
     solid: FloatArray
     seen: NDArray[np.bool_]
 
-    def where(self, margin: int = 0) -> tuple[NDArray[Any], ...]:
-        """Box in the image, with some pixels around it."""
-        top, bottom = max(self.top - margin, 0), min(self.top + self.seen.shape[0] + margin, self.shape[0])
-        left, right = self.left - margin, self.left + self.seen.shape[1] + margin
-        if self.around:
-            return np.ix_(np.arange(top, bottom), np.arange(left, min(right, left + self.shape[1])) % self.shape[1])
-        return np.ix_(np.arange(top, bottom), np.arange(max(left, 0), min(right, self.shape[1])))
+    def where(self) -> tuple[NDArray[Any], ...]:
+        """Box in the image."""
+        rows, columns = self.seen.shape
+        return np.ix_(self.top + np.arange(rows), (self.left + np.arange(columns)) % self.shape[1])
+
+    def frame(self, margin: int) -> tuple[NDArray[Any], ...]:
+        """Box with some pixels around it, as many at the image's edge: a deviation over fewer is another one in a sea that is correlated.
+
+        Rows that are lost are made up by columns, as the sea changes with elevation; columns that are lost, on the other side.
+        """
+        rows, columns = (size + 2 * margin for size in self.seen.shape)
+        top, bottom = max(self.top - margin, 0), min(self.top - margin + rows, self.shape[0])
+        width = min(math.ceil(rows * columns / (bottom - top)), self.shape[1])
+        left = self.left - margin - (width - columns) // 2
+        left = left if self.around else min(max(left, 0), self.shape[1] - width)
+        return np.ix_(np.arange(top, bottom), (left + np.arange(width)) % self.shape[1])
 
 
 def labels(
@@ -155,8 +164,8 @@ def _numbers(
     row = dict.fromkeys(NUMBERS, math.nan)
     row |= {
         "range_m": sight.distance,
-        "solid_angle_sr": sight.whole,
-        "visible_share": 0.0,
+        "solid_angle_sr": sight.dry if sight.whole > 0.0 else 0.0,
+        **_shares(sight),
         "bearing_deg": math.degrees(sight.azimuth) % 360.0,
         "elevation_deg": math.degrees(sight.elevation),
         "pixels": 0.0,
@@ -168,7 +177,6 @@ def _numbers(
     total = float(difference.sum())
     point = sight.seen == 0.0
     weight = 1.0 if point else sight.seen
-    row["visible_share"] = 1.0 if point else min(sight.seen / sight.whole, 1.0) if sight.whole > 0.0 else math.nan
     row["column_px"] = _on_image(sight.across / weight / n - 0.5, box)
     row["row_px"] = sight.down / weight / n - 0.5
     rows, columns = np.nonzero(box.seen)
@@ -190,6 +198,13 @@ def _numbers(
     return row
 
 
+def _shares(sight: BodySight) -> dict[str, float]:
+    """Shares of a body that are in view, hidden in the picture, and outside it."""
+    outside, hidden = sight.truncated, sight.occluded
+    visible = (1.0 - outside) * (1.0 - hidden) if math.isfinite(outside) and math.isfinite(hidden) else 0.0
+    return {"visible_share": visible, "occluded_share": hidden, "truncated_share": outside}
+
+
 def _on_image(column: float, box: _Pixels) -> float:
     """Column in an image that closes on itself, from -0.5 on."""
     return (column + 0.5) % box.shape[1] - 0.5 if box.around else column
@@ -197,7 +212,7 @@ def _on_image(column: float, box: _Pixels) -> float:
 
 def _clutter(box: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
     """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN with too few pixels of sea."""
-    where = box.where(SURROUND)
+    where = box.frame(SURROUND)
     around = sea[where][~covered[where]]
     around = around[np.isfinite(around)]
     return float(around.std()) if around.size >= LEAST_CLUTTER else math.nan

@@ -10,6 +10,8 @@ NUMBERS: Final = (
     "range_m",
     "solid_angle_sr",
     "visible_share",
+    "occluded_share",
+    "truncated_share",
     "contrast_W_m2_sr",
     "bearing_deg",
     "elevation_deg",

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, TypeAdapter, ValidationError, ValidationInfo, model_validator
 
-from seaglint.base.limits import TOP_OF_AIR, WIDEST_PINHOLE_DEG
+from seaglint.base.limits import SHAKEN, SMEARED, TOP_OF_AIR, WIDEST_PINHOLE_DEG
 from seaglint.base.reports import REPORTS
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import Record, rule
@@ -166,6 +166,7 @@ class Sensor(Record):
             raise rule("sensor.optics.distortion", text, value=self.optics.distortion)
         _require_focal_length(self, self.optics, self.detector)
         _require_times(self)
+        _require_steady(self, self.optics, self.detector)
         return self
 
     @model_validator(mode="after")
@@ -248,6 +249,57 @@ def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) ->
     if sensor.scan is not None and sensor.scan.kind == "panoramic" and abs(sensor.fov_deg[0] - 360.0) > 1e-6:
         text = f"= [{sensor.fov_deg[0]:g}, {sensor.fov_deg[1]:g}] is no turn, and sensor.scan.kind is 'panoramic'; give 360 deg, or 'line'"
         raise rule("sensor.fov_deg", text, value=sensor.fov_deg)
+
+
+def _require_steady(sensor: Sensor, optics: Optics, detector: Detector) -> None:
+    """Refuse movement of the line of sight in an exposure that is too wide for the picture."""
+    step, sides = detector.pitch_um / sensor.focal_length_m, sensor.pixels  # microradians, pixels
+    most = max(SHAKEN[0] * min(sides), SHAKEN[1]) * step
+    if optics.jitter_urad > most:
+        text = (
+            f"= {optics.jitter_urad:g} is {optics.jitter_urad / step:.4g} pixels rms, too wide for a picture of {sides[0]} x {sides[1]} "
+            f"pixels; allowed are up to {most:.4g} urad: lower it, or give more pixels"
+        )
+        raise rule("sensor.optics.jitter_urad", text, value=optics.jitter_urad, allowed=f"up to {most:.4g} urad")
+    if not isinstance(detector, PhotonDetector):
+        return  # a lag blurs in time, not within a picture
+    exposure = _exposure(sensor, detector)
+    if exposure is None:
+        return
+    _require_well(detector, exposure)
+    for name, drift, side in (("along", optics.drift_along_urad_s, sides[0]), ("across", optics.drift_across_urad_s, sides[1])):
+        fastest = max(side, SMEARED) * step / exposure
+        if abs(drift) > fastest:
+            key = f"sensor.optics.drift_{name}_urad_s"
+            text = (
+                f"= {drift:g} moves the picture by {abs(drift) * exposure / step:.4g} pixels in an exposure of {exposure:g} s; allowed are "
+                f"up to {fastest:.4g} urad/s: lower it, or shorten sensor.detector.integration_time_s"
+            )
+            raise rule(key, text, value=drift, allowed=f"up to {fastest:.4g} urad/s")
+
+
+def _require_well(detector: PhotonDetector, exposure: float) -> None:
+    """Refuse dark current that alone fills the well, in either exposure."""
+    for time in (detector.short_integration_time_s, exposure):
+        if time is not None and detector.well_capacity_e is not None and detector.dark_current_e_s * time >= detector.well_capacity_e:
+            most = detector.well_capacity_e / time
+            text = (
+                f"= {detector.dark_current_e_s:g} fills the well of {detector.well_capacity_e:g} electrons in {time:g} s; "
+                f"allowed are below {most:.4g}: lower it, or shorten the integration"
+            )
+            raise rule("sensor.detector.dark_current_e_s", text, value=detector.dark_current_e_s, allowed=f"below {most:.4g}")
+
+
+def _exposure(sensor: Sensor, detector: PhotonDetector) -> float | None:
+    """Return the integration time [s]: by default a frame, of a scanner the time in which it moves on by a pixel; None if by NETD."""
+    if detector.integration_time_s is not None:
+        return detector.integration_time_s
+    if detector.netd_k is not None:
+        return None
+    scan, frame = sensor.scan, 1.0 / sensor.frame_rate_hz
+    if scan is None or scan.kind == "staring" or scan.period_s == 0.0:
+        return frame
+    return (frame if scan.period_s is None else scan.period_s) / sensor.pixels[0]
 
 
 def _require_times(sensor: Sensor) -> None:

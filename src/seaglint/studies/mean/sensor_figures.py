@@ -17,7 +17,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import TABLES
 from seaglint.scenario.records.sensor_detector import PhotonDetector
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.studies.prepare.sensor_model import platform_rates, sensor_model
 
 MEAN_PIXELS = (24, 12)
 """Grid of the mean map from which the scene's mean radiance is taken for a noise budget."""
@@ -66,7 +66,8 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> Se
     (0.075, 3)
     """
     model = sensor_model(scenario)
-    sheet = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
+    rates = platform_rates(scenario, model.exposure_time)
+    sheet = figures(model, mean_radiance(scenario), rates, [1e3 * frequency for frequency in frequencies])
     return SensorDescription(model.seed, sheet, json.loads(scenario.model_dump_json(exclude_none=True)), _from_netd(scenario, model))
 
 

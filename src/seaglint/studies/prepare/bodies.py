@@ -15,9 +15,10 @@ from seaglint.files.mesh import METRES, read_mesh
 from seaglint.files.tables.track import OBJECT_COLUMNS, read_track
 from seaglint.imaging.camera.pose import Track
 from seaglint.objects import primitives
+from seaglint.objects.approach import CLEARANCE, first_contact
 from seaglint.objects.attitude import rotation
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource, Solid
-from seaglint.objects.checks import inside, oriented, require_materials, waterline
+from seaglint.objects.checks import oriented, require_materials, waterline
 from seaglint.objects.floating import Afloat, Steered, Swell
 from seaglint.objects.geodesic import east_north
 from seaglint.objects.motion import Course, Keyframed, Rest
@@ -29,10 +30,7 @@ from seaglint.sea.field import WaveField
 from seaglint.studies.prepare import prepare
 
 MOST_CHECKED = 33
-"""Times at which objects are held against each other and against the sensor."""
-
-CLEARANCE = 0.1
-"""Distance from the sensor that a point needs [m]."""
+"""Times at which objects are held against each other."""
 
 OVERLAP = 1e-6
 """Share of the smaller of two solids that they may have in common: what touches does not overlap."""
@@ -89,7 +87,8 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
             base = _motion(scenario, item, parts, origin)
             _require_seen(scenario, parts, base, times)
             placed.append(Body(item.name, parts, _ridden(item, parts, base, swell) if item.floats else base))
-    _require_apart(placed, track, times)
+    _require_clear(placed, track, last)
+    _require_apart(placed, times)
     return tuple(placed)
 
 
@@ -343,15 +342,33 @@ def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSourc
             )
 
 
-def _require_apart(placed: list[Body], track: Track, times: FloatArray) -> None:
-    """Refuse objects in the sensor and in each other."""
+def _require_clear(placed: list[Body], track: Track, last: float) -> None:
+    """Refuse objects that the sensor runs into at any time; a floating sensor goes along its way on a flat sea."""
+
+    def eye(time: float) -> FloatArray:
+        pose = track.at(time)
+        return np.array([pose.east, pose.north, pose.height])
+
+    for body in placed:
+        contact = first_contact(body, eye, track.time, last)
+        if contact is not None:
+            text = (
+                f"at {contact.time:.6g} s the sensor is inside it, {contact.distance:.3g} m from its origin; move one of them by east_m, "
+                "north_m or height_m"
+            )
+            if any(isinstance(part, PointSource) for part in body.parts):
+                text = (
+                    f"at {contact.time:.6g} s the sensor is {contact.distance:.3g} m from it, and a point needs {CLEARANCE:g} m; move one "
+                    "of them by east_m, north_m or height_m"
+                )
+            raise _refused(body.name, text)
+
+
+def _require_apart(placed: list[Body], times: FloatArray) -> None:
+    """Refuse objects in each other."""
     reach = [float(np.linalg.norm(_corners(body.parts), axis=1).max(initial=0.0)) for body in placed]
     for time in times:
-        pose, now = track.at(float(time)), [body.motion.at(float(time)) for body in placed]
-        eye = np.array([pose.east, pose.north, pose.height])
-        for body, at, far in zip(placed, now, reach, strict=True):
-            if np.linalg.norm(eye - at.position) <= far + CLEARANCE and _holds(body, at.rotation.T @ (eye - at.position)):
-                raise _refused(body.name, f"at {time:g} s the sensor is inside it; move one of them by east_m, north_m or height_m")
+        now = [body.motion.at(float(time)) for body in placed]
         for i, one in enumerate(placed):
             for j in range(i):
                 near = np.linalg.norm(now[i].position - now[j].position) < reach[i] + reach[j]
@@ -366,22 +383,6 @@ def _require_apart(placed: list[Body], track: Track, times: FloatArray) -> None:
 def _refused(name: str, text: str) -> ScenarioError:
     key = f"objects ('{name}')"
     return ScenarioError(f"{key}: {text}", mistakes=(Mistake(key, None, None, f"{key}: {text}"),))
-
-
-def _holds(body: Body, place: FloatArray) -> bool:
-    for part in body.parts:
-        match part:
-            case Solid():
-                held = inside(part, place)
-            case GasPlume():
-                held = bool(np.sum(((place - np.asarray(part.centre)) / np.asarray(part.semi_axes)) ** 2) < 1.0)
-            case PointSource():
-                held = bool(np.linalg.norm(place) < CLEARANCE)
-            case other:
-                assert_never(other)
-        if held:
-            return True
-    return False
 
 
 def _overlap(one: Body, at: Placement, other: Body, there: Placement) -> bool:

@@ -7,8 +7,9 @@ import os
 import sys
 from pathlib import Path
 
-from seaglint.base.errors import ScenarioError
+from seaglint.base.errors import DataError, ScenarioError
 from seaglint.imaging.bending import FINER
+from seaglint.instrument.chain import SensorModel
 from seaglint.scenario.model import Scenario
 from seaglint.sea.tiles import TILES
 from seaglint.studies.prepare import prepare
@@ -30,8 +31,11 @@ BASE = 250 << 20
 """Program, atmosphere and tables of facets."""
 
 
-def memory_needed(scenario: Scenario, oversampling: int = 1) -> int:
-    """Estimate of the largest memory that rendering a frame takes, ``oversampling`` times finer than the sensor's pixels [bytes]."""
+def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel | None = None) -> int:
+    """Estimate of the largest memory that rendering a frame takes, ``oversampling`` times finer than the sensor's pixels [bytes].
+
+    With ``model`` the margins are counted into which its blur reaches.
+    """
     columns, rows = (oversampling * size for size in scenario.sensor.pixels)
     scan = scenario.sensor.scan
     scanned = scan is not None and scan.kind != "staring" and scan.period_s != 0.0  # column after column, however it is turned
@@ -42,7 +46,8 @@ def memory_needed(scenario: Scenario, oversampling: int = 1) -> int:
         rows *= 1 + FINER
     pixels = columns * rows * each * (2 if scenario.render.layers else 1)
     waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
-    return BASE + pixels + waves
+    blurred = 0 if model is None else model.transfer_bytes((scenario.sensor.pixels[1], scenario.sensor.pixels[0]), oversampling)
+    return BASE + max(pixels, blurred) + waves
 
 
 def memory_available() -> int | None:
@@ -65,7 +70,20 @@ def memory_available() -> int | None:
     return max(min(limits), 0) if limits else None
 
 
-def require_memory(scenario: Scenario, oversampling: int = 1) -> None:
+def require_room(need: int, what: str, remedy: str) -> None:
+    """Refuse what takes more memory than there is.
+
+    Raises
+    ------
+    DataError
+        Saying how much is needed and how much there is.
+    """
+    there = memory_available()
+    if there is not None and need > there:
+        raise DataError(f"{what} needs about {need / 1e9:.1f} GB of memory, and {there / 1e9:.1f} GB are free; {remedy}")
+
+
+def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel | None = None) -> None:
     """Refuse a scenario whose images cannot fit.
 
     Raises
@@ -73,11 +91,11 @@ def require_memory(scenario: Scenario, oversampling: int = 1) -> None:
     ScenarioError
         Saying how much is needed and how much there is.
     """
-    need, there = memory_needed(scenario, oversampling), memory_available()
+    need, there = memory_needed(scenario, oversampling, model), memory_available()
     if there is None or need <= there:
         return
     (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
-    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n) <= there), None)
+    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n, model) <= there), None)
     drawn = f" drawn {oversampling} x {oversampling} finer (render.oversampling)" if oversampling > 1 else ""
     remedy = "fewer pixels or a smaller render.tile_size"
     if coarser is not None:

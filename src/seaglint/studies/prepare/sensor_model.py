@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import Attributes
+from seaglint.base.reports import REPORTS
 from seaglint.files.tables.response import read_response
 from seaglint.imaging.camera.pose import Track
 from seaglint.instrument.bolometer import ThermalPixels
@@ -23,6 +26,10 @@ from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sensor_detector import PhotonDetector
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.slope_laws import slopes
+
+RATED_FRAMES: Final = 65
+"""Largest number of frames at which the platform's movement is evaluated for figures of merit."""
 
 
 def require_sensor(scenario: Scenario) -> None:
@@ -87,7 +94,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         scanning=scan_rate(scenario) != 0.0,
         circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
     )
-    return _with_stated_netd(_with_noise(model, scenario), scenario)
+    return _with_room(_with_stated_netd(_with_noise(model, scenario), scenario))
 
 
 def _with_stated_netd(model: SensorModel, scenario: Scenario) -> SensorModel:
@@ -105,6 +112,27 @@ def _with_stated_netd(model: SensorModel, scenario: Scenario) -> SensorModel:
         key = "sensor.detector.netd_k"
         mistake = Mistake(key, source.netd_k, error.allowed, f"{key} = {source.netd_k:g}: {error}")
         raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
+
+
+def _with_room(model: SensorModel) -> SensorModel:
+    """The sensor; refused where dark current alone fills its wells, reported where dark current and warm optics do."""
+    line, detector = model.readout, model.detector
+    if not isinstance(detector, PhotonPixels) or detector.well_capacity is None:
+        return model
+    if line.dark >= detector.well_capacity:
+        key = "sensor.detector.dark_current_e_s"
+        text = (
+            f"{key} = {detector.dark_current:g} fills the well of {detector.well_capacity:g} electrons in an integration of "
+            f"{detector.integration_time:g} s; lower it, or shorten the integration"
+        )
+        raise ScenarioError(text, mistakes=(Mistake(key, detector.dark_current, None, text),))
+    if line.background >= line.capacity:
+        REPORTS.warning(
+            "sensor.detector: dark current and warm optics give %.4g electrons in an integration of %g s, and the well holds %g: every "
+            "pixel is saturated; shorten the integration, or cool optics and detector",
+            line.background, detector.integration_time, detector.well_capacity,
+        )  # fmt: skip
+    return model
 
 
 def _photons(over: Band, detector: Any) -> Photons:
@@ -175,6 +203,19 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
     roll = first.roll
     right, up = along * math.cos(roll) - elevation * math.sin(roll), along * math.sin(roll) + elevation * math.cos(roll)
     return right / (end - begin), -up / (end - begin)
+
+
+def platform_rates(scenario: Scenario, exposure: float) -> tuple[float, float]:
+    """Root mean square of :func:`line_of_sight_rates` over the scenario's frames [rad s-1]; signs are not known to an MTF."""
+    platform, sensor = scenario.platform, scenario.sensor
+    if platform is None:
+        return (0.0, 0.0)
+    waves = prepare.sea(scenario, slopes(scenario)).waves if platform.floats else None
+    track = prepare.track(scenario, waves)
+    times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, RATED_FRAMES))
+    rates = np.array([line_of_sight_rates(track, float(time), exposure, sensor.projection) for time in times])
+    along, across = np.sqrt((rates**2).mean(axis=0))
+    return float(along), float(across)
 
 
 def sensor_attributes(model: SensorModel, oversampling: int) -> Attributes:

@@ -267,7 +267,8 @@ class ExposedObjects:
                     sea = scene.sea(self._view.pose(time + drawing.delay), time + drawing.delay)
                     waves = (sea.levels, sea.surface)
                 columns = (0, self.imager.columns) if self._circle else (-spare, self.imager.columns + spare)
-                stage = Stage(self.imager, pose, view, waves, columns, (-spare, self.imager.rows + spare))
+                rows, frame = (-spare, self.imager.rows + spare), (0, self.imager.columns, 0, self.imager.rows)
+                stage = Stage(self.imager, pose, view, waves, columns, rows, frame=frame)
                 moments[at] = (stage, drawer.placed(pose, at)[1])
             stage, every = moments[at]
             one = every[drawing.part]
@@ -300,7 +301,8 @@ class ExposedObjects:
             scale *= 2
         columns, rows = ((scale * a, scale * b) for a, b in (wide.columns, wide.rows))
         cells = max(math.ceil(FEWEST_CELLS * self.fine / scale), 2)
-        return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells), scale
+        frame = (0, scale * self.imager.columns, 0, scale * self.imager.rows)
+        return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells, frame=frame), scale
 
     def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[_Drawing]) -> list[tuple[_Drawing, PixelPatch, float]]:
         """Patches through air that bends lines of sight, in the fine pixels of the picture."""
@@ -394,7 +396,9 @@ class ExposedObjects:
                 moved[place] = moved[place] / scale + offset * (1.0 if patch.clear > 0.0 else moved[SEEN])
             patches.append(replace(patch, sums=moved))
             shares.append(self._share(drawn[part], time, pose, behind_them))
-        picture = DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), every)
+        own = {part: patch.placed for patch, _, part in central}
+        parts = tuple(own.get(number, one) for number, one in enumerate(every))
+        picture = DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), parts)
         return sights(picture, patches, shares, self._circle, light)
 
     def _share(

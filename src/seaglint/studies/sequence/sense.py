@@ -28,10 +28,11 @@ from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import blur_px
-from seaglint.instrument.transfer import require_divides
+from seaglint.instrument.transfer import require_divides, require_steady
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sensor_table import AGREEMENT
+from seaglint.studies.prepare.memory import BASE, require_room
 from seaglint.studies.prepare.sensor_model import sensor_attributes, sensor_model
 from seaglint.studies.sequence.spread import over
 
@@ -254,6 +255,7 @@ def prepare_sense(
     times = _oversampling(model, known, oversampling)
     shape = _divided((recording.rows, recording.columns), times, recording.source)
     rows, columns = shape
+    _require_blur(model, shape, times, recording.source)
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
 
     numbers = range(recording.frames) if known.frames is None or len(known.frames) != recording.frames else known.frames
@@ -373,6 +375,16 @@ def _divided(shape: tuple[int, int], oversampling: int, source: str) -> tuple[in
         return require_divides(shape, oversampling)
     except DomainError as error:
         raise DataError(f"{source}: {error}") from error
+
+
+def _require_blur(model: SensorModel, shape: tuple[int, int], oversampling: int, source: str) -> None:
+    """Refuse a recording too small for the sensor's jitter, or too large for the memory."""
+    try:
+        require_steady(model.optics.jitter / model.ifov, shape)
+    except DomainError as error:
+        raise DataError(f"{source}: sensor.optics.jitter_urad = {1e6 * model.optics.jitter:g}: {error}") from error
+    what = f"{source}: blur of {shape[1]} x {shape[0]} pixels, {oversampling} x {oversampling} finer,"
+    require_room(BASE + model.transfer_bytes(shape, oversampling), what, "cut the recording, or lower jitter, drift or oversampling")
 
 
 def _directions(

@@ -269,7 +269,7 @@ def prepare_sensed(
     """
     model = sensor_model(scenario)
     n = scenario.render.oversampling or model.oversampling
-    require_memory(scenario, n)
+    require_memory(scenario, n, model)
     sensor, way = scenario.sensor, scan(scenario)
     columns, rows = sensor.pixels
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})

@@ -1,0 +1,150 @@
+"""Closest approach of a sensor to bodies along their paths: where it runs into one, at any time between the first and the last frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.objects.body import Body, GasPlume, PointSource, Solid
+from seaglint.objects.checks import inside
+from seaglint.objects.floating import Afloat
+from seaglint.objects.motion import Keyframed
+
+CLEARANCE: Final = 0.1
+"""Distance from the sensor that a point needs [m]."""
+
+STRAIGHT: Final = 0.005
+"""Deviation from a straight line that a piece of the way may have [m]."""
+
+MOST_PIECES: Final = 1000
+"""Largest number of pieces near a body that are halved; those that are left are taken as straight."""
+
+HIGHEST_WAVE: Final = 6.0
+"""Lift of a floating body in standard deviations of the sea under it that its way on a flat sea may miss."""
+
+
+class Contact(NamedTuple):
+    """Time [s] at which a sensor is in a body, and its distance from the body's origin [m]."""
+
+    time: float
+    distance: float
+
+
+def first_contact(body: Body, eye: Callable[[float], FloatArray], corners: FloatArray, last: float) -> Contact | None:
+    """First contact of a sensor with a body between 0 and the last time [s]; None where they stay clear of each other.
+
+    A solid and a plume are touched where the way crosses them, a point within :data:`CLEARANCE`.
+
+    Parameters
+    ----------
+    body : Body
+        With its motion.
+    eye : callable
+        Position of the sensor at a time: east, north and height [m, (3,)], linear between ``corners``.
+    corners : ndarray
+        Times at which the sensor's way turns [s].
+    last : float
+        Time of the last frame [s].
+    """
+    flat, lift = (body.motion.base, _lift(body.motion)) if isinstance(body.motion, Afloat) else (body.motion, 0.0)
+    reach = max(_radius(part) for part in body.parts) + lift
+    turns = flat.time if isinstance(flat, Keyframed) else np.zeros(0)
+    inner = np.concatenate([corners, turns])
+    breaks = np.unique(np.concatenate([[0.0, last], inner[(inner > 0.0) & (inner < last)]]))
+    pieces = [(float(a), float(b)) for a, b in pairwise(breaks)][::-1] or [(0.0, 0.0)]
+    halved = 0
+    while pieces:
+        begin, end = pieces.pop()
+        way = np.stack([eye(t) - flat.at(t).position for t in np.linspace(begin, end, 4)])
+        if _beyond(way, reach):
+            continue
+        times = np.linspace(begin, end, 5)
+        own = np.stack([_in_body(body, eye, float(t)) for t in times])
+        line = own[0] + (own[-1] - own[0]) * np.linspace(0.0, 1.0, 5)[:, None]
+        if halved < MOST_PIECES and end > begin and float(np.linalg.norm(own - line, axis=1).max()) > STRAIGHT:
+            halved += 1
+            middle = 0.5 * (begin + end)
+            pieces += [(middle, end), (begin, middle)]
+            continue
+        share = min((at for part in body.parts if (at := _met(part, own[0], own[-1])) is not None), default=None)
+        if share is not None:
+            return Contact(begin + share * (end - begin), float(np.linalg.norm(own[0] + share * (own[-1] - own[0]))))
+    return None
+
+
+def _in_body(body: Body, eye: Callable[[float], FloatArray], time: float) -> FloatArray:
+    """Position of the sensor in a body's axes [m]."""
+    at = body.motion.at(time)
+    return np.asarray(at.rotation.T @ (eye(time) - at.position))
+
+
+def _beyond(way: FloatArray, reach: float) -> bool:
+    """True if a cubic way through four places at even times stays farther than ``reach`` [m] from the origin.
+
+    It lies in the hull of its Bezier points, and these in a ball about the middle of its ends.
+    """
+    p, q, r, s = way
+    control = np.stack([p, (-5.0 * p + 18.0 * q - 9.0 * r + 2.0 * s) / 6.0, (2.0 * p - 9.0 * q + 18.0 * r - 5.0 * s) / 6.0, s])
+    middle = 0.5 * (p + s)
+    return bool(np.linalg.norm(middle) - np.linalg.norm(control - middle, axis=1).max() > reach)
+
+
+def _lift(motion: Afloat) -> float:
+    """Height by which waves move a floating body from its place on a flat sea at most [m]."""
+    variance = sum(0.5 * float((waves[:, 3] ** 2 + waves[:, 4] ** 2).sum()) for waves in motion.swell.waves)
+    return HIGHEST_WAVE * math.sqrt(variance)
+
+
+def _radius(part: Solid | GasPlume | PointSource) -> float:
+    """Radius of a sphere about the body's origin that holds a part [m]."""
+    if isinstance(part, Solid):
+        return float(np.linalg.norm(part.vertices, axis=1).max())
+    if isinstance(part, GasPlume):
+        return float(np.linalg.norm(part.centre) + max(part.semi_axes))
+    return CLEARANCE
+
+
+def _met(part: Solid | GasPlume | PointSource, start: FloatArray, end: FloatArray) -> float | None:
+    """Share of a straight way at which it first meets a part; None where it does not."""
+    if isinstance(part, Solid):
+        return 0.0 if inside(part, start) else _pierced(part, start, end)
+    if isinstance(part, GasPlume):
+        centre, axes = np.asarray(part.centre), np.asarray(part.semi_axes)
+        return _into_ball((start - centre) / axes, (end - centre) / axes, 1.0)
+    return _into_ball(start, end, CLEARANCE)
+
+
+def _into_ball(start: FloatArray, end: FloatArray, radius: float) -> float | None:
+    """Share of a straight way at which it enters a ball about the origin."""
+    along = end - start
+    c = float(start @ start) - radius**2
+    if c < 0.0:
+        return 0.0
+    a, b = float(along @ along), float(start @ along)
+    root = b * b - a * c
+    if a == 0.0 or root <= 0.0:
+        return None
+    share = (-b - math.sqrt(root)) / a
+    return share if 0.0 <= share <= 1.0 else None
+
+
+def _pierced(part: Solid, start: FloatArray, end: FloatArray) -> float | None:
+    """Share of a straight way at which it first crosses a triangle (Moeller and Trumbore 1997)."""
+    along = end - start
+    corner = part.vertices[part.triangles]
+    u, v, to = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0], start - corner[:, 0]
+    across = np.cross(along, v)
+    size = np.einsum("ij,ij->i", u, across)
+    other = np.cross(to, u)
+    # a way along a triangle's plane is left to its neighbours
+    size = np.where(np.abs(size) > 0.0, size, np.inf)
+    g = np.einsum("ij,ij->i", to, across) / size
+    h = other @ along / size
+    share = np.where(np.isfinite(size), np.einsum("ij,ij->i", v, other) / size, np.inf)
+    met = share[(g >= 0.0) & (h >= 0.0) & (g + h <= 1.0) & (share >= 0.0) & (share <= 1.0)]
+    return float(met.min()) if met.size else None
