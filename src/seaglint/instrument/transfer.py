@@ -248,7 +248,7 @@ class Transfer:
 
 
 def isolated(picture: NDArray[np.float32]) -> NDArray[np.float32]:
-    """What each pixel has above the brightest of its eight neighbours, 0 where it has less [units of ``picture``, (rows, columns)].
+    """Excess of each pixel over the brightest of its eight neighbours, 0 where it has less [units of ``picture``, (rows, columns)].
 
     Light that falls into one fine pixel alone has no extent that the picture tells: the mean over the pixel is that of a point in it.
     """

@@ -397,7 +397,8 @@ def _point(
         return None
     sums = np.zeros(SUMS)
     sums[[ACROSS, DOWN]] = column, row
-    framed = stage.window.framed(at, math.floor(row))
+    left, right, top, bottom = stage.window.frame
+    framed = left <= at < right and top <= row < bottom
     lines = np.array([[float(framed)], [float(framed and clear > 0.0)]])
     pixel = np.array([math.floor(row)]), np.array([at])
     return PixelPatch(one, *pixel, np.zeros((PLANES, 1, 1)), sums, lines, clear, arriving.clear)

@@ -265,15 +265,23 @@ def _crossed(x: float, a: float, b: float) -> float:
 
 
 @kernel
+def in_semi_axes(gas: np.ndarray, direction: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Direction (unit, sensor's axes) in units of a plume's semi-axes, of :func:`chord` [1/m]."""
+    return (
+        gas[3] * direction[0] + gas[4] * direction[1] + gas[5] * direction[2],
+        gas[6] * direction[0] + gas[7] * direction[1] + gas[8] * direction[2],
+        gas[9] * direction[0] + gas[10] * direction[1] + gas[11] * direction[2],
+    )
+
+
+@kernel
 def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, last: float) -> float:
     """Length of a plume between two distances [m] along a direction (unit, sensor's axes), as a share of its longest [1].
 
     ``gas``: its centre in units of its semi-axes, from the sensor (3), rows that turn a direction into these units (9), and its longest
     chord [m]; with 0 in place of that, shares are of the longest chord in the direction.
     """
-    ux = gas[3] * direction[0] + gas[4] * direction[1] + gas[5] * direction[2]
-    uy = gas[6] * direction[0] + gas[7] * direction[1] + gas[8] * direction[2]
-    uz = gas[9] * direction[0] + gas[10] * direction[1] + gas[11] * direction[2]
+    ux, uy, uz = in_semi_axes(gas, direction)
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
     middle = (gas[0] * ux + gas[1] * uy + gas[2] * uz) / length
     ox, oy, oz = gas[0] - middle * ux / length, gas[1] - middle * uy / length, gas[2] - middle * uz / length

@@ -13,7 +13,7 @@ from seaglint.imaging.sweep.walk import elevation
 from seaglint.objects.drawing.crests import Crests, in_sight
 from seaglint.objects.drawing.eye import Grid, Lens
 from seaglint.objects.drawing.light import Arriving
-from seaglint.objects.drawing.raster import Samples, chord
+from seaglint.objects.drawing.raster import Samples, chord, in_semi_axes
 from seaglint.objects.drawing.self_shadow import SunMap, lit
 
 COVER: Final = 0
@@ -43,7 +43,6 @@ DRY: Final = 4
 DRY_INSIDE: Final = 5
 DRY_SEEN: Final = 6
 """Sums of the solid angle above the waterline that no part of the same body hides [sr]: in all, in the pixels to draw, and in view."""
-
 SUMS: Final = 7
 
 
@@ -65,9 +64,8 @@ class BodySurroundings(NamedTuple):
 
     Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`, each
     with its row of covers as :class:`~seaglint.objects.drawing.light.Arriving` has them; the heading is the azimuth of the body's centre
-    [rad] with its sine and cosine. ``water`` is the plane of its waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`; ``own``:
-    depths of the body's own solid at the samples of its gas, without samples where it has none; ``own_gases``: how many of the gases, the
-    first ones, are its own.
+    [rad] with its sine and cosine. ``water``: plane of its waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`; ``own``: depths
+    of its own solid at the samples of its gas, empty where it has none; ``own_gases``: number of its own gases, the first ones.
     """
 
     eye: float
@@ -93,10 +91,6 @@ class Window(NamedTuple):
     circle: int
     frame: tuple[int, int, int, int]
 
-    def framed(self, column: int, row: int) -> bool:
-        """True if a pixel is in the picture."""
-        return self.frame[0] <= column < self.frame[1] and self.frame[2] <= row < self.frame[3]
-
 
 @kernel
 def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool, bool]:
@@ -104,8 +98,7 @@ def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool, 
     column, row = (grid.begin[0] + i) // grid.cells[0], (grid.begin[1] + j) // grid.cells[1]
     at = column % window.circle if window.circle > 0 else column
     drawn = window.columns[0] <= at < window.columns[1] and window.rows[0] <= row < window.rows[1]
-    frame = window.frame
-    framed = drawn and frame[0] <= at < frame[1] and frame[2] <= row < frame[3]
+    framed = drawn and window.frame[0] <= at < window.frame[1] and window.frame[2] <= row < window.frame[3]
     return column - grid.first[0], row - grid.first[1], drawn, framed
 
 
@@ -179,9 +172,9 @@ def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last:
 
 
 @kernel
-def _dry(scene: BodySurroundings, at: tuple[float, float, float, float, float]) -> bool:
-    """True if a point of a body is above its waterline."""
-    return bool(scene.water[0] * at[0] + scene.water[1] * at[1] + scene.water[2] * at[2] > scene.water[3])
+def _dry(w: np.ndarray, at: tuple[float, float, float, float, float]) -> bool:
+    """True if a point of a body is above the plane of its waterline."""
+    return bool(w[0] * at[0] + w[1] * at[1] + w[2] * at[2] > w[3])
 
 
 @njit
@@ -347,7 +340,7 @@ def shade_solid(
             at = place_of(samples.x[j, i], samples.y[j, i], 1.0 / near, scene)
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
             direction = (at[0] / distance, at[1] / distance, at[2] / distance)
-            above_water = _dry(scene, at)
+            above_water = _dry(scene.water, at)
             if above_water:
                 left = solid * _clear(scene, direction, distance, scene.own_gases)
                 dry += left
@@ -420,19 +413,16 @@ def shade_gas(
             sums[WHOLE, line] += solid * (covers[k] + f * (covers[k + 1] - covers[k]))
             column, row, drawn, framed = _pixel(grid, window, i, j)
             # seen at its middle along the line
-            ux = plume[3] * direction[0] + plume[4] * direction[1] + plume[5] * direction[2]
-            uy = plume[6] * direction[0] + plume[7] * direction[1] + plume[8] * direction[2]
-            uz = plume[9] * direction[0] + plume[10] * direction[1] + plume[11] * direction[2]
+            ux, uy, uz = in_semi_axes(plume, direction)
             distance = (plume[0] * ux + plume[1] * uy + plume[2] * uz) / (ux * ux + uy * uy + uz * uz)
             if distance <= 0.0:
                 continue
             at = place_of(x, y, distance / slant, scene)
-            above_water = _dry(scene, at)
+            above_water = _dry(scene.water, at)
             if above_water:
                 last = slant / scene.own[j, i] if scene.own.shape[0] > 0 and scene.own[j, i] > 0.0 else math.inf
                 k, f = _chord_node(chord(plume, direction, 0.0, last), covers.size)
-                opaque = covers[k] + f * (covers[k + 1] - covers[k])
-                left = solid * opaque * _clear(scene, direction, distance, scene.own_gases)
+                left = solid * (covers[k] + f * (covers[k + 1] - covers[k])) * _clear(scene, direction, distance, scene.own_gases)
                 sums[DRY, line] += left
                 if framed:
                     sums[DRY_INSIDE, line] += left
