@@ -66,7 +66,9 @@ class Labels:
     def __iter__(self) -> Iterator[Label]:
         """Yield one label for each object of each frame."""
         for index, frame in enumerate(self.frames):
-            numbers = {name: self._group[name][index] for name in NUMBERS}
+            # sequences of earlier versions lack some numbers
+            unknown = np.full(len(self.names), np.nan)
+            numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
             planes = self._group["object_mask"][index]
             for n, name in enumerate(self.names):
                 mask = (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
