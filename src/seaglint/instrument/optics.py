@@ -37,6 +37,9 @@ PUPIL_POINTS: Final = 512
 NODES: Final = 512
 """Number of nodes of a tabulated MTF between 0 and the cut-off; linear between them it is within 1e-5."""
 
+SHARPEST: Final = 0.0045
+"""Product of jitter and the table's step up to which linear interpolation of its transfer is within 1e-4."""
+
 SolidAngle = Literal["sine", "thin-lens"]
 
 
@@ -269,11 +272,17 @@ class Blur:
             out["jitter"] = jitter_mtf(f, optics.jitter)
         return out
 
+    @property
+    def jitter_apart(self) -> float:
+        """Jitter that is not in :meth:`table`, as its transfer falls too fast for the table's nodes [rad]; 0 for all slower falls."""
+        jitter = self.optics.jitter
+        return jitter if jitter * float(self.frequency[1]) > SHARPEST else 0.0
+
     def table(self) -> tuple[FloatArray, FloatArray]:
-        """Product of these parts but for jitter, which may be too narrow for a table, from 0 to the cut-off [cycles rad-1, 1]."""
+        """Product of these parts, without :attr:`jitter_apart`, from 0 to the cut-off [cycles rad-1, 1]."""
         total = np.ones(self.frequency.size)
         for name, part in self.parts(self.frequency).items():
-            if name != "jitter":
+            if name != "jitter" or not self.jitter_apart:
                 total = total * part
         return self.frequency, total
 

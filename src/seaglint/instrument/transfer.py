@@ -111,8 +111,8 @@ def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatA
     total *= sides[0] * sides[1]
     if any(sampling.smear):
         total *= motion_mtf(along * sampling.smear[0] + across * sampling.smear[1], 1.0)
-    if blur.optics.jitter:
-        total *= jitter_mtf(along, blur.optics.jitter) * jitter_mtf(across, blur.optics.jitter)
+    if blur.jitter_apart:
+        total *= jitter_mtf(along, blur.jitter_apart) * jitter_mtf(across, blur.jitter_apart)
     return total
 
 
