@@ -230,3 +230,57 @@ def test_distortion_moves_a_target_as_it_moves_the_sea_around() -> None:
     swing = np.interp(1.0, known, table) / np.pi
     assert arrays["counts_column_px"][0] + 0.5 == pytest.approx(32 + (44.3 - 32) * scale, abs=swing + 0.02)
     assert arrays["counts_row_px"][0] + 0.5 == pytest.approx(24 + (31.2 - 24) * scale, abs=swing + 0.02)
+
+
+@pytest.mark.parametrize("size", [5.0, 40.0, 200.0])
+def test_large_objects_at_rest_are_those_of_the_fine_picture(size) -> None:
+    """From small to wider than a tile and the picture: the light on pixels is the blur of the composed fine picture."""
+    place = at(30.3, 25.6, FAR)
+    shape = {"kind": "box", "size_m": [size * STEP * FAR, 2.0, 0.4 * min(size, 60.0) * STEP * FAR]}
+    item = {"name": "box", "shape": shape, "temperature_k": 300.0, "emissivity": 1.0, **moving(place, (0.0, 0.0, 0.0))}
+    scenario = scene([item], sensor(4.0, pixels=[160, 48]), render={"oversampling": 6})
+    run = prepare_sensed(scenario, radiance=True)
+    composed = run.sensed.fine.drawn(0)
+    expected = run.sensed.model.focal_plane(composed.layers.radiance, 6, drawn=True)
+    sea = run.sensed.model.focal_plane(composed.sea, 6, drawn=True)
+    # the composed picture counts all light as of 300 K: that of the box is, that of the sea behind it is lighter by its own spectrum
+    lighter = planck(288.15, photons) / planck(288.15) * planck(300.0) / planck(300.0, photons)
+    change, full = run.sensed.seen(0).astype(float) - sea, (planck(300.0) - planck(288.15))
+    np.testing.assert_allclose(
+        change, expected.astype(float) - sea + (1.0 - lighter) * planck(288.15) * (expected - sea) / full, atol=4e-3 * full
+    )
+
+
+def test_a_target_on_a_panorama_goes_over_the_seam() -> None:
+    """Its streak at the seam is the one elsewhere, turned; labels go with it."""
+    camera = {
+        "pixels": [720, 8],
+        "fov_deg": [360.0, 4.0],
+        "elevation_deg": 0.0,
+        "height_m": HEIGHT,
+        "frames": 1,
+        "optics": {"f_number": 2.0},
+        "detector": {"pitch_um": 15.0, "integration_time_s": 0.005, "gain_e_per_count": 1e9},
+        "noise": {"temporal": False, "fixed_pattern": False},
+    }
+    lit = lamp((0.0, FAR, HEIGHT + FAR**2 / 2.0 / EFFECTIVE_EARTH_RADIUS), course_deg=90.0, speed_m_s=1000.0)
+    found = {}
+    for azimuth in (180.0, 30.0):
+        change, arrays, _ = added(scene([lit], {**camera, "azimuth_deg": azimuth}))
+        found[azimuth] = np.roll(change, int((azimuth - 180.0) * 2), axis=1), arrays
+    np.testing.assert_allclose(found[180.0][0], found[30.0][0], atol=2e-5 * found[30.0][0].max())
+    one, other = (found[a][1]["counts_column_px"][0] for a in (180.0, 30.0))
+    assert (one - other + 300.0 + 360.0) % 720.0 - 360.0 == pytest.approx(0.0, abs=2e-3)
+
+
+def test_what_is_outside_the_picture_is_truncated_not_hidden() -> None:
+    """A box that reaches out of the picture by a third, and one wholly outside whose blur comes in."""
+    size = 9.0
+    shape = {"kind": "box", "size_m": [size * STEP * FAR, 0.5, size * STEP * FAR]}
+    for column, cut in ((size / 6.0, 1.0 / 3.0), (-size / 2.0 - 0.3, 1.0)):
+        item = {"name": "box", "shape": shape, "temperature_k": 320.0, **moving(at(column, 24.0, FAR), (0.0, 0.0, 0.0))}
+        change, arrays, _ = added(scene([item], sensor(4.0)))
+        assert arrays["truncated_share"][0] == pytest.approx(cut, abs=3e-3)
+        assert arrays["visible_share"][0] == pytest.approx(1.0 - cut, abs=3e-3)
+        assert np.isnan(arrays["occluded_share"][0]) if cut == 1.0 else arrays["occluded_share"][0] == pytest.approx(0.0, abs=1e-6)
+        assert change[24, 0] > 0.05 * change.max() > 0.0
