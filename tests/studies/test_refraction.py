@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,10 +14,13 @@ from seaglint.base.errors import ScenarioError
 from seaglint.imaging.bending import FINER, Bending, RowShift
 from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.swept import SweptScene
+from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.memory import memory_needed
+from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.studies.sequence.exposed_objects import ExposedObjects
 from seaglint.studies.sequence.image import image
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 
@@ -89,6 +93,31 @@ def test_objects_come_back_too(north):
     seen = [np.asarray(run.drawn(0.0).layers.radiance - run.drawn(0.0).sea, float) for run in (straight, bent)]
     assert seen[1].sum() == pytest.approx(seen[0].sum(), rel=2e-3)
     assert np.abs(seen[0]).sum() > 0.0
+
+
+def test_objects_before_a_detector_come_back_too():
+    """Light on the pixels and labels of a boat and a lamp: through standard air ray by ray, and as it is drawn without rays."""
+    lens = {"aperture_m": 0.05, "focal_length_m": 15e-6 / math.radians(0.01)}
+    optics = {"optics": lens, "detector": {"pitch_um": 15, "integration_time_s": 0.002}}
+    raft = {**BOAT, "shape": {"kind": "box", "size_m": [1, 1, 1.5]}, "draught_m": 0.2, "east_m": -0.4}
+    moving = [{**item, "north_m": 900.0, "course_deg": 90.0} for item in (raft, {**LIGHT, "east_m": 0.7, "height_m": 4})]
+    objects = [{**moving[0], "speed_m_s": 8.0}, {**moving[1], "speed_m_s": 20.0}]
+    fine, n = scenario(objects=objects, elevation_deg=-1.1, pixels=[120, 200]), 5
+    model = sensor_model(scenario(objects=objects, elevation_deg=-1.1, **optics))
+    straight = prepare_sequence(fine)
+    found = []
+    for run in (straight, without_air(straight, fine)):
+        assert run.objects is not None
+        exposed = ExposedObjects.of(run.objects, run.scene, run.track, model, ScanPattern(), n)
+        found.append(exposed.light(run.scene, 0.0, run.drawn(0.0, compose=False).sea, (0.0, 0.0)))
+    one, other = found
+    assert np.abs(one.added - other.added).max() < 0.03 * np.abs(one.added).max()
+    assert other.added.sum() == pytest.approx(one.added.sum(), rel=5e-3)
+    for mine, its in zip(one.sights, other.sights, strict=True):
+        assert len(mine.shares) == len(its.shares) == 1
+        assert its.across == pytest.approx(mine.across, rel=5e-3, abs=1e-12)
+        light = [sum(float(share.radiance.sum()) for share in sight.shares) for sight in (mine, its)]
+        assert light[1] == pytest.approx(light[0], rel=5e-3)
 
 
 def sounding(path, warmer):

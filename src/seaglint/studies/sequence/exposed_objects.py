@@ -52,9 +52,9 @@ IN_STEP: Final = 0.05
 TOUCHED: Final = 1e-3
 """Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline."""
 
-_NO_SHARE: Final = BodyShare(
-    np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
-)
+_NO_PIXELS: Final = np.zeros(0, np.int64)
+_NO_LIGHT: Final = np.zeros((0, 0))
+_NO_SHARE: Final = BodyShare(_NO_PIXELS, _NO_PIXELS, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT)
 
 _GAUSS: Final = 0.5 / math.sqrt(3.0)
 """Places of a pair of instants about the middle of its segment."""
@@ -75,7 +75,10 @@ class ObjectLight:
 
 @dataclass(frozen=True, eq=False)
 class _Drawing:
-    """A part to draw: its number, its path, the delay of its row or column, its instants about that, and the one it is drawn at [s]."""
+    """A part to draw: its number, its path, the delay of its row or column, its instants about that, and the one it is drawn at [s].
+
+    ``image``: number of its image, of several in a mirage.
+    """
 
     part: int
     path: ImagePath
@@ -84,6 +87,7 @@ class _Drawing:
     weights: FloatArray
     drawn_at: float
     central: bool
+    image: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,7 +151,7 @@ class ExposedObjects:
         patches = self._patches(scene, view, time, drawings, surroundings)
         added = np.zeros((self.imager.rows, self.imager.columns))
         windows: list[list[Window]] = [[] for _ in self.objects.drawer.bodies]
-        sums: dict[int, list[tuple[_Drawing, Boxes]]] = {}
+        sums: dict[tuple[int, int], list[tuple[_Drawing, Boxes]]] = {}
         for drawing, patch, scale in patches:
             boxes = self._boxes(patch, scale, pose, backdrop, surroundings)
             body = patch.placed.part.body
@@ -156,8 +160,8 @@ class ExposedObjects:
                     kept = part_of(window, rows, columns)
                     windows[body].append(kept)
                     add_window(added, kept, self._circle)
-            sums.setdefault(drawing.part, []).append((drawing, boxes))
-        central = [(patch, scale, drawing.part) for drawing, patch, scale in patches if drawing.central]
+            sums.setdefault((drawing.part, drawing.image), []).append((drawing, boxes))
+        central = [(patch, scale, drawing) for drawing, patch, scale in patches if drawing.central]
         seen = self._sights(time, pose, central, sums, (backdrop, shift), surroundings)
         each = tuple(together(some, added.shape, self._circle) for some in windows)
         return ObjectLight(added.astype(np.float32), each, seen, self._streaks(time, drawings))
@@ -313,8 +317,8 @@ class ExposedObjects:
         picture = refracted_picture(self.objects.drawer, stage, scene, time)
         parts = {id(part): number for number, part in enumerate(self.objects.drawer.parts)}
         central = {drawing.part: drawing for drawing in drawings if drawing.central}
-        chosen = [(replace(central[parts[id(p.placed.part)]], drawn_at=time), p, float(self.fine)) for p in picture.patches]
-        return [one for one in chosen if one[0].times.size]
+        numbered = ((replace(central[parts[id(p.placed.part)]], drawn_at=time, image=n), p) for n, p in enumerate(picture.patches))
+        return [(drawing, patch, float(self.fine)) for drawing, patch in numbered if drawing.times.size]
 
     def _boxes(self, patch: PixelPatch, scale: float, pose: Pose, backdrop: Backdrop, light: Surroundings) -> Boxes:
         """Light of a patch as boxes at places in the detector's picture."""
@@ -379,26 +383,27 @@ class ExposedObjects:
         self,
         time: float,
         pose: Pose,
-        central: Sequence[tuple[PixelPatch, float, int]],
-        drawn: Mapping[int, Sequence[tuple[_Drawing, Boxes]]],
+        central: Sequence[tuple[PixelPatch, float, _Drawing]],
+        drawn: Mapping[tuple[int, int], Sequence[tuple[_Drawing, Boxes]]],
         behind_them: tuple[Backdrop, tuple[float, float]],
         light: Surroundings,
     ) -> tuple[BodySight, ...]:
         """Sights of the bodies in the detector's pixels: shapes of the middle of the exposure, shares and places averaged over it."""
         stands, every = self.objects.drawer.placed(pose, time)
         patches, shares = [], []
-        for patch, scale, part in central:
-            instants = [self._instants(drawing, time + drawing.delay, behind_them[1]) for drawing, _ in drawn[part]]
+        for patch, scale, one in central:
+            parts = drawn[one.part, one.image]
+            instants = [self._instants(drawing, time + drawing.delay, behind_them[1]) for drawing, _ in parts]
             weight = max(sum(float(i.weight.sum()) for i in instants), 1e-9)
             moved = patch.sums.copy()
             for place, way in ((ACROSS, "across"), (DOWN, "down")):
                 offset = sum(float(getattr(i, way) @ i.weight) for i in instants) / weight
                 moved[place] = moved[place] / scale + offset * (1.0 if patch.clear > 0.0 else moved[SEEN])
             patches.append(replace(patch, sums=moved))
-            shares.append(self._share(drawn[part], time, pose, behind_them))
-        own = {part: patch.placed for patch, _, part in central}
-        parts = tuple(own.get(number, one) for number, one in enumerate(every))
-        picture = DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), parts)
+            shares.append(self._share(parts, time, pose, behind_them))
+        own = {one.part: patch.placed for patch, _, one in central}
+        placed = tuple(own.get(number, one) for number, one in enumerate(every))
+        picture = DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), placed)
         return sights(picture, patches, shares, self._circle, light)
 
     def _share(
