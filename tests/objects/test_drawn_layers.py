@@ -51,7 +51,7 @@ def labelled(**keys):
     run = prepare_sequence(scenario_with({**BOX, **keys}, sun=110.0, fov_deg=[360, 3], pixels=[720, 24], pixel_shape="any"))
     drawn = run.drawn(0.0)
     assert run.objects is not None
-    truth = run.objects.truth(drawn.sights, drawn.sea, run.scene, run.scene.pixels)
+    truth = run.objects.truth(drawn.sights, drawn.sea, run.scene, (run.scene.pixels, run.track.at(0.0).attitude))
     return drawn, {name: float(values[0]) for name, values in truth.items() if name.endswith("_px")}, truth["object_mask"][0] > 0
 
 

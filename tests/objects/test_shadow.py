@@ -98,7 +98,7 @@ def test_the_key_draws_the_shadow_and_is_off_where_nothing_is_said():
     assert run.objects.shadows is False
     lit = run.at(0.0)
     shaded = replace(run, objects=replace(run.objects, shadows=True)).drawn(0.0)
-    truth = run.objects.truth(shaded.sights, shaded.sea, run.scene, run.scene.pixels)
+    truth = run.objects.truth(shaded.sights, shaded.sea, run.scene, (run.scene.pixels, run.track.at(0.0).attitude))
     beside = (lit.radiance != shaded.layers.radiance) & ~(truth["object_mask"][0] > 0)
     assert beside.sum() > 100
     assert (shaded.layers.radiance[beside] < lit.radiance[beside]).all()

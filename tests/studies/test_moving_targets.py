@@ -284,3 +284,53 @@ def test_what_is_outside_the_picture_is_truncated_not_hidden() -> None:
         assert arrays["visible_share"][0] == pytest.approx(1.0 - cut, abs=3e-3)
         assert np.isnan(arrays["occluded_share"][0]) if cut == 1.0 else arrays["occluded_share"][0] == pytest.approx(0.0, abs=1e-6)
         assert change[24, 0] > 0.05 * change.max() > 0.0
+
+
+def test_a_lamp_that_passes_behind_a_ball_is_hidden_for_its_time_there() -> None:
+    """24 pixels of way behind a ball of a radius of 3: a quarter of the light is lost, wherever the lamp is at mid-exposure."""
+    speed = 24.0 * STEP * FAR / 0.005
+    screen = ball(at(32.0, 24.0, FAR - 100.0), 3.0 * STEP * (FAR - 100.0), kelvin=288.15)
+    alone, _, _ = added(scene([screen], sensor(2.5)))
+    for column in (32.0, 36.0):
+        change, arrays, _ = added(scene([screen, lamp(at(column, 24.0, FAR), (speed, 0.0, 0.0))], sensor(2.5)))
+        times = 0.005 * TIMES
+        columns, rows, distance = way(at(column, 24.0, FAR), (speed, 0.0, 0.0), times)
+        free = np.abs(columns - 32.0) > 3.0
+        light = 50.0 / (distance.mean() ** 2 * pixel(columns.mean(), rows.mean()))
+        expected = seen(2.5, columns[free], rows[free]) * np.mean(free) * light
+        np.testing.assert_allclose(change - alone, expected, atol=0.08 * expected.max())
+        assert (change - alone).sum() == pytest.approx(expected.sum(), rel=0.03)
+        assert arrays["occluded_share"][1] == pytest.approx(0.25, abs=0.03)
+        assert arrays["visible_share"][1] == pytest.approx(0.75, abs=0.03)
+
+
+def test_labels_of_what_enters_the_picture_are_means_over_the_exposure() -> None:
+    """20 pixels of way with the middle on the edge: half of it is in the picture."""
+    speed = 20.0 * STEP * FAR / 0.005
+    _, arrays, _ = added(scene([lamp(at(0.0, 24.0, FAR), (speed, 0.0, 0.0))], sensor(2.5)))
+    assert arrays["truncated_share"][0] == pytest.approx(0.5, abs=0.03)
+    assert arrays["visible_share"][0] == pytest.approx(0.5, abs=0.03)
+    assert arrays["column_px"][0] == pytest.approx(4.5, abs=0.3)
+    assert arrays["streak_begin_column_px"][0] == pytest.approx(-10.5, abs=1e-2)
+
+
+@pytest.mark.parametrize("speed", [250.0, 330.0, -400.0])
+def test_a_scanner_meets_a_target_that_is_nearly_as_fast(speed) -> None:
+    """The column at which both are at one time: of columns 20 ms apart over the picture and a target of up to the same speed."""
+    place = at(32.0, 24.0, FAR)
+    camera = sensor(2.5, 1e-4, projection="equal-angle", scan={"kind": "line", "period_s": 0.02}, frame_rate_hz=25.0)
+    change, arrays, _ = added(scene([lamp(place, (speed, 0.0, 0.0))], camera))
+    scanned = COLUMNS / 0.02
+    own = speed / FAR / STEP
+    met = (32.0 - own * 0.5 / scanned) / (1.0 - own / scanned)
+    if 0.0 < met < COLUMNS:
+        assert arrays["column_px"][0] + 0.5 == pytest.approx(met, abs=0.3)
+        assert change.max() > 0.0
+
+
+def test_a_full_pixel_has_no_more_counts_of_a_target() -> None:
+    camera = sensor(2.5)
+    camera["detector"] = {**camera["detector"], "gain_e_per_count": 1.0, "well_capacity_e": 1e4, "bit_depth": 16}
+    _, arrays, _ = added(scene([lamp(at(32.2, 24.0, FAR))], camera))
+    assert arrays["saturated_share"] == 1.0
+    assert arrays["counts_peak"][0] == arrays["counts_snr"][0] == 0.0

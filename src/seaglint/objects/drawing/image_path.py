@@ -13,12 +13,15 @@ from scipy.interpolate import BarycentricInterpolator
 from seaglint.base.conventions import FloatArray
 from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose, Track
-from seaglint.objects.body import GasPlume, Motion
+from seaglint.objects.body import GasPlume, Motion, PointSource
 from seaglint.objects.drawing.eye import image_point, lens, project, stand
 from seaglint.objects.drawing.parts import DrawnPart, Mesh
 
 NEAR: Final = 2e-3
 """Distance from its interpolation within which a path is taken as known [pixels]."""
+
+BEHIND: Final = -1e5
+"""Columns and rows below this stand for places behind the camera [pixels]."""
 
 MOST_NODES: Final = 65
 """Largest number of instants at which a path is evaluated."""
@@ -28,6 +31,9 @@ SHORT: Final = 1e-3
 
 RIGID: Final = 0.05
 """Change of a body's shape in the image up to which it counts as rigid during an exposure [pixels]."""
+
+NEARER: Final = 0.02
+"""Relative change of a point's distance up to which it counts as one distance during an exposure."""
 
 MOST_STAGES: Final = 16
 """Largest number of shapes with which a body is drawn in an exposure."""
@@ -57,6 +63,8 @@ class ImagePath:
 
     _columns: Callable[[FloatArray], FloatArray]
     _rows: Callable[[FloatArray], FloatArray]
+    _front: tuple[float, float] = (-math.inf, math.inf)
+    """Times between which the part is in front of the camera [s]."""
 
     @classmethod
     def of(cls, view: View, motion: Motion, middle: FloatArray, times: tuple[float, float], about: float) -> ImagePath:
@@ -82,6 +90,17 @@ class ImagePath:
         if end <= begin:
             place = place_in_image(view, motion, middle, begin, about)
             return cls(lambda t: np.full(np.shape(t), place[0]), lambda t: np.full(np.shape(t), place[1]))
+        front = (-math.inf, math.inf)
+        sampled = np.linspace(begin, end, 33)
+        ahead = np.array([place_in_image(view, motion, middle, float(t), about)[0] > BEHIND for t in sampled])
+        if not ahead.all():  # the way in front of the camera alone, the longest if it comes again
+            runs = np.flatnonzero(np.diff(np.concatenate([[0], ahead.astype(int), [0]]))).reshape(-1, 2)
+            if not runs.size:
+                return cls(lambda t: np.full(np.shape(t), 10.0 * BEHIND), lambda t: np.full(np.shape(t), 10.0 * BEHIND))
+            k = int(np.argmax(runs[:, 1] - runs[:, 0]))
+            begin, end = float(sampled[runs[k, 0]]), float(sampled[runs[k, 1] - 1])
+            front = (begin, max(end, begin + 1e-9))
+            end = front[1]
         count = 3
         nodes, places = _evaluated(view, motion, middle, (begin, end), count, about)
         while True:
@@ -89,11 +108,13 @@ class ImagePath:
             guess = np.stack([BarycentricInterpolator(nodes, places[:, k])(finer) for k in (0, 1)], axis=1)
             count, nodes, places = 2 * count - 1, finer, found
             if float(np.abs(guess - found).max()) < NEAR or count >= MOST_NODES:
-                return cls(BarycentricInterpolator(nodes, places[:, 0]), BarycentricInterpolator(nodes, places[:, 1]))
+                return cls(BarycentricInterpolator(nodes, places[:, 0]), BarycentricInterpolator(nodes, places[:, 1]), front)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """Columns and rows at times [pixels, (2, n)]."""
-        return np.stack([np.asarray(self._columns(times), np.float64), np.asarray(self._rows(times), np.float64)])
+        """Columns and rows at times [pixels, (2, n)]; below :data:`BEHIND` behind the camera."""
+        places = np.stack([np.asarray(self._columns(times), np.float64), np.asarray(self._rows(times), np.float64)])
+        places[:, (times < self._front[0]) | (times > self._front[1])] = 10.0 * BEHIND
+        return places
 
 
 def _evaluated(
@@ -109,7 +130,7 @@ def place_in_image(view: View, motion: Motion, middle: FloatArray, time: float, 
     pose = view.pose(time)
     at = stand(motion.at(time), pose)
     column, row, seen = image_point(lens(view.imager, pose.attitude), tuple(at.place + at.turn @ middle), about)
-    return (column, row) if seen else (-1e6, -1e6)
+    return (column, row) if seen else (10.0 * BEHIND, 10.0 * BEHIND)
 
 
 def middle_of(part: DrawnPart) -> FloatArray:
@@ -123,16 +144,18 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
     """Number of shapes with which a part is drawn between two times [s]: one where it only shifts in the image.
 
     Its corners are compared with what a shift of its middle makes of them; shapes are as many as keep the difference below
-    :data:`RIGID`.
+    :data:`RIGID`, and of a point the change of its distance below :data:`NEARER`.
     """
     first, last = view.known(motion)
+    if isinstance(part.kind, PointSource):
+        ends = (min(max(time, first), last) for time in times)
+        far = [float(np.linalg.norm(stand(motion.at(time), view.pose(time)).place)) for time in ends]
+        return int(min(max(math.ceil(abs(far[1] - far[0]) / (NEARER * max(min(far), 1e-3))), 1), MOST_STAGES))
     if isinstance(part.kind, Mesh):
         low, high = part.kind.vertices.min(axis=0), part.kind.vertices.max(axis=0)
-    elif isinstance(part.kind, GasPlume):
+    else:
         centre, half = np.asarray(part.kind.centre), np.asarray(part.kind.semi_axes)
         low, high = centre - half, centre + half
-    else:
-        return 1
     corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
     points = np.concatenate([middle_of(part)[None], corners])
     shapes = []
@@ -168,12 +191,12 @@ class Streak:
     velocity: FloatArray
 
     @classmethod
-    def of(cls, path: ImagePath, time: float, exposure: float) -> Streak | None:
-        """Streak along a path in an exposure about a time [s]; None where the body is behind the camera."""
-        places = path.at(time + 0.5 * exposure * np.linspace(-1.0, 1.0, 33))
-        step = max(0.5 * exposure, SHORT)
+    def of(cls, path: ImagePath, begin: float, end: float) -> Streak | None:
+        """Streak along a path from a time to another [s]; None where the body is behind the camera."""
+        places = path.at(np.linspace(begin, end, 33))
+        time, step = 0.5 * (begin + end), max(0.5 * (end - begin), SHORT)
         pair = path.at(np.array([time - step, time + step]))
-        if not (places > -1e5).all() or not (pair > -1e5).all():
+        if not (places > BEHIND).all() or not (pair > BEHIND).all():
             return None
         length = float(np.hypot(*np.diff(places, axis=1)).sum())
         return cls(places.mean(axis=1) - 0.5, places[:, [0, -1]].T - 0.5, length, (pair[:, 1] - pair[:, 0]) / (2.0 * step))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
-from seaglint.imaging.camera.imager import Imager
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.objects.drawing.compose import BodySight
 from seaglint.objects.drawing.truth_names import MOST_SMALL, NUMBERS
 
@@ -92,10 +92,15 @@ def labels(
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
 
 
-def size_classes(labels: Mapping[str, NDArray[np.float64]], imager: Imager) -> FloatArray:
-    """Class of each object's size: 0 point, 1 small, 2 extended (:data:`~seaglint.objects.drawing.truth_names.SIZES`)."""
-    pixel = imager.width / imager.columns * imager.height_angle / imager.rows
-    size = labels["solid_angle_sr"] / pixel
+def size_classes(labels: Mapping[str, NDArray[np.float64]], imager: Imager, attitude: Attitude) -> FloatArray:
+    """Class of each object's size in pixels of its place: 0 point, 1 small, 2 extended.
+
+    Their names are :data:`~seaglint.objects.drawing.truth_names.SIZES`. Where the place is not known it is the picture's middle.
+    """
+    column, row = (
+        np.nan_to_num(labels[name] + 0.5, nan=0.5 * size) for name, size in (("column_px", imager.columns), ("row_px", imager.rows))
+    )
+    size = labels["solid_angle_sr"] / imager.solid_angle(attitude, column, row)
     return np.where(size < 1.0, 0.0, np.where(size <= MOST_SMALL, 1.0, 2.0))
 
 

@@ -6,15 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray
-from seaglint.base.reports import REPORTS
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose, Track
@@ -27,11 +25,26 @@ from seaglint.instrument.scan import ScanPattern
 from seaglint.objects.drawing.compose import BodyShare, BodySight, point_light, sights
 from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, near
 from seaglint.objects.drawing.eye import FEWEST_CELLS
-from seaglint.objects.drawing.image_path import SHORT, ImagePath, Streak, View, finer, middle_of, place_in_image, stages
+from seaglint.objects.drawing.image_path import BEHIND, SHORT, Streak, View, finer
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.parts import Placed
 from seaglint.objects.drawing.refracted_bodies import refracted_picture
-from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
+from seaglint.objects.drawing.sample_sums import (
+    ACROSS,
+    COVER,
+    DOWN,
+    DRY,
+    DRY_INSIDE,
+    DRY_SEEN,
+    EMITTED,
+    MIRRORED,
+    PATH,
+    SEEN,
+    SUMS,
+    SUN,
+    WHOLE,
+)
+from seaglint.studies.sequence.exposure_plan import Drawing, ExposurePlan
 from seaglint.studies.sequence.scene_objects import SceneObjects
 
 BOXES_ACROSS: Final = 24
@@ -40,14 +53,11 @@ BOXES_ACROSS: Final = 24
 LARGE: Final = 128.0
 """Size from which an object is drawn in the fine pixels of the sea's picture [pixels]."""
 
-SEGMENT: Final = 0.25
-"""Longest way of an object between two pairs of instants [pixels]."""
-
-MOST_INSTANTS: Final = 8192
-"""Largest number of instants of an exposure: 1000 pixels of way in the picture."""
-
 IN_STEP: Final = 0.05
 """Way of an object within which rows or columns of a picture count as of one instant [pixels]."""
+
+SUMMED: Final = [SEEN, DRY_INSIDE, DRY_SEEN]
+"""Sums that are averaged over the instants of an exposure."""
 
 TOUCHED: Final = 1e-3
 """Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline."""
@@ -55,9 +65,6 @@ TOUCHED: Final = 1e-3
 _NO_PIXELS: Final = np.zeros(0, np.int64)
 _NO_LIGHT: Final = np.zeros((0, 0))
 _NO_SHARE: Final = BodyShare(_NO_PIXELS, _NO_PIXELS, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT, _NO_LIGHT)
-
-_GAUSS: Final = 0.5 / math.sqrt(3.0)
-"""Places of a pair of instants about the middle of its segment."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,23 +81,6 @@ class ObjectLight:
 
 
 @dataclass(frozen=True, eq=False)
-class _Drawing:
-    """A part to draw: its number, its path, the delay of its row or column, its instants about that, and the one it is drawn at [s].
-
-    ``image``: number of its image, of several in a mirage.
-    """
-
-    part: int
-    path: ImagePath
-    delay: float
-    times: FloatArray
-    weights: FloatArray
-    drawn_at: float
-    central: bool
-    image: int = 0
-
-
-@dataclass(frozen=True, eq=False)
 class ExposedObjects:
     """Objects before a sensor. Make it with :meth:`of`."""
 
@@ -100,7 +90,6 @@ class ExposedObjects:
     model: SensorModel
     scan: ScanPattern
     fine: int
-    _seen_fast: set[str] = field(default_factory=set, repr=False)
 
     @classmethod
     def of(cls, objects: SceneObjects, scene: Scene, track: Track, model: SensorModel, scan: ScanPattern, fine: int) -> ExposedObjects:
@@ -119,10 +108,8 @@ class ExposedObjects:
         return View(self.imager, self.track)
 
     @cached_property
-    def _delays(self) -> tuple[FloatArray | None, FloatArray | None]:
-        """Time of each row and of each column after the frame's [s]; None where all have one."""
-        rows, columns = self.scan.row_delays(self.imager.rows), self.scan.column_delays(self.imager.columns)
-        return (rows if rows.any() else None), (columns if columns.any() else None)
+    def _plan(self) -> ExposurePlan:
+        return ExposurePlan(self.objects.drawer, self._view, self.model, self.scan, self._local.margin)
 
     @property
     def _circle(self) -> int:
@@ -147,11 +134,11 @@ class ExposedObjects:
         surroundings = self.objects.drawer.light(view)
         backdrop = Backdrop(np.ascontiguousarray(sea), self.fine, self._circle, surroundings.sea_counted)
         shift = (rates[0] / self.model.ifov, rates[1] / self.model.ifov)
-        drawings = self._drawings(time)
+        drawings = self._plan.drawings(time)
         patches = self._patches(scene, view, time, drawings, surroundings)
         added = np.zeros((self.imager.rows, self.imager.columns))
         windows: list[list[Window]] = [[] for _ in self.objects.drawer.bodies]
-        sums: dict[tuple[int, int], list[tuple[_Drawing, Boxes]]] = {}
+        sums: dict[tuple[int, int], list[tuple[Drawing, Boxes]]] = {}
         for drawing, patch, scale in patches:
             boxes = self._boxes(patch, scale, pose, backdrop, surroundings)
             body = patch.placed.part.body
@@ -161,10 +148,10 @@ class ExposedObjects:
                     windows[body].append(kept)
                     add_window(added, kept, self._circle)
             sums.setdefault((drawing.part, drawing.image), []).append((drawing, boxes))
-        central = [(patch, scale, drawing) for drawing, patch, scale in patches if drawing.central]
-        seen = self._sights(time, pose, central, sums, (backdrop, shift), surroundings)
+        shown = [(patch, scale, drawing) for drawing, patch, scale in patches]
+        seen = self._sights(time, pose, shown, sums, (backdrop, shift), surroundings)
         each = tuple(together(some, added.shape, self._circle) for some in windows)
-        return ObjectLight(added.astype(np.float32), each, seen, self._streaks(time, drawings))
+        return ObjectLight(added.astype(np.float32), each, seen, self._plan.streaks(time, drawings))
 
     @cached_property
     def _bent(self) -> LensShift:
@@ -172,89 +159,9 @@ class ExposedObjects:
         columns, rows = self.imager.columns, self.imager.rows
         return LensShift(share, 0.5 * columns, 0.5 * rows, math.hypot(0.5 * columns, 0.5 * rows))
 
-    def _delay(self, column: float, row: float) -> float:
-        """Time after the frame's at which an image point is taken [s]."""
-        down, across = self._delays
-        if down is not None:
-            return float(np.interp(row - 0.5, np.arange(down.size), down))
-        if across is not None:
-            return float(np.interp((column - 0.5) % across.size if self._circle else column - 0.5, np.arange(across.size), across))
-        return 0.0
-
-    def _met(self, part: int, time: float) -> tuple[float, float]:
-        """Delay of the row or column in which a part is met [s], and its column then [pixels]."""
-        drawn = self.objects.drawer.parts[part]
-        motion = self.objects.drawer.bodies[drawn.body].motion
-        middle, about, delay = middle_of(drawn), 0.5 * self.imager.columns, 0.0
-        for _ in range(12):
-            first, last = self._view.known(motion)
-            column, row = place_in_image(self._view, motion, middle, min(max(time + delay, first), last), about)
-            met = self._delay(column, row)
-            if abs(met - delay) < 1e-9:
-                break
-            delay = met
-        return delay, column
-
-    def _drawings(self, time: float) -> list[_Drawing]:
-        """What is to be drawn of a frame: every part in one or several shapes."""
-        exposure = self.model.exposure_time
-        down, across = self._delays
-        longest = float(max((d.max() for d in (down, across) if d is not None), default=0.0))
-        out = []
-        for number, part in enumerate(self.objects.drawer.parts):
-            motion = self.objects.drawer.bodies[part.body].motion
-            delay, column = self._met(number, time)
-            middle = time + delay
-            spare = max(0.5 * exposure, SHORT) + longest
-            reach = (middle - spare, middle + spare)
-            path = ImagePath.of(self._view, motion, middle_of(part), reach, column)
-            count = stages(self._view, motion, part, (middle - 0.5 * exposure, middle + 0.5 * exposure), column) if exposure > 0.0 else 1
-            for stage in range(count):
-                begin = (stage / count - 0.5) * exposure
-                times, weights = self._times(path, middle, begin, begin + exposure / count, part.name)
-                own = middle + begin + 0.5 * exposure / count
-                out.append(_Drawing(number, path, delay, times, weights / count, own, stage == count // 2))
-        return out
-
-    def _times(self, path: ImagePath, middle: float, begin: float, end: float, name: str) -> tuple[FloatArray, FloatArray]:
-        """Instants about the middle of an exposure [s] and their weights: pairs of Gauss and Legendre on short segments.
-
-        A body that crosses more than the picture has its instants where it is in it.
-        """
-        if end <= begin:
-            return np.zeros(1), np.ones(1)
-        coarse = np.linspace(begin, end, 65)
-        places = path.at(middle + coarse)
-        ways = np.hypot(*np.diff(places, axis=1))
-        length = float(ways.sum())
-        share = 1.0
-        widest = max(self.imager.columns, self.imager.rows)
-        if length > widest:
-            if name not in self._seen_fast:
-                self._seen_fast.add(name)
-                text = "objects '%s' crosses %.0f pixels in an exposure, more than the picture is wide (%d): its streak reaches across it"
-                REPORTS.warning(text, name, length, widest)
-            dense = np.linspace(begin, end, 65537)
-            column, row = path.at(middle + dense)
-            spare = self._local.margin
-            inside = (column > -spare) & (column < self.imager.columns + spare) & (row > -spare) & (row < self.imager.rows + spare)
-            if not inside.any():
-                return np.zeros(0), np.zeros(0)
-            some = np.flatnonzero(inside)
-            first, last = float(dense[max(some[0] - 1, 0)]), float(dense[min(some[-1] + 1, dense.size - 1)])
-            share, begin, end = (last - first) / (end - begin), first, last
-            length *= share
-        if length < 1e-6:
-            return np.array([0.5 * (begin + end)]), np.array([share])
-        segments = min(max(math.ceil(length / SEGMENT), 1), MOST_INSTANTS // 2)
-        edges = np.linspace(begin, end, segments + 1)
-        centres, width = 0.5 * (edges[1:] + edges[:-1]), (end - begin) / segments
-        times = (centres[:, None] + width * np.array([-_GAUSS, _GAUSS])).ravel()
-        return times, np.full(times.size, share / times.size)
-
     def _patches(
-        self, scene: Scene, view: SeaView, time: float, drawings: Sequence[_Drawing], light: Surroundings
-    ) -> list[tuple[_Drawing, PixelPatch, float]]:
+        self, scene: Scene, view: SeaView, time: float, drawings: Sequence[Drawing], light: Surroundings
+    ) -> list[tuple[Drawing, PixelPatch, float]]:
         """Patches of the parts in view with the number of their pixels along the side of one of the detector's."""
         if isinstance(scene, RefractedScene):
             return self._refracted(scene, time, drawings)
@@ -281,11 +188,11 @@ class ExposedObjects:
         drawn = drawer.patches([(stage, one) for _, stage, _, one, _ in chosen], [every for *_, every in chosen], light)
         return [(drawing, patch, float(scale)) for (drawing, _, scale, *_), patch in zip(chosen, drawn, strict=True) if patch is not None]
 
-    def _meets(self, drawing: _Drawing, time: float) -> bool:
-        """True if the part's middle is known to be in front of the camera at its instants."""
-        return bool((drawing.path.at(time + drawing.delay + drawing.times)[0] > -1e5).any())
+    def _meets(self, drawing: Drawing, time: float) -> bool:
+        """True if the middle of a part is in front of the camera at all its instants."""
+        return bool((drawing.path.at(time + drawing.delay + drawing.times)[0] > BEHIND).all())
 
-    def _wide(self, stage: Stage, drawing: _Drawing, time: float) -> Stage:
+    def _wide(self, stage: Stage, drawing: Drawing, time: float) -> Stage:
         """Stage with the pixels from which the part comes into the picture during its exposure."""
         places = drawing.path.at(time + drawing.delay + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
         low, high = np.floor(places.min(axis=1)).astype(int), np.ceil(places.max(axis=1)).astype(int)
@@ -294,7 +201,7 @@ class ExposedObjects:
             left, right = left - max(int(high[0]), 0), right - min(int(low[0]), 0)
         return replace(stage, columns=(left, right), rows=(top - max(int(high[1]), 0), bottom - min(int(low[1]), 0)))
 
-    def _own_stage(self, stage: Stage, one: Placed, drawing: _Drawing, time: float) -> tuple[Stage, int]:
+    def _own_stage(self, stage: Stage, one: Placed, drawing: Drawing, time: float) -> tuple[Stage, int]:
         """Stage of a part with pixels as fine as its size needs, and their number along the side of the detector's."""
         wide = self._wide(stage, drawing, time)
         if one.radius == 0.0:
@@ -308,7 +215,7 @@ class ExposedObjects:
         frame = (0, scale * self.imager.columns, 0, scale * self.imager.rows)
         return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells, frame=frame), scale
 
-    def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[_Drawing]) -> list[tuple[_Drawing, PixelPatch, float]]:
+    def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[Drawing]) -> list[tuple[Drawing, PixelPatch, float]]:
         """Patches through air that bends lines of sight, in the fine pixels of the picture."""
         pose = self.track.at(time)
         sea = None if scene.waves is None else scene.sea(pose, time)
@@ -341,16 +248,16 @@ class ExposedObjects:
             (columns[some[1]] + 0.5) / scale, (patch.rows[some[0]] + 0.5) / scale, counted[some], radiance[some], cover[some], 1.0 / scale
         )  # fmt: skip
 
-    def _instants(self, drawing: _Drawing, middle: float, shift: tuple[float, float]) -> Instants:
+    def _instants(self, drawing: Drawing, middle: float, shift: tuple[float, float]) -> Instants:
         """Shifts of a part and of the sea behind it at the instants of an exposure about ``middle`` [s]."""
         places = drawing.path.at(middle + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
         return Instants(places[0], places[1], drawing.weights, shift[0] * drawing.times, shift[1] * drawing.times)
 
     def _blocks(
-        self, drawing: _Drawing, boxes: Boxes, time: float, shift: tuple[float, float]
+        self, drawing: Drawing, boxes: Boxes, time: float, shift: tuple[float, float]
     ) -> Iterator[tuple[tuple[int, int] | None, tuple[int, int] | None, Instants]]:
         """Rows and columns (first and end; None for all) of which each has an instant of its own, with the part's instants there."""
-        down, across = self._delays
+        down, across = self._plan.delays
         own = self._instants(drawing, time + drawing.delay, shift)
         delays = down if down is not None else across
         if delays is None or boxes.column.size == 0 or drawing.times.size == 0:
@@ -373,7 +280,7 @@ class ExposedObjects:
             instants = self._instants(drawing, time + delay, shift)
             yield ((begin, stop), None, instants) if down is not None else (None, (begin, stop), instants)
 
-    def _speed(self, drawing: _Drawing, middle: float) -> float:
+    def _speed(self, drawing: Drawing, middle: float) -> float:
         """Speed of a part in the image [pixels s-1]."""
         step = max(0.5 * self.model.exposure_time, SHORT)
         pair = drawing.path.at(np.array([middle - step, middle + step]))
@@ -383,31 +290,47 @@ class ExposedObjects:
         self,
         time: float,
         pose: Pose,
-        central: Sequence[tuple[PixelPatch, float, _Drawing]],
-        drawn: Mapping[tuple[int, int], Sequence[tuple[_Drawing, Boxes]]],
+        shown: Sequence[tuple[PixelPatch, float, Drawing]],
+        drawn: Mapping[tuple[int, int], Sequence[tuple[Drawing, Boxes]]],
         behind_them: tuple[Backdrop, tuple[float, float]],
         light: Surroundings,
     ) -> tuple[BodySight, ...]:
-        """Sights of the bodies in the detector's pixels: shapes of the middle of the exposure, shares and places averaged over it."""
+        """Sights of the bodies in the detector's pixels, averaged over the exposure."""
         stands, every = self.objects.drawer.placed(pose, time)
         patches, shares = [], []
-        for patch, scale, one in central:
-            parts = drawn[one.part, one.image]
-            instants = [self._instants(drawing, time + drawing.delay, behind_them[1]) for drawing, _ in parts]
-            weight = max(sum(float(i.weight.sum()) for i in instants), 1e-9)
-            moved = patch.sums.copy()
-            for place, way in ((ACROSS, "across"), (DOWN, "down")):
-                offset = sum(float(getattr(i, way) @ i.weight) for i in instants) / weight
-                moved[place] = moved[place] / scale + offset * (1.0 if patch.clear > 0.0 else moved[SEEN])
-            patches.append(replace(patch, sums=moved))
+        for (part, image), parts in drawn.items():
+            some = [one for one in shown if (one[2].part, one[2].image) == (part, image)]
+            patches.append(self._averaged(some, time, behind_them[1]))
             shares.append(self._share(parts, time, pose, behind_them))
-        own = {one.part: patch.placed for patch, _, one in central}
-        placed = tuple(own.get(number, one) for number, one in enumerate(every))
+        own = {patch.placed.part: patch.placed for patch in patches}
+        placed = tuple(own.get(one.part, one) for one in every)
         picture = DrawnBodies(self.objects.drawer.bodies, stands, tuple(patches), placed)
         return sights(picture, patches, shares, self._circle, light)
 
+    def _averaged(self, some: Sequence[tuple[PixelPatch, float, Drawing]], time: float, shift: tuple[float, float]) -> PixelPatch:
+        """Patch of a part with sums averaged over the instants of an exposure, places in the detector's pixels, and no pixels."""
+        sums, line, places, seen = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
+        for patch, scale, drawing in some:
+            instants, weight = self._instants(drawing, time + drawing.delay, shift), float(drawing.weights.sum())
+            offset = np.array([instants.across @ instants.weight, instants.down @ instants.weight]) / weight
+            own = patch.sums[[ACROSS, DOWN]] / scale
+            sums[SUMMED] += weight * patch.sums[SUMMED]
+            line += weight * patch.lines.sum(axis=1)
+            if patch.placed.radius > 0.0:
+                sums[[ACROSS, DOWN]] += weight * (own + patch.sums[SEEN] * offset)
+            elif patch.clear > 0.0:
+                # of a point the mean place in the picture, or where it only comes near the picture, of all
+                share = weight * (1.0 if patch.lines[1].any() else 1e-9)
+                places, seen = places + share * (own + offset), seen + share
+        if seen > 0.0:
+            sums[[ACROSS, DOWN]] = places / seen
+        sums[[WHOLE, DRY]] = np.mean([patch.sums[[WHOLE, DRY]] for patch, _, _ in some], axis=0)
+        middle = next((patch for patch, _, drawing in some if drawing.central), some[0][0])
+        clear = max(patch.clear for patch, _, _ in some)
+        return replace(middle, rows=np.zeros(1, np.int64), sums=sums, lines=line[:, None], clear=clear)
+
     def _share(
-        self, drawn: Sequence[tuple[_Drawing, Boxes]], time: float, pose: Pose, behind_them: tuple[Backdrop, tuple[float, float]]
+        self, drawn: Sequence[tuple[Drawing, Boxes]], time: float, pose: Pose, behind_them: tuple[Backdrop, tuple[float, float]]
     ) -> BodyShare:
         """Coverage and radiance of a part in the pixels of the picture, means over the exposure."""
         backdrop, shift = behind_them
@@ -434,17 +357,11 @@ class ExposedObjects:
             first, end, begin, stop = max(first, top), min(end, bottom), max(begin, left), min(stop, right)
             if first < end and begin < stop:
                 count_pixels(counted[:, first - top : end - top, begin - left : stop - left], (begin, first), boxes, instants, backdrop)
+        if not counted.any():  # so fast that it passes between two columns or rows
+            for drawing, boxes in drawn:
+                count_pixels(counted, (left, top), boxes, self._instants(drawing, time + drawing.delay, shift), backdrop)
         rows_of, columns_of = np.arange(top, bottom), np.arange(left, right)
         pixel = np.broadcast_to(self.imager.solid_angle(pose.attitude, columns_of + 0.5, rows_of[:, None] + 0.5), counted.shape[1:])
         image = counted[2] / np.where(counted[0] > 0.0, counted[0], 1.0)
         columns_of = columns_of % self._circle if self._circle else columns_of
         return BodyShare(rows_of, columns_of, counted[0], counted[1], image, pixel, TOUCHED * float(counted[0].max()))
-
-    def _streaks(self, time: float, drawings: Sequence[_Drawing]) -> tuple[Streak | None, ...]:
-        """Ways of the bodies during the exposure, by the middle of the first part of each."""
-        out: list[Streak | None] = [None] * len(self.objects.drawer.bodies)
-        for drawing in drawings:
-            body = self.objects.drawer.parts[drawing.part].body
-            if out[body] is None:
-                out[body] = Streak.of(drawing.path, time + drawing.delay, self.model.exposure_time)
-        return tuple(out)

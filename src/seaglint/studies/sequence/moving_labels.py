@@ -55,7 +55,7 @@ def motion_numbers(
 
 
 def count_numbers(windows: Sequence[Window | None], seen: NDArray[np.float32], model: SensorModel) -> Numbers:
-    """Centre, peak and signal-to-noise ratio of what a detector counts of objects, before its noise.
+    """Centre, peak and signal-to-noise ratio of what objects add to a detector's counts, before its noise and within its full scale.
 
     Parameters
     ----------
@@ -79,16 +79,18 @@ def count_numbers(windows: Sequence[Window | None], seen: NDArray[np.float32], m
         if model.optics.cos4:
             x, y = ((place - 0.5 * (size - 1)) * model.ifov for place, size in ((i[0] % columns, columns), (j[:, 0], rows)))
             light = light * cos4_falloff(np.zeros(x.size) if model.scanning else x, y)
-        total, amount = float(light.sum()), float(np.abs(light).sum())
+        here = seen[j, i % columns].astype(np.float64)
+        with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (here, here - light))
+        added = with_it - without
+        total, amount = float(added.sum()), float(np.abs(added).sum())
+        out["counts_peak"][n] = out["counts_snr"][n] = 0.0
         if amount == 0.0:
             continue
         if abs(total) > LEAST_SUM * amount:
-            column = float((light * i).sum()) / total
+            column = float((added * i).sum()) / total
             out["counts_column_px"][n] = (column + 0.5) % columns - 0.5 if model.circle else column
-            out["counts_row_px"][n] = float((light * j).sum()) / total
-        down, across = np.unravel_index(int(np.abs(light).argmax()), light.shape)
-        peak = float(light[down, across]) * line.per_radiance
-        out["counts_peak"][n] = peak / line.gain
-        here = float(seen[top + down, (left + across) % columns])
-        out["counts_snr"][n] = abs(peak) / budget(model, max(here, 0.0)).total
+            out["counts_row_px"][n] = float((added * j).sum()) / total
+        down, across = np.unravel_index(int(np.abs(added).argmax()), added.shape)
+        out["counts_peak"][n] = float(added[down, across]) / line.gain
+        out["counts_snr"][n] = abs(float(added[down, across])) / budget(model, max(float(here[down, across]), 0.0)).total
     return out

@@ -224,7 +224,7 @@ class Sequence:
                 "nothing of it is written. This is a fault of the program: please report the scenario"
             )
         if self.objects is not None:
-            truth = self.objects.truth(drawn.sights, drawn.sea, self.scene_at(time), self.scene.pixels)
+            truth = self.objects.truth(drawn.sights, drawn.sea, self.scene_at(time), (self.scene.pixels, self.track.at(time).attitude))
             streaks = self.objects.streaks(View(self.scene.pixels, self.track), time)
             arrays |= {**truth, **motion_numbers(streaks, truth, mirage=isinstance(self.scene, RefractedScene))}
         if "apparent_temperature" in self.layout.variables:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.files.store.stored_truth import Truth, packed
-from seaglint.imaging.camera.imager import Imager
+from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.refracted import RefractedScene
@@ -124,14 +124,16 @@ class SceneObjects:
             out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
         return Drawn(out, layers.radiance, sights)
 
-    def truth(self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene, imager: Imager) -> Mapping[str, NDArray[Any]]:
+    def truth(
+        self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene, camera: tuple[Imager, Attitude]
+    ) -> Mapping[str, NDArray[Any]]:
         """Return the stored arrays of the objects of a frame, by variable of the group ``truth``, without motion and counts.
 
-        Sights, sea and ``imager`` are those of the stored pixels.
+        Sights, sea and ``camera``, with its attitude, are those of the stored pixels.
         """
         kelvin = self.drawer.light(scene.view).kelvin
         numbers, masks, which = labels(seen, sea, kelvin, around=scene.pixels.goes_round)
-        sizes = size_classes(numbers, imager)
+        sizes = size_classes(numbers, *camera)
         return {**numbers, "size_class": sizes, "object_mask": packed(masks), "object_id": which}
 
     def streaks(self, view: View, time: float) -> tuple[Streak | None, ...]:
@@ -140,7 +142,7 @@ class SceneObjects:
         for part in self.drawer.parts:
             if out[part.body] is None:
                 path = path_about(view, self.drawer.bodies[part.body].motion, part, time, SHORT)
-                out[part.body] = Streak.of(path, time, 0.0)
+                out[part.body] = Streak.of(path, time, time)
         return tuple(out)
 
     def layout(self) -> Truth:

@@ -145,7 +145,8 @@ class SensedSequence:
         assert objects is not None
         light, sea = drawn.light(number), binned_image(drawn.drawn(number).sea, self.sensed.oversampling)
         scene = self.fine.scene_at(number / self.layout.frame_rate)
-        truth = objects.objects.truth(light.sights, sea, scene, objects.imager)
+        attitude = self.fine.track.at(number / self.layout.frame_rate).attitude
+        truth = objects.objects.truth(light.sights, sea, scene, (objects.imager, attitude))
         motion = motion_numbers(light.streaks, truth, blur_px(objects.model), mirage=isinstance(scene, RefractedScene))
         return {**truth, **motion, **count_numbers(light.each, self.sensed.seen(number), objects.model)}
 
