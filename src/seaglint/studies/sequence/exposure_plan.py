@@ -129,7 +129,7 @@ class ExposurePlan:
         return start, column
 
     def drawings(self, time: float) -> list[Drawing]:
-        """What is to be drawn of a frame: every part in one or several shapes."""
+        """Parts to draw in a frame, each in one or several shapes."""
         exposure = self.model.exposure_time
         down, across = self.delays
         longest = float(max((d.max() for d in (down, across) if d is not None), default=0.0))
