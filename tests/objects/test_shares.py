@@ -127,25 +127,24 @@ def test_boxes_and_spheres_are_cut_and_hidden_as_rays_say(seed):
     assert sight.dry == pytest.approx(total * step**2, rel=2.0 * SAMPLED)
 
 
-def test_windows_of_a_picture_add_to_its_shares():
-    """A scanner draws column by column; an object over the edge is cut as much in the sum."""
-    place = (150.0 * math.tan(math.radians(0.5 * FOV[0])), 150.0, 3.0)
-    it = Body("it", (solid(primitives.box((4.0, 3.0, 8.0)), 350.0, 1.0),), Still(place))
-    screen = Body("screen", (solid(primitives.box((1.0, 1.0, 2.0)), 350.0, 1.0),), Still((2.4, 100.0, 2.1)))
-    whole = sights(it, screen)[0]
-    parts = [sights(it, screen, columns=(k, k + 8))[0] for k in range(0, PIXELS[0], 8)]
-    joined = parts[0]
-    for part in parts[1:]:
-        joined = joined.joined(part)
-    assert 0.3 < whole.truncated < 0.7
-    assert 0.05 < whole.occluded < 0.9
-    assert joined.truncated == pytest.approx(whole.truncated, abs=SAMPLED)
-    assert joined.occluded == pytest.approx(whole.occluded, abs=SAMPLED)
-    rows = whole.between(0, 20).joined(whole.between(20, PIXELS[1]))
-    assert rows.truncated == pytest.approx(whole.truncated, abs=1e-12)
-    assert rows.occluded == pytest.approx(whole.occluded, abs=1e-12)
-    upper = whole.between(0, 20)
-    assert upper.truncated > whole.truncated
+@pytest.mark.parametrize("scan", [{"kind": "line", "period_s": 0.02}, {"row_time_s": 2e-4}])
+def test_shares_of_a_picture_taken_in_parts_are_those_of_the_whole(scan):
+    """A scanner takes column by column, a rolling shutter row by row; what stands half hidden over the edge is cut and hidden as ever."""
+    box = {"name": "it", "shape": {"kind": "box", "size_m": [1.2, 1, 1.2]}, "temperature_k": 350}
+    screen = {"name": "screen", "shape": {"kind": "box", "size_m": [0.4, 0.4, 0.5]}, "temperature_k": 350}
+    optics = {"optics": {"aperture_m": 0.02, "f_number": 2.0}, "detector": {"pitch_um": 15.0, "integration_time_s": 1e-4}}
+    camera = {"pixels": [48, 32], "azimuth_deg": 0.0, "elevation_deg": 0.0, "height_m": 5.0, "frame_rate_hz": 25.0, **optics}
+    half = math.atan(0.5 * 48 * 15e-6 / 0.04)
+    items = [
+        {**box, "east_m": 150.0 * math.tan(half), "north_m": 150.0, "height_m": 5.0},
+        {**screen, "east_m": 100.0 * math.tan(half) - 0.25, "north_m": 100.0, "height_m": 5.0},
+    ]
+    common = {"sea": {"resolve_waves": False}, "sun": {"zenith_deg": 60.0}, "objects": items}
+    one, other = (prepare_sensed(parse_scenario({**common, "sensor": {**camera, **more}})).images(0) for more in ({}, {"scan": scan}))
+    assert 0.3 < one["truncated_share"][0] < 0.7
+    assert 0.05 < one["occluded_share"][0] < 0.9
+    for name in ("truncated_share", "occluded_share", "visible_share", "pixels", "column_px", "row_px"):
+        assert other[name] == pytest.approx(one[name], abs=1e-6), name
 
 
 def test_wholly_inside_is_exactly_uncut_and_far_outside_exactly_cut():

@@ -95,12 +95,19 @@ def test_objects_come_back_too(north):
     assert np.abs(seen[0]).sum() > 0.0
 
 
-def test_objects_before_a_detector_come_back_too():
-    """Light on the pixels and labels of a boat and a lamp: through standard air ray by ray, and as it is drawn without rays."""
+@pytest.mark.parametrize("apart", [True, False])
+def test_objects_before_a_detector_come_back_too(apart):
+    """Light on the pixels and labels of a boat and a lamp: through standard air ray by ray, and as it is drawn without rays.
+
+    Apart, or with the lamp beside the boat, so that they may meet in the exposure and are drawn at many instants.
+    """
     lens = {"aperture_m": 0.05, "focal_length_m": 15e-6 / math.radians(0.01)}
     optics = {"optics": lens, "detector": {"pitch_um": 15, "integration_time_s": 0.002}}
     raft = {**BOAT, "shape": {"kind": "box", "size_m": [1, 1, 1.5]}, "draught_m": 0.2, "east_m": -0.4}
-    moving = [{**item, "north_m": 900.0, "course_deg": 90.0} for item in (raft, {**LIGHT, "east_m": 0.7, "height_m": 4})]
+    moving = [
+        {**item, "north_m": 900.0, "course_deg": 90.0}
+        for item in (raft, {**LIGHT, "east_m": 0.7 if apart else 0.3, "height_m": 4 if apart else 1.0})
+    ]
     objects = [{**moving[0], "speed_m_s": 8.0}, {**moving[1], "speed_m_s": 20.0}]
     fine, n = scenario(objects=objects, elevation_deg=-1.1, pixels=[120, 200]), 5
     model = sensor_model(scenario(objects=objects, elevation_deg=-1.1, **optics))

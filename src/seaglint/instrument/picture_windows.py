@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 
-Window = tuple[int, int, NDArray[np.float32]]
+PictureWindow = tuple[int, int, NDArray[np.float32]]
 """First row and first column of a part of a picture, which may lie outside it, and values of its pixels (rows, columns)."""
 
 
-def add_window(picture: FloatArray, window: Window, circle: int) -> None:
+def add_window(picture: FloatArray, window: PictureWindow, circle: int) -> None:
     """Add a window to a picture (rows, columns); ``circle``: columns of a full circle, 0 where there is none."""
     row, column, values = window
     first, end = max(row, 0), min(row + values.shape[0], picture.shape[0])
@@ -28,7 +28,7 @@ def add_window(picture: FloatArray, window: Window, circle: int) -> None:
     picture[first:end, columns[keep]] += inside[:, keep]
 
 
-def part_of(window: Window, rows: tuple[int, int] | None, columns: tuple[int, int] | None) -> Window:
+def part_of(window: PictureWindow, rows: tuple[int, int] | None, columns: tuple[int, int] | None) -> PictureWindow:
     """Part of a window in some rows and columns (first and end; None for all)."""
     row, column, values = window
     if rows is not None:
@@ -40,7 +40,7 @@ def part_of(window: Window, rows: tuple[int, int] | None, columns: tuple[int, in
     return row, column, values
 
 
-def together(windows: list[Window], shape: tuple[int, ...], circle: int) -> Window | None:
+def sum_of(windows: list[PictureWindow], shape: tuple[int, ...], circle: int) -> PictureWindow | None:
     """Sum of windows in a picture of ``shape`` (rows, columns); None where none of them is in it."""
     if not windows:
         return None

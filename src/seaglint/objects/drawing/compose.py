@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
@@ -53,15 +53,10 @@ class BodyShare:
     pixel: FloatArray
     least: float = LEAST_COVER
 
-    def rows_between(self, first: int, end: int) -> BodyShare:
-        """Return the share in some rows alone."""
-        keep = (self.rows >= first) & (self.rows < end)
-        return BodyShare(self.rows[keep], self.columns, self.cover[keep], self.radiance[keep], self.image[keep], self.pixel[keep])
-
 
 @dataclass(frozen=True, eq=False)
 class BodySight:
-    """One body in the image of an instant, summed over its parts and over parts of the image.
+    """One body in the image, summed over its parts.
 
     Attributes
     ----------
@@ -73,8 +68,8 @@ class BodySight:
         Solid angle in all, under water too [sr].
     dry : float
         Solid angle of what is above its waterline, in the picture or not [sr]; of points their number.
-    lines : tuple of (ndarray, ndarray)
-        Rows of the image, and in each of them what of ``dry`` is in the image, and what of this is in view [sr, (2, rows)].
+    inside, dry_seen : float
+        What of ``dry`` is in the image, and what of this is in view [sr].
     seen, across, down : float
         Solid angle in view [sr]; the same times the place in the image [sr pixels].
     shares : tuple of BodyShare
@@ -91,52 +86,21 @@ class BodySight:
     down: float = 0.0
     shares: tuple[BodyShare, ...] = field(default=())
     dry: float = 0.0
-    lines: tuple[tuple[NDArray[np.int64], FloatArray], ...] = field(default=())
+    inside: float = 0.0
+    dry_seen: float = 0.0
 
     @property
     def truncated(self) -> float:
         """Share of what is above the waterline that is outside the picture [1]; NaN where nothing is above it."""
         if self.dry <= 0.0:
             return math.nan
-        outside = 1.0 - self._dry_sums()[0] / self.dry
+        outside = 1.0 - self.inside / self.dry
         return min(outside, 1.0) if outside > LEAST_CUT else 0.0
 
     @property
     def occluded(self) -> float:
         """Share of what is above the waterline and in the picture that something hides [1]; NaN where nothing is there."""
-        inside, seen = self._dry_sums()
-        return min(max(1.0 - seen / inside, 0.0), 1.0) if inside > 0.0 else math.nan
-
-    def _dry_sums(self) -> tuple[float, float]:
-        return sum(float(line[0].sum()) for _, line in self.lines), sum(float(line[1].sum()) for _, line in self.lines)
-
-    def joined(self, other: BodySight) -> BodySight:
-        """Return the sum with the sight of another part of the image."""
-        return replace(
-            self,
-            seen=self.seen + other.seen,
-            across=self.across + other.across,
-            down=self.down + other.down,
-            shares=self.shares + other.shares,
-            lines=self.lines + other.lines,
-        )
-
-    def between(self, first: int, end: int) -> BodySight:
-        """Return the sight in some rows of the image alone, its centre from whole pixels where it lies partly in them."""
-        shares = tuple(share.rows_between(first, end) for share in self.shares)
-        keep = [(rows >= first) & (rows < end) for rows, _ in self.lines]
-        lines = tuple((rows[some], line[:, some]) for some, (rows, line) in zip(keep, self.lines, strict=True))
-        before = sum(int(share.cover.size) for share in self.shares)
-        if sum(share.cover.size for share in shares) == before:
-            return replace(self, lines=lines)
-        cover = [share.cover * share.pixel for share in shares]
-        seen = float(sum(c.sum() for c in cover))
-        across = float(sum((c * (s.columns + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
-        down = float(sum((c * (s.rows[:, None] + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
-        if self.seen == 0.0:  # of a point it is there or not
-            visible = any((share.radiance != 0.0).any() for share in shares)
-            across, down = (self.across, self.down) if visible else (0.0, 0.0)
-        return replace(self, seen=seen, across=across, down=down, shares=shares, lines=lines)
+        return min(max(1.0 - self.dry_seen / self.inside, 0.0), 1.0) if self.inside > 0.0 else math.nan
 
 
 def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surroundings) -> tuple[Layers, tuple[BodySight, ...]]:
@@ -297,7 +261,7 @@ def sights(
             pair if (pair := drawn.get(id(one), (0.0, 0.0)))[0] > 0.0 else solid_angles(one, parts, light.cover_of) for one in extended
         ]
         whole, dry = (float(sum(pair[k] for pair in angles)) for k in (0, 1))
-        lines = tuple((patch.rows, patch.lines) for patch, _ in own if patch.placed.radius > 0.0 or not extended)
+        lines = sum((patch.lines.sum(axis=1) for patch, _ in own if patch.placed.radius > 0.0 or not extended), np.zeros(2))
         seen, across, down = float(sums[SEEN]), float(sums[ACROSS]), float(sums[DOWN])
         if points and seen == 0.0:  # points alone: their mean place, of no solid angle
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
@@ -305,7 +269,7 @@ def sights(
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
         shares_of = tuple(share for _, share in own)
         above = dry if extended else float(len(parts))
-        out.append(BodySight(body.name, *_direction(place), whole, seen, across, down, shares_of, above, lines))
+        out.append(BodySight(body.name, *_direction(place), whole, seen, across, down, shares_of, above, *map(float, lines)))
     return tuple(out)
 
 

@@ -163,7 +163,7 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
         pose = view.pose(time)
         at = stand(motion.at(min(max(time, first), last)), pose)
         surface = points @ at.turn.T + at.place
-        _, image = project(surface, pose.attitude.axes[[0, 1, 2]], lens(view.imager, pose.attitude), about)
+        _, image = project(surface, pose.attitude.axes, lens(view.imager, pose.attitude), about)
         shapes.append(image[1:] - image[0])
     change = float(np.abs(shapes[1] - shapes[0]).max())
     return int(min(max(math.ceil(change / (2.0 * RIGID)), 1), MOST_STAGES))

@@ -1,4 +1,4 @@
-"""Labels of bodies in an image: numbers and masks from their sights, in pixels of the image or of a coarser detector."""
+"""Labels of bodies in an image: numbers and masks from their sights."""
 
 from __future__ import annotations
 
@@ -61,7 +61,6 @@ def labels(
     sights: tuple[BodySight, ...],
     sea: NDArray[Any],
     kelvin: Callable[[float], float],
-    oversampling: int = 1,
     *,
     around: bool = False,
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
@@ -75,20 +74,17 @@ def labels(
     sights : tuple of BodySight
         Sight of each body.
     sea : ndarray
-        Image of the sea alone [W m-2 sr-1, (rows, columns)], in pixels as fine as they were drawn.
+        Image of the sea alone [W m-2 sr-1, (rows, columns)].
     kelvin : callable
         Apparent temperature [K] of a radiance.
-    oversampling : int
-        Pixels drawn along the side of one that is labelled.
     around : bool
         Whether the image closes on itself: columns of a box that spans the seam count on from its left.
     """
-    n = oversampling
-    shape = (sea.shape[0] // n, sea.shape[1] // n)
-    coarse = np.asarray(sea, np.float64).reshape(shape[0], n, shape[1], n).mean(axis=(1, 3)) if n > 1 else np.asarray(sea, np.float64)
-    boxes = [_pixels(sight, n, shape, around) for sight in sights]
+    image = np.asarray(sea, np.float64)
+    shape = image.shape[0], image.shape[1]
+    boxes = [_pixels(sight, shape, around) for sight in sights]
     masks, number = _owners(boxes, shape)
-    rows = [_numbers(sight, box, coarse, number > 0, kelvin, n) for sight, box in zip(sights, boxes, strict=True)]
+    rows = [_numbers(sight, box, image, number > 0, kelvin) for sight, box in zip(sights, boxes, strict=True)]
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
 
 
@@ -106,7 +102,7 @@ def size_classes(labels: Mapping[str, NDArray[np.float64]], imager: Imager, atti
 
 def numbers_of(sights: tuple[BodySight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
     """Number [1], from 1, of the body that covers most of a pixel; 0 where there is none."""
-    return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
+    return _owners([_pixels(sight, shape, around) for sight in sights], shape)[1]
 
 
 def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[NDArray[np.bool_]], NDArray[np.uint16]]:
@@ -124,24 +120,24 @@ def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[N
     return masks, number
 
 
-def _pixels(sight: BodySight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
+def _pixels(sight: BodySight, shape: tuple[int, int], around: bool) -> _Pixels | None:
     """Sums over a body's shares in the labelled pixels."""
     shares = [share for share in sight.shares if share.cover.size]
     if not shares:
         return None
-    top, bottom = min(int(s.rows.min()) for s in shares) // n, max(int(s.rows.max()) for s in shares) // n + 1
-    left, right = _columns(np.concatenate([s.columns // n for s in shares]), shape[1], around)
+    top, bottom = min(int(s.rows.min()) for s in shares), max(int(s.rows.max()) for s in shares) + 1
+    left, right = _columns(np.concatenate([s.columns for s in shares]), shape[1], around)
     top, bottom = max(top, 0), min(bottom, shape[0])
     size = (bottom - top, right - left)
     cover, added, hidden, solid = (np.zeros(size) for _ in range(4))
     seen = np.zeros(size, bool)
     for s in shares:
-        where = np.ix_(s.rows // n - top, (s.columns // n - left) % shape[1])
+        where = np.ix_(s.rows - top, (s.columns - left) % shape[1])
         index = tuple(np.broadcast_arrays(*where))
-        np.add.at(cover, index, s.cover / n**2)
+        np.add.at(cover, index, s.cover)
         np.add.at(added, index, s.radiance * s.pixel)
         np.add.at(hidden, index, s.cover * s.image * s.pixel)
-        np.maximum.at(solid, index, s.pixel * n**2)
+        np.maximum.at(solid, index, s.pixel)
         np.logical_or.at(seen, index, (s.cover > s.least) | ((s.cover == 0.0) & (s.radiance != 0.0)))
     return _Pixels(top, left, shape, around, cover, added, hidden, solid, seen) if seen.any() else None
 
@@ -163,7 +159,6 @@ def _numbers(
     sea: FloatArray,
     covered: NDArray[np.bool_],
     kelvin: Callable[[float], float],
-    n: int,
 ) -> dict[str, float]:
     """Ground-truth numbers of one body."""
     row = dict.fromkeys(NUMBERS, math.nan)
@@ -182,8 +177,8 @@ def _numbers(
     total = float(difference.sum())
     point = sight.seen == 0.0
     weight = 1.0 if point else sight.seen
-    row["column_px"] = _on_image(sight.across / weight / n - 0.5, box)
-    row["row_px"] = sight.down / weight / n - 0.5
+    row["column_px"] = _on_image(sight.across / weight - 0.5, box)
+    row["row_px"] = sight.down / weight - 0.5
     rows, columns = np.nonzero(box.seen)
     row["bbox_left_px"], row["bbox_top_px"] = float(box.left + columns.min()), float(box.top + rows.min())
     row["bbox_width_px"], row["bbox_height_px"] = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)

@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose, Track
+from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.scene import Scene
+from seaglint.imaging.wave_surface import Surface
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.local_light import Backdrop, Boxes, Instants, LensShift, LocalLight, behind, count_pixels
-from seaglint.instrument.picture_windows import Window, add_window, part_of, together
+from seaglint.instrument.picture_windows import PictureWindow, add_window, part_of, sum_of
 from seaglint.instrument.scan import ScanPattern
 from seaglint.objects.drawing.compose import BodyShare, BodySight, point_light, sights
 from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, near
@@ -75,7 +77,7 @@ class ObjectLight:
     """
 
     added: NDArray[np.float32]
-    each: tuple[Window | None, ...]
+    each: tuple[PictureWindow | None, ...]
     sights: tuple[BodySight, ...]
     streaks: tuple[Streak | None, ...]
 
@@ -137,7 +139,7 @@ class ExposedObjects:
         drawings = self._plan.drawings(time)
         patches = self._patches(scene, view, time, drawings, surroundings)
         added = np.zeros((self.imager.rows, self.imager.columns))
-        windows: list[list[Window]] = [[] for _ in self.objects.drawer.bodies]
+        windows: list[list[PictureWindow]] = [[] for _ in self.objects.drawer.bodies]
         sums: dict[tuple[int, int], list[tuple[Drawing, Boxes]]] = {}
         for drawing, patch, scale in patches:
             boxes = self._boxes(patch, scale, pose, backdrop, surroundings)
@@ -150,7 +152,7 @@ class ExposedObjects:
             sums.setdefault((drawing.part, drawing.image), []).append((drawing, boxes))
         shown = [(patch, scale, drawing) for drawing, patch, scale in patches]
         seen = self._sights(time, pose, shown, sums, (backdrop, shift), surroundings)
-        each = tuple(together(some, added.shape, self._circle) for some in windows)
+        each = tuple(sum_of(some, added.shape, self._circle) for some in windows)
         return ObjectLight(added.astype(np.float32), each, seen, self._plan.streaks(time, drawings))
 
     @cached_property
@@ -167,19 +169,18 @@ class ExposedObjects:
             return self._refracted(scene, time, drawings)
         drawer, chosen = self.objects.drawer, []
         moments: dict[float, tuple[Stage, tuple[Placed, ...]]] = {}
+        seas: dict[float, tuple[Levels, Surface] | None] = {}  # waves stand still in an exposure
         spare = self._local.margin
         for drawing in drawings:
             at = drawing.drawn_at
             if at not in moments:
                 pose = self._view.pose(at)
-                waves = None
-                if scene.waves is not None:
-                    # waves stand still in an exposure
-                    sea = scene.sea(self._view.pose(time + drawing.delay), time + drawing.delay)
-                    waves = (sea.levels, sea.surface)
+                met = time + drawing.delay
+                if met not in seas:
+                    seas[met] = _waves(scene, self._view.pose(met), met)
                 columns = (0, self.imager.columns) if self._circle else (-spare, self.imager.columns + spare)
                 rows, frame = (-spare, self.imager.rows + spare), (0, self.imager.columns, 0, self.imager.rows)
-                stage = Stage(self.imager, pose, view, waves, columns, rows, frame=frame)
+                stage = Stage(self.imager, pose, view, seas[met], columns, rows, frame=frame)
                 moments[at] = (stage, drawer.placed(pose, at)[1])
             stage, every = moments[at]
             one = every[drawing.part]
@@ -218,13 +219,18 @@ class ExposedObjects:
     def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[Drawing]) -> list[tuple[Drawing, PixelPatch, float]]:
         """Patches through air that bends lines of sight, in the fine pixels of the picture."""
         pose = self.track.at(time)
-        sea = None if scene.waves is None else scene.sea(pose, time)
-        waves = None if sea is None else (sea.levels, sea.surface)
-        stage = Stage(scene.pixels, pose, scene.seen_from(pose), waves, (0, scene.pixels.columns), (0, scene.pixels.rows))
+        stage = Stage(
+            scene.pixels, pose, scene.seen_from(pose), _waves(scene, pose, time), (0, scene.pixels.columns), (0, scene.pixels.rows)
+        )
         picture = refracted_picture(self.objects.drawer, stage, scene, time)
         parts = {id(part): number for number, part in enumerate(self.objects.drawer.parts)}
-        central = {drawing.part: drawing for drawing in drawings if drawing.central}
-        numbered = ((replace(central[parts[id(p.placed.part)]], drawn_at=time, image=n), p) for n, p in enumerate(picture.patches))
+        # drawn once: it has all instants of the exposure
+        whole: dict[int, Drawing] = {}
+        for drawing in drawings:
+            before = whole.get(drawing.part)
+            joined = drawing if before is None else _together(before, drawing)
+            whole[drawing.part] = replace(joined, drawn_at=time)
+        numbered = ((replace(whole[parts[id(p.placed.part)]], image=n), p) for n, p in enumerate(picture.patches))
         return [(drawing, patch, float(self.fine)) for drawing, patch in numbered if drawing.times.size]
 
     def _boxes(self, patch: PixelPatch, scale: float, pose: Pose, backdrop: Backdrop, light: Surroundings) -> Boxes:
@@ -325,7 +331,7 @@ class ExposedObjects:
         if seen > 0.0:
             sums[[ACROSS, DOWN]] = places / seen
         sums[[WHOLE, DRY]] = np.mean([patch.sums[[WHOLE, DRY]] for patch, _, _ in some], axis=0)
-        middle = next((patch for patch, _, drawing in some if drawing.central), some[0][0])
+        middle = some[len(some) // 2][0]
         clear = max(patch.clear for patch, _, _ in some)
         return replace(middle, rows=np.zeros(1, np.int64), sums=sums, lines=line[:, None], clear=clear)
 
@@ -365,3 +371,16 @@ class ExposedObjects:
         image = counted[2] / np.where(counted[0] > 0.0, counted[0], 1.0)
         columns_of = columns_of % self._circle if self._circle else columns_of
         return BodyShare(rows_of, columns_of, counted[0], counted[1], image, pixel, TOUCHED * float(counted[0].max()))
+
+
+def _waves(scene: Scene, pose: Pose, time: float) -> tuple[Levels, Surface] | None:
+    """Resolved waves of an instant before a sensor; None of a flat sea."""
+    if scene.waves is None:
+        return None
+    sea = scene.sea(pose, time)
+    return sea.levels, sea.surface
+
+
+def _together(one: Drawing, other: Drawing) -> Drawing:
+    """Return a part's drawing with the instants of another one of the same exposure."""
+    return replace(one, times=np.concatenate([one.times, other.times]), weights=np.concatenate([one.weights, other.weights]))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Final
@@ -49,7 +49,6 @@ class Drawing:
     times: FloatArray
     weights: FloatArray
     drawn_at: float
-    central: bool
     image: int = 0
 
 
@@ -97,62 +96,66 @@ class ExposurePlan:
             return float(np.interp((column - 0.5) % across.size if self._circle else column - 0.5, np.arange(across.size), across))
         return 0.0
 
-    def _met(self, part: int, time: float) -> tuple[float, float]:
-        """Delay of the row or column in which a part is met [s], and its column then [pixels].
+    @cached_property
+    def _longest(self) -> float:
+        """Time from the first to the last row or column [s]; 0 where all are taken at once."""
+        return max((float(delays.max()) for delays in self.delays if delays is not None), default=0.0)
 
-        It is where the readout passes the part: the first crossing from row to row or column to column, refined by bisection; where there
-        is none, and with one instant for all, that of the part's place at the frame's time.
+    def _met(self, place: Callable[[float], tuple[float, float]]) -> float:
+        """Time after the frame's at which the readout passes something whose column and row are ``place`` of that time [s].
+
+        The first crossing between two rows or columns, refined by bisection; where there is none, the time at which its first place is
+        taken.
         """
-        drawn = self.drawer.parts[part]
-        motion = self.drawer.bodies[drawn.body].motion
-        middle, about = middle_of(drawn), 0.5 * self.view.imager.columns
-        first, last = self.view.known(motion)
+        if self._longest == 0.0:
+            return 0.0
 
-        def ahead(delay: float) -> tuple[float, float]:
-            """Delay of the part's place at a time less that time, and its column."""
-            column, row = place_in_image(self.view, motion, middle, min(max(time + delay, first), last), about)
-            return self._delay(column, row) - delay, column
+        def ahead(delay: float) -> float:
+            return self._delay(*place(delay)) - delay
 
-        start, column = ahead(0.0)
-        longest = max((float(d.max()) for d in self.delays if d is not None), default=0.0)
-        if longest == 0.0:
-            return 0.0, column
-        ends = np.linspace(0.0, longest, CROSSINGS + 1)
-        signs = [ahead(float(delay))[0] for delay in ends]
+        ends = np.linspace(0.0, self._longest, CROSSINGS + 1)
+        signs = [ahead(float(delay)) for delay in ends]
         for k in range(CROSSINGS):
             if signs[k] >= 0.0 >= signs[k + 1]:
                 low, high = float(ends[k]), float(ends[k + 1])
                 for _ in range(40):
                     half = 0.5 * (low + high)
-                    low, high = (half, high) if ahead(half)[0] > 0.0 else (low, half)
-                return 0.5 * (low + high), ahead(0.5 * (low + high))[1]
-        return start, column
+                    low, high = (half, high) if ahead(half) > 0.0 else (low, half)
+                return 0.5 * (low + high)
+        return signs[0]
+
+    def _found(self, part: int, time: float) -> tuple[float, ImagePath]:
+        """Time after the frame's at which a part is met [s], and its path about that."""
+        drawn = self.drawer.parts[part]
+        motion = self.drawer.bodies[drawn.body].motion
+        middle, about = middle_of(drawn), 0.5 * self.view.imager.columns
+        first, last = self.view.known(motion)
+
+        def place(delay: float) -> tuple[float, float]:
+            return place_in_image(self.view, motion, middle, min(max(time + delay, first), last), about)
+
+        delay = self._met(place)
+        spare = max(0.5 * self.model.exposure_time, SHORT) + self._longest
+        times = (time + delay - spare, time + delay + spare)
+        return delay, ImagePath.of(self.view, motion, middle, times, place(delay)[0])
 
     def drawings(self, time: float) -> list[Drawing]:
         """Parts to draw in a frame, each in one or several shapes."""
         exposure = self.model.exposure_time
-        down, across = self.delays
-        longest = float(max((d.max() for d in (down, across) if d is not None), default=0.0))
-        out, found = [], []
-        for number, part in enumerate(self.drawer.parts):
-            motion = self.drawer.bodies[part.body].motion
-            delay, column = self._met(number, time)
-            middle = time + delay
-            spare = max(0.5 * exposure, SHORT) + longest
-            path = ImagePath.of(self.view, motion, middle_of(part), (middle - spare, middle + spare), column)
-            found.append((number, part, motion, delay, column, path))
-        meetings = self._meetings(time, [(part.body, delay, path) for _, part, _, delay, _, path in found])
-        for number, part, motion, delay, column, path in found:
+        out, found = [], [self._found(number, time) for number in range(len(self.drawer.parts))]
+        meetings = self._meetings(time, found)
+        for number, (part, (delay, path)) in enumerate(zip(self.drawer.parts, found, strict=True)):
             middle, count = time + delay, 1
             if exposure > 0.0:
                 ends = (middle - 0.5 * exposure, middle + 0.5 * exposure)
-                count = max(stages(self.view, motion, part, ends, column), meetings[number])
+                about = float(path.at(np.array([middle]))[0, 0])
+                count = max(stages(self.view, self.drawer.bodies[part.body].motion, part, ends, about), meetings[number])
                 self._report(path, ends, part.name)
             for stage in range(count):
                 begin = (stage / count - 0.5) * exposure
                 times, weights = self._times(path, middle, begin, begin + exposure / count)
                 own = middle + begin + 0.5 * exposure / count
-                out.append(Drawing(number, path, delay, times, weights / count, own, stage == count // 2))
+                out.append(Drawing(number, path, delay, times, weights / count, own))
         return out
 
     def _report(self, path: ImagePath, ends: tuple[float, float], name: str) -> None:
@@ -165,24 +168,25 @@ class ExposurePlan:
             text = "object '%s' crosses %.0f pixels in an exposure, more than the picture is wide (%d): its streak reaches across it"
             REPORTS.warning(text, name, length, widest)
 
-    def _meetings(self, time: float, parts: Sequence[tuple[int, float, ImagePath]]) -> list[int]:
+    def _meetings(self, time: float, found: Sequence[tuple[float, ImagePath]]) -> list[int]:
         """Number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
 
         What then hides it, and what is in the picture, changes with time: between two instants by :data:`APART` of way.
         """
         half = 0.5 * self.model.exposure_time * np.linspace(-1.0, 1.0, 9)
-        ways = [path.at(time + delay + half) for _, delay, path in parts]
+        bodies = [part.body for part in self.drawer.parts]
+        ways = [path.at(time + delay + half) for delay, path in found]
         sizes = [one.angle / self.model.ifov + 1.0 for one in self.drawer.placed(self.view.pose(time), time)[1]]
         boxes = [(way.min(axis=1) - size, way.max(axis=1) + size) for way, size in zip(ways, sizes, strict=True)]
         edge = np.array([self.view.imager.columns, self.view.imager.rows], np.float64)
         out = []
-        for n, (body, _, _) in enumerate(parts):
+        for n, body in enumerate(bodies):
             low, high = boxes[n]
             way = 0.0
             sides = slice(1, 2) if self._circle else slice(0, 2)
             if (((low < 0.0) & (high > 0.0)) | ((low < edge) & (high > edge)))[sides].any():
                 way = float(np.hypot(*np.ptp(ways[n], axis=1)))
-            for k, (other, _, _) in enumerate(parts):
+            for k, other in enumerate(bodies):
                 if other != body and (boxes[k][0] < high).all() and (boxes[k][1] > low).all():
                     way = max(way, float(np.hypot(*np.ptp(ways[n] - ways[k], axis=1))))
             out.append(min(max(math.ceil(way / APART), 1), MOST_MEETINGS))
@@ -241,12 +245,10 @@ class ExposurePlan:
         return tuple(out)
 
     def _end(self, drawing: Drawing, time: float, half: float) -> float:
-        """Time at which the row or column that then sees the part begins or ends its exposure [s]."""
-        at = time + drawing.delay + half
-        for _ in range(60):  # rows of a rolling shutter begin later down the picture
-            column, row = drawing.path.at(np.array([at]))[:, 0]
-            after = time + self._delay(float(column), float(row)) + half
-            if abs(after - at) < 1e-12 or column < BEHIND:
-                break
-            at = after
-        return at
+        """Time at which the row or column that then sees the part begins or ends its exposure, ``half`` from its middle [s]."""
+
+        def place(delay: float) -> tuple[float, float]:
+            column, row = drawing.path.at(np.array([time + delay + half]))[:, 0]
+            return float(column), float(row)
+
+        return time + self._met(place) + half

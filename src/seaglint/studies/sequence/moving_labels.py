@@ -12,7 +12,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import budget
 from seaglint.instrument.optics import cos4_falloff
-from seaglint.instrument.picture_windows import Window
+from seaglint.instrument.picture_windows import PictureWindow
 from seaglint.objects.drawing.image_path import Streak
 
 Numbers = dict[str, FloatArray]
@@ -54,12 +54,12 @@ def motion_numbers(
     return out
 
 
-def count_numbers(windows: Sequence[Window | None], seen: NDArray[np.float32], model: SensorModel) -> Numbers:
+def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.float32], model: SensorModel) -> Numbers:
     """Centre, peak and signal-to-noise ratio of what objects add to a detector's counts, before its noise and within its full scale.
 
     Parameters
     ----------
-    windows : sequence of Window
+    windows : sequence of PictureWindow
         Change of the radiance on the pixels by each object [W m-2 sr-1]; None out of the picture.
     seen : ndarray
         Radiance on the pixels, objects in it [W m-2 sr-1, (rows, columns)].

@@ -41,27 +41,19 @@ class Drawn:
 
     @classmethod
     def beside(cls, parts: list[Drawn]) -> Drawn:
-        """Images side by side, from the left."""
-        return cls(joined([part.layers for part in parts]), np.concatenate([part.sea for part in parts], axis=1), _together(parts))
+        """Images side by side, from the left, without sights."""
+        return cls(joined([part.layers for part in parts]), np.concatenate([part.sea for part in parts], axis=1), ())
 
     @classmethod
     def below(cls, parts: list[Drawn]) -> Drawn:
-        """Images one below the other, from the top."""
+        """Images one below the other, from the top, without sights."""
         layers = Layers({name: np.concatenate([part.layers[name] for part in parts], axis=0) for name in parts[0].layers})
-        return cls(layers, np.concatenate([part.sea for part in parts], axis=0), _together(parts))
+        return cls(layers, np.concatenate([part.sea for part in parts], axis=0), ())
 
     def rows(self, first: int, end: int) -> Drawn:
-        """Some rows alone, and what is seen of objects in them."""
+        """Some rows alone, without sights."""
         cut = slice(first, end)
-        layers = Layers({name: image[cut] for name, image in self.layers.items()})
-        return Drawn(layers, self.sea[cut], tuple(sight.between(first, end) for sight in self.sights))
-
-
-def _together(parts: list[Drawn]) -> tuple[BodySight, ...]:
-    sights = parts[0].sights
-    for part in parts[1:]:
-        sights = tuple(one.joined(other) for one, other in zip(sights, part.sights, strict=True))
-    return sights
+        return Drawn(Layers({name: image[cut] for name, image in self.layers.items()}), self.sea[cut], ())
 
 
 @dataclass(frozen=True, eq=False)
