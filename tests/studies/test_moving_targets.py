@@ -24,6 +24,7 @@ from tests.helpers.own_exposure import (
 
 import seaglint as sg
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.objects.drawing.truth_names import SIZES
 from seaglint.studies.sequence.sensed import prepare_sensed
 
 FAR = 2000.0
@@ -223,13 +224,17 @@ def test_distortion_moves_a_target_as_it_moves_the_sea_around() -> None:
     camera = sensor(2.5, 0.001)
     camera["optics"] = {**camera["optics"], "distortion": 0.1}
     place = at(44.3, 31.2, FAR)
-    _, arrays, _ = added(scene([lamp(place)], camera))
+    change, arrays, _ = added(scene([lamp(place)], camera))
     corner = math.hypot(COLUMNS / 2, ROWS / 2)
     scale = 1.0 + 0.1 * ((44.3 - 32) ** 2 + (31.2 - 24) ** 2) / corner**2
     known, table = optics(2.5)
     swing = np.interp(1.0, known, table) / np.pi
     assert arrays["counts_column_px"][0] + 0.5 == pytest.approx(32 + (44.3 - 32) * scale, abs=swing + 0.02)
     assert arrays["counts_row_px"][0] + 0.5 == pytest.approx(24 + (31.2 - 24) * scale, abs=swing + 0.02)
+    # radiance stays, so that light grows with the area: by the radial and the tangential stretch
+    plain, _, _ = added(scene([lamp(place)], sensor(2.5, 0.001)))
+    stretch = scale * (1.0 + 3.0 * (scale - 1.0))
+    assert change.sum() == pytest.approx(plain.sum() * stretch, rel=3e-3)
 
 
 @pytest.mark.parametrize("size", [5.0, 40.0, 200.0])
@@ -334,3 +339,66 @@ def test_a_full_pixel_has_no_more_counts_of_a_target() -> None:
     _, arrays, _ = added(scene([lamp(at(32.2, 24.0, FAR))], camera))
     assert arrays["saturated_share"] == 1.0
     assert arrays["counts_peak"][0] == arrays["counts_snr"][0] == 0.0
+
+
+@pytest.mark.parametrize("more", [{}, {"stray_share": 0.2}, {"cos4": True}])
+def test_counts_of_labels_are_those_of_the_pictures(more) -> None:
+    """Peak and noise: against the electrons of two runs, and their own sum of shot, dark, read noise and quantisation."""
+    rng = np.random.default_rng(5)
+    gain, read, dark, exposure = 400.0, 300.0, 1e7, 0.004
+    camera = sensor(2.5, exposure, pixels=[COLUMNS, ROWS])
+    camera["optics"] = {"f_number": 2.5, "focal_length_m": 0.005, **more} if more else {**camera["optics"]}
+    camera["detector"] = {
+        "pitch_um": 15.0, "integration_time_s": exposure, "gain_e_per_count": gain, "read_noise_e": read, "dark_current_e_s": dark,
+        "crosstalk": 0.1, "fill_factor": 0.8, "quantum_efficiency": 0.02,
+    }  # fmt: skip
+    place = (rng.uniform(-20.0, 20.0), 300.0, HEIGHT + rng.uniform(-20.0, 20.0)) if more else at(45.3, 12.2, FAR)
+    item = ball(place, 0.6, (30.0, 0.0, 0.0), 600.0)
+    runs = [prepare_sensed(scene(objects, camera), electrons=True).images(0) for objects in ([item], [])]
+    found, bare = runs
+    change = found["electrons"].astype(float) - bare["electrons"]
+    # what is scattered over the whole picture is no part of the label
+    change -= np.median(change) if "stray_share" in more else 0.0
+    assert found["counts_peak"][0] == pytest.approx(change.max() / gain, rel=2e-3)
+    peak = found["electrons"].ravel()[change.argmax()]
+    assert found["counts_snr"][0] == pytest.approx(change.max() / math.sqrt(peak + read**2 + gain**2 / 12.0), rel=3e-3)
+
+
+def test_blur_of_a_streak_adds_a_uniform_spread() -> None:
+    """Variance of a uniform way of the length L along one of two axes: L^2 / 12, half of it in the mean of both."""
+    still, moving = (added(scene([lamp(at(32.0, 24.0, FAR), (speed, 0.0, 0.0))], sensor(2.5)))[1] for speed in (0.0, 120.0))
+    spread = np.var(np.linspace(0.0, moving["motion_px"][0], 200001)) / 2.0
+    assert moving["blur_px"][0] ** 2 - still["blur_px"][0] ** 2 == pytest.approx(spread, rel=1e-4)
+
+
+@pytest.mark.parametrize(("size", "name"), [(0.9, "point"), (1.2, "small"), (8.9, "small"), (9.3, "extended")])
+def test_classes_of_size_are_by_pixels_of_the_objects_place(size, name) -> None:
+    """Squares of some pixels' side, high up in an equal-angle picture, whose pixels are half as wide there."""
+    camera = sensor(2.5, projection="equal-angle", elevation_deg=60.0)
+    slant = 500.0
+    level, up = slant * math.cos(math.radians(60.0)), slant * math.sin(math.radians(60.0))
+    side = size * STEP * slant * math.sqrt(math.cos(math.radians(60.0)))
+    shape = {"kind": "sphere", "radius_m": side / math.sqrt(np.pi)}
+    item = {"name": "it", "shape": shape, "temperature_k": 320.0, "east_m": 0.0, "north_m": level, "height_m": HEIGHT + up}
+    _, arrays, _ = added(scene([item], camera))
+    assert SIZES[int(arrays["size_class"][0])] == name
+
+
+def test_a_point_that_comes_near_grows_during_the_exposure() -> None:
+    """From 60 m at 900 m/s for 30 ms: its light is the mean over its distances, not that of the middle one."""
+    place = (0.0, 60.0, HEIGHT)
+    change, _, _ = added(scene([lamp(place, (0.0, -900.0, 0.0), 1e-3)], sensor(2.5, 0.03, frame_rate_hz=20.0)))
+    distance = 60.0 - 900.0 * 0.03 * TIMES
+    assert change.sum() == pytest.approx(np.mean(1e-3 / distance**2) / STEP**2, rel=3e-3)
+
+
+@pytest.mark.parametrize("up", [-900.0, 900.0])
+def test_ends_of_a_streak_under_a_rolling_shutter_are_those_of_the_rows_there(up) -> None:
+    """A target along the rows' own way is seen longer, one against it shorter: row and time solve both lines at once."""
+    tick, exposure = 40e-6, 0.001
+    place = at(32.0, 15.0, FAR)
+    _, arrays, _ = added(scene([lamp(place, (0.0, 0.0, up))], sensor(2.5, exposure, frame_rate_hz=25.0, scan={"row_time_s": tick})))
+    speed = -up / FAR / STEP  # rows per second, downwards
+    for end, sign in (("begin", -1.0), ("end", 1.0)):
+        row = (15.0 + speed * (sign * exposure / 2.0 - 0.5 * tick)) / (1.0 - speed * tick)
+        assert arrays[f"streak_{end}_row_px"][0] + 0.5 == pytest.approx(row, abs=0.02)

@@ -108,7 +108,7 @@ def test_objects_before_a_detector_come_back_too(apart):
         {**item, "north_m": 900.0, "course_deg": 90.0}
         for item in (raft, {**LIGHT, "east_m": 0.7 if apart else 0.3, "height_m": 4 if apart else 1.0})
     ]
-    objects = [{**moving[0], "speed_m_s": 8.0}, {**moving[1], "speed_m_s": 20.0}]
+    objects = [{**moving[0], "speed_m_s": 8.0}, {**moving[1], "speed_m_s": 20.0 if apart else 200.0}]
     fine, n = scenario(objects=objects, elevation_deg=-1.1, pixels=[120, 200]), 5
     model = sensor_model(scenario(objects=objects, elevation_deg=-1.1, **optics))
     straight = prepare_sequence(fine)
