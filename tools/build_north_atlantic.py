@@ -1,4 +1,4 @@
-"""Make src/seaglint/weather/data/north-atlantic.csv: wind and cloud over the open North Atlantic by month, a table to begin with.
+"""Make src/seaglint/climate/data/north-atlantic.csv: wind and cloud over the open North Atlantic by month, a table to begin with.
 
     python tools/build_north_atlantic.py
 
@@ -33,9 +33,9 @@ from pathlib import Path
 import numpy as np
 from scipy.special import betainc, gammainc
 
+from seaglint.climate.derived import model_atmosphere
+from seaglint.climate.weather_table import WeatherTable
 from seaglint.files.weather.weather_file import shipped, write_weather
-from seaglint.weather.derived import model_atmosphere
-from seaglint.weather.weather_table import WeatherTable
 
 WIND_MEAN_M_S = (11.5, 11.0, 10.5, 9.0, 8.0, 7.5, 7.0, 7.0, 8.5, 9.5, 10.5, 11.0)
 """Mean wind at 10 m, January to December; an estimate, see above."""

@@ -131,8 +131,8 @@ def batch_seconds(rows: int = 10_000) -> float:
 
 def sweeps_seconds(sweeps: int = 100) -> float:
     """Gibbs sweeps of an autobinomial field of 512 x 512 pixels and 64 grey levels, all threads; the shortest of five runs."""
-    from seaglint.texture.autobinomial import Autobinomial
-    from seaglint.texture.autobinomial_sampler import sample
+    from seaglint.textures.autobinomial import Autobinomial
+    from seaglint.textures.autobinomial_sampler import sample
 
     model, found = Autobinomial.of(64, 1, -1.4, (0.7 / 63,)), []
     field = sample(model, (512, 512), 50, seed=1)  # compiles, and comes near equilibrium
@@ -146,9 +146,9 @@ def sweeps_seconds(sweeps: int = 100) -> float:
 def loop_seconds() -> float:
     """Whole process of ``seaglint texture sample`` for 256 frames of 512 x 512 pixels, with neighbours in three frames."""
     from seaglint.files.texture_file import StoredTexture, write_texture
-    from seaglint.texture.gauss_markov import GaussMarkov
-    from seaglint.texture.gaussian_texture import GaussianTexture
-    from seaglint.texture.marginals import Marginal
+    from seaglint.textures.gauss_markov import GaussMarkov
+    from seaglint.textures.gaussian_texture import GaussianTexture
+    from seaglint.textures.marginals import Marginal
 
     offsets = ((0, 0, 1), (0, 1, 0), (0, 1, 1), (0, 0, 2), (0, 2, 0), (1, 0, 0), (1, 0, 1), (2, 0, 1))
     field = GaussMarkov(offsets, (0.12, 0.1, 0.05, -0.02, -0.01, 0.1, 0.08, 0.02), 1.0)

@@ -23,9 +23,9 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import render
 from seaglint.studies.texture.texture_requests import FitRequest
 from seaglint.studies.texture.texture_sequences import STILL, Fitted, detrended, fit, frames_of, sample_like
-from seaglint.texture.gaussian_texture import fit_texture
-from seaglint.texture.quality import compare
-from seaglint.texture.suitability import parse_region
+from seaglint.textures.gaussian_texture import fit_texture
+from seaglint.textures.quality import compare
+from seaglint.textures.suitability import parse_region
 from validation_tables import PAGE, replace, table
 
 IMAGES = PAGE.parent / "images"

@@ -12,9 +12,9 @@ from seaglint.files.recording import open_recording
 from seaglint.files.texture_file import read_texture, write_texture
 from seaglint.studies.texture.texture_requests import FitRequest
 from seaglint.studies.texture.texture_sequences import fit
-from seaglint.texture.gauss_markov import GaussMarkov
-from seaglint.texture.gaussian_texture import GaussianTexture
-from seaglint.texture.marginals import Marginal
+from seaglint.textures.gauss_markov import GaussMarkov
+from seaglint.textures.gaussian_texture import GaussianTexture
+from seaglint.textures.marginals import Marginal
 
 TRUE = GaussianTexture(GaussMarkov(((1, 0, 1), (0, 0, 1), (0, 1, 0)), (0.2, 0.1, 0.1), 1.0), Marginal("gamma", 1.0, 0.5, 1.5))
 

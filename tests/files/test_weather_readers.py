@@ -12,14 +12,14 @@ import weather_files as made
 import xarray as xr
 
 from seaglint.base.errors import BackendError, DataError
+from seaglint.climate.select import GeographicBox, Selection
+from seaglint.climate.weather_table import WeatherTable
 from seaglint.files.weather import era5_weather as era5
 from seaglint.files.weather import imma
 from seaglint.files.weather import ndbc_weather as ndbc
 from seaglint.files.weather.read_weather import WeatherReading, read_source
 from seaglint.files.weather.weather_file import read_weather, write_weather
 from seaglint.scenario.text.weather_map import parse_map
-from seaglint.weather.select import GeographicBox, Selection
-from seaglint.weather.weather_table import WeatherTable
 
 
 def _independent(path: Path) -> pd.DataFrame:

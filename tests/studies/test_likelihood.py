@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from seaglint.base.errors import ScenarioError, SeaglintError
 from seaglint.cli.app import app
+from seaglint.climate.weather_table import WeatherTable
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
@@ -18,7 +19,6 @@ from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.glint_chance import likelihood
 from seaglint.studies.likelihood.ship_track import along_track
 from seaglint.studies.prepare import prepare
-from seaglint.weather.weather_table import WeatherTable
 
 SUN = {"zenith_deg": 72.0, "azimuth_deg": 200.0}
 AIR = {"source": "none"}

@@ -10,13 +10,13 @@ from typer.testing import CliRunner
 
 from seaglint.base.errors import ScenarioError
 from seaglint.cli.app import app
+from seaglint.climate.draws import estimate
+from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.article.fig5 import AZIMUTHS, CASES, PRINTED, THRESHOLDS, figure_5
 from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, likelihood, measured
-from seaglint.weather.draws import estimate
-from seaglint.weather.weather_table import WeatherTable
 
 CALM_AND_FRESH = "wind_speed_m_s,cloud_cover,weight\n4,0.25,0.4\n9,0.5,0.6\n"
 

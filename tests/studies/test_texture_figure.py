@@ -12,9 +12,9 @@ from seaglint.files.tables.columns import write_columns
 from seaglint.plot.article_figures import write_figure
 from seaglint.studies.article import fig10 as texture_figure
 from seaglint.studies.article import figures
-from seaglint.texture.autobinomial import Autobinomial
-from seaglint.texture.autobinomial_sampler import exchange
-from seaglint.texture.regime import mean_field
+from seaglint.textures.autobinomial import Autobinomial
+from seaglint.textures.autobinomial_sampler import exchange
+from seaglint.textures.regime import mean_field
 
 
 def test_weakened_couplings_keep_the_mean_and_have_the_slope() -> None:

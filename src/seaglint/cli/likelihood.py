@@ -15,9 +15,9 @@ from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import FloatArray
+    from seaglint.climate.likelihood_summary import LikelihoodSummary
     from seaglint.cluster import Workers
     from seaglint.scenario.model import Scenario
-    from seaglint.weather.likelihood_summary import LikelihoodSummary
 
 _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
 

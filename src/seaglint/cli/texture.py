@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from seaglint.analysis.recording import Recording
     from seaglint.base.free_form import JsonObject
     from seaglint.studies.texture.texture_sequences import DataLikelihood, Fitted
-    from seaglint.texture.quality import TextureDistances
+    from seaglint.textures.quality import TextureDistances
 
 texture = typer.Typer(rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample, compare, lay on the sea.")
 

@@ -10,7 +10,7 @@ import typer
 from seaglint.cli.terminal.messages import log, print_json, tell
 
 if TYPE_CHECKING:
-    from seaglint.weather.table_facts import WeatherFacts
+    from seaglint.climate.table_facts import WeatherFacts
 
 weather = typer.Typer(help="Tables of weather: how often which conditions come.", no_args_is_help=True)
 
@@ -48,12 +48,12 @@ def build(
 
     What is left out or assumed is told with counts.
     """
+    from seaglint.climate.select import Selection
     from seaglint.files.weather.area import parse_box, parse_cycle, read_polygon
     from seaglint.files.weather.read_weather import WeatherReading
     from seaglint.files.weather.weather_file import check_output, write_weather
     from seaglint.scenario.text.weather_map import parse_fill, parse_map, parse_place
     from seaglint.studies.likelihood.weather_files import build as build_table
-    from seaglint.weather.select import Selection
 
     check_output(output, overwrite=overwrite, inputs=sources)
     selection = Selection(

@@ -11,10 +11,10 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import read_json, write_json
-from seaglint.texture.autobinomial import KIND as AUTOBINOMIAL
-from seaglint.texture.autobinomial_texture import AutobinomialTexture
-from seaglint.texture.gaussian_texture import KIND as GAUSS_MARKOV
-from seaglint.texture.gaussian_texture import GaussianTexture
+from seaglint.textures.autobinomial import KIND as AUTOBINOMIAL
+from seaglint.textures.autobinomial_texture import AutobinomialTexture
+from seaglint.textures.gaussian_texture import KIND as GAUSS_MARKOV
+from seaglint.textures.gaussian_texture import GaussianTexture
 from seaglint.version import __version__
 
 FORMAT: Final = "seaglint-texture"
@@ -35,7 +35,7 @@ class StoredTexture:
     fit : dict
         Errors of the parameters and criteria.
     quality : dict
-        Agreement of samples and data (:meth:`seaglint.texture.quality.Comparison.as_dict`, and held-out data).
+        Agreement of samples and data (:meth:`seaglint.textures.quality.Comparison.as_dict`, and held-out data).
     notes : tuple of str
     """
 

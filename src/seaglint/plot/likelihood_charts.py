@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
+from seaglint.climate.likelihood_summary import LikelihoodSummary, StratumChance
+from seaglint.climate.weather_table import MONTHS
 from seaglint.files.outputs import moved_when_whole
-from seaglint.weather.likelihood_summary import LikelihoodSummary, StratumChance
-from seaglint.weather.weather_table import MONTHS
 
 if TYPE_CHECKING:
     import xarray as xr

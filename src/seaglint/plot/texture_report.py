@@ -15,8 +15,8 @@ from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.plot.clutter import png
 from seaglint.plot.page import bullets, figure, notes, number, page, section, table
-from seaglint.texture.long_tails import interior
-from seaglint.texture.quality import LIMITS, Comparison, TextureDistances
+from seaglint.textures.long_tails import interior
+from seaglint.textures.quality import LIMITS, Comparison, TextureDistances
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

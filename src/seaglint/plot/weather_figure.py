@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from seaglint.climate.table_facts import MonthFacts, WeatherFacts, WindRose
 from seaglint.files.outputs import moved_when_whole
-from seaglint.weather.table_facts import MonthFacts, WeatherFacts, WindRose
 
 SIZE = (12.0, 9.0)
 """Width and height [in]."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from seaglint.base.errors import DataError, DomainError
+from seaglint.climate.select import GeographicBox, Polygon
 from seaglint.files.tables.table_text import plain_number
 from seaglint.files.text_file import read_json
 from seaglint.files.weather.weather_cells import read_cells
-from seaglint.weather.select import GeographicBox, Polygon
 
 
 def parse_box(text: str) -> GeographicBox:

@@ -11,8 +11,8 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.weather.select import Selection
-from seaglint.weather.weather_table import RANGES, TextArray
+from seaglint.climate.select import Selection
+from seaglint.climate.weather_table import RANGES, TextArray
 
 
 @dataclass(frozen=True)

@@ -22,11 +22,11 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.optional import missing
+from seaglint.climate.derived import relative_humidity, west_east, wind_from_components
+from seaglint.climate.select import Selection, covered
 from seaglint.files.netcdf import drop_quietly
 from seaglint.files.weather.columns_read import WeatherSource
 from seaglint.files.weather.times import order_of
-from seaglint.weather.derived import relative_humidity, west_east, wind_from_components
-from seaglint.weather.select import Selection, covered
 
 UNITS: Final = {
     "u10": ("m s**-1", "m s-1", "m/s"),

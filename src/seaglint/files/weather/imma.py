@@ -16,11 +16,11 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.climate.derived import west_east
 from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.marine_codes import columns_of
 from seaglint.files.weather.times import month_and_hour
 from seaglint.files.weather.weather_cells import TextColumns
-from seaglint.weather.derived import west_east
 
 CORE: Final = (
     "YR:4 MO:2 DY:2 HR:4 LAT:5 LON:6 IM:2 ATTC:1 TI:1 LI:1 DS:1 VS:1 NID:2 II:2 ID:9 C1:2 DI:1 D:3 WI:1 W:3 VI:1 VV:2 WW:2 W1:1 SLP:5 A:1 "

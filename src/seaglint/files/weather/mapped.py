@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.climate.column_map import HELPERS, MappedColumn
+from seaglint.climate.derived import relative_humidity, west_east, wind_from_components
+from seaglint.climate.weather_table import RANGES, TEXTS
 from seaglint.files.weather.columns_read import WeatherSource
 from seaglint.files.weather.times import month_and_hour
 from seaglint.files.weather.weather_cells import TextColumns
-from seaglint.weather.column_map import HELPERS, MappedColumn
-from seaglint.weather.derived import relative_humidity, west_east, wind_from_components
-from seaglint.weather.weather_table import RANGES, TEXTS
 
 
 def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is_utc: bool = False) -> WeatherSource:

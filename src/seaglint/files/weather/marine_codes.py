@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.weather.derived import ICE_POINT, relative_humidity, significant_height
+from seaglint.climate.derived import ICE_POINT, relative_humidity, significant_height
 
 CALM: Final = 361.0
 """Code of the wind direction of a calm; 362 is a variable one, and neither has a direction."""

@@ -21,12 +21,12 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.climate.derived import ICE_POINT, relative_humidity
 from seaglint.files.ndbc_dates import headings_of, moment_of
 from seaglint.files.tables.table_text import plain_number
 from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.times import order_of
 from seaglint.sea.wind_profile import u10_of_wind
-from seaglint.weather.derived import ICE_POINT, relative_humidity
 
 NAUTICAL_MILE_KM: Final = 1.852
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.climate.column_map import MappedColumn
+from seaglint.climate.select import Selection
 from seaglint.files.weather import era5_weather as era5
 from seaglint.files.weather import imma, mapped
 from seaglint.files.weather import ndbc_weather as ndbc
 from seaglint.files.weather import weather_file as own
 from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.weather_cells import read_cells
-from seaglint.weather.column_map import MappedColumn
-from seaglint.weather.select import Selection
 
 
 @dataclass(frozen=True)

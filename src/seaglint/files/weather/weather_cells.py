@@ -10,8 +10,8 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.climate.weather_table import RANGES
 from seaglint.files.tables.table_text import plain_number, read_cell_lines
-from seaglint.weather.weather_table import RANGES
 
 _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
 

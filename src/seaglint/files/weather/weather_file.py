@@ -12,10 +12,10 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError, DomainError
+from seaglint.climate.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
 from seaglint.files.outputs import moved_when_whole, refuse_existing
 from seaglint.files.tables.rows import require_parquet
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
-from seaglint.weather.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
 
 SUFFIXES: Final = (".csv", ".parquet")
 """Endings of the files that are written."""
@@ -61,7 +61,7 @@ def read_weather(path: str | Path) -> WeatherFile:
 
 def shipped(name: str) -> Path:
     """Return the file of a table in the package."""
-    return Path(str(files("seaglint.weather"))) / "data" / f"{name}.csv"
+    return Path(str(files("seaglint.climate"))) / "data" / f"{name}.csv"
 
 
 def _read_csv(path: Path) -> WeatherFile:

@@ -6,9 +6,9 @@ import difflib
 from collections.abc import Sequence
 
 from seaglint.base.errors import ScenarioError
+from seaglint.climate.column_map import SHARE_UNITS, SHARES, TARGETS, UNITS, MappedColumn
+from seaglint.climate.derived import west_east
 from seaglint.scenario.records.quantity import convert
-from seaglint.weather.column_map import SHARE_UNITS, SHARES, TARGETS, UNITS, MappedColumn
-from seaglint.weather.derived import west_east
 
 
 def parse_map(texts: Sequence[str]) -> tuple[MappedColumn, ...]:

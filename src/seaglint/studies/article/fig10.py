@@ -18,12 +18,12 @@ from seaglint.base.conventions import Progress
 from seaglint.base.free_form import TomlTables
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.image import image
-from seaglint.texture.autobinomial import Autobinomial
-from seaglint.texture.autobinomial_fit import AutobinomialFit, fit
-from seaglint.texture.autobinomial_sampler import exchange, sample
-from seaglint.texture.neighbourhood import classes
-from seaglint.texture.quantisation import GreyLevels
-from seaglint.texture.regime import Regime, correlations, mean_field, regime
+from seaglint.textures.autobinomial import Autobinomial
+from seaglint.textures.autobinomial_fit import AutobinomialFit, fit
+from seaglint.textures.autobinomial_sampler import exchange, sample
+from seaglint.textures.neighbourhood import classes
+from seaglint.textures.quantisation import GreyLevels
+from seaglint.textures.regime import Regime, correlations, mean_field, regime
 
 if TYPE_CHECKING:
     import xarray as xr

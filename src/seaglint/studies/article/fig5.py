@@ -19,10 +19,10 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import TomlTables
+from seaglint.climate.draws import estimate
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw
-from seaglint.weather.draws import estimate
 
 THRESHOLDS: Final = (2.5, 0.25)
 """0.25 mW cm-2 sr-1, and the number of the caption in W m-2 sr-1 [W m-2 sr-1]."""

@@ -15,6 +15,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.free_form import TableRow, TomlTables
 from seaglint.base.random import stream
+from seaglint.climate.weather_table import TEXTS, WeatherTable
 from seaglint.files.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
 from seaglint.scenario.keys import key_at
@@ -23,7 +24,6 @@ from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform, 
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.text.toml_text import document
 from seaglint.studies.ensemble.object_places import PixelGrid
-from seaglint.weather.weather_table import TEXTS, WeatherTable
 
 MOST_TRIES: Final = 200
 """How often a place is drawn before objects count as too many to stand apart."""

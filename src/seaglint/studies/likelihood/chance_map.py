@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.base.parameters import documented
+from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions
+from seaglint.climate.draws import SamplingPlan
+from seaglint.climate.weather_table import WeatherTable
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.files.provenance import provenance
@@ -25,9 +28,6 @@ from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
 from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 from seaglint.studies.prepare.prepare import band
 from seaglint.studies.prepare.sounding_air import report_air
-from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions
-from seaglint.weather.draws import SamplingPlan
-from seaglint.weather.weather_table import WeatherTable
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,6 +20,15 @@ from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
+from seaglint.climate.conditions import GeographicRegion, Times, timestamp
+from seaglint.climate.ephemeris import Ephemeris
+from seaglint.climate.looks import Search
+from seaglint.climate.measures import DetectionCurve
+from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
+from seaglint.climate.seas import WindSlopes, seas
+from seaglint.climate.select import GeographicBox
+from seaglint.climate.smooth import bandwidths
+from seaglint.climate.weather_table import MONTHS, WeatherTable
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.files.lowtran.deck import MODELS
 from seaglint.files.weather.weather_cells import read_cells
@@ -34,15 +43,6 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.profile_air import model_air, wanted_gases
 from seaglint.studies.prepare.slope_laws import slopes
-from seaglint.weather.conditions import GeographicRegion, Times, timestamp
-from seaglint.weather.ephemeris import Ephemeris
-from seaglint.weather.looks import Search
-from seaglint.weather.measures import DetectionCurve
-from seaglint.weather.mirrored_sunlight import MirroredLight, mirrored_light
-from seaglint.weather.seas import WindSlopes, seas
-from seaglint.weather.select import GeographicBox
-from seaglint.weather.smooth import bandwidths
-from seaglint.weather.weather_table import MONTHS, WeatherTable
 
 _SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")
 """Tables that scenarios with the same air, sea and year share."""

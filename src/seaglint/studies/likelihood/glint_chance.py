@@ -17,15 +17,12 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
-from seaglint.scenario.model import Scenario
-from seaglint.studies.likelihood.draw_model import LikelihoodModel
-from seaglint.studies.prepare import prepare
-from seaglint.weather import strata as by
-from seaglint.weather.azimuths import azimuth_shares
-from seaglint.weather.clouds import CloudLaw, illuminated
-from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions, months_of
-from seaglint.weather.draws import Estimate, SamplingPlan, estimate
-from seaglint.weather.likelihood_summary import (
+from seaglint.climate import strata as by
+from seaglint.climate.azimuths import azimuth_shares
+from seaglint.climate.clouds import CloudLaw, illuminated
+from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions, months_of
+from seaglint.climate.draws import Estimate, SamplingPlan, estimate
+from seaglint.climate.likelihood_summary import (
     DrawnWeather,
     ExceededContrast,
     LikelihoodSummary,
@@ -33,11 +30,14 @@ from seaglint.weather.likelihood_summary import (
     SunUp,
     ThresholdChance,
 )
-from seaglint.weather.looks import Looks, looks
-from seaglint.weather.measures import detected, deviation, exceeded_by, exceeds, passes
-from seaglint.weather.smooth import smoothed
-from seaglint.weather.strata import Stratum, strata
-from seaglint.weather.weather_table import WeatherTable
+from seaglint.climate.looks import Looks, looks
+from seaglint.climate.measures import detected, deviation, exceeded_by, exceeds, passes
+from seaglint.climate.smooth import smoothed
+from seaglint.climate.strata import Stratum, strata
+from seaglint.climate.weather_table import WeatherTable
+from seaglint.scenario.model import Scenario
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
+from seaglint.studies.prepare import prepare
 
 DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "cover", "wind", "height", "along")
 """Uniform numbers of a draw, those that matter most first."""

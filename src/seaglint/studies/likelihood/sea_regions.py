@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
+from seaglint.climate.conditions import months_of
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, measured
-from seaglint.weather.conditions import months_of
 
 REGIONS: Final = {
     "Norwegian Sea, 65-72 N": ((65.0, 72.0), (-5.0, 15.0)),

@@ -13,15 +13,15 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.parameters import documented
+from seaglint.climate.conditions import conditions
+from seaglint.climate.draws import SamplingPlan
+from seaglint.climate.ephemeris import Ephemeris
+from seaglint.climate.weather_table import WeatherTable
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
 from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
-from seaglint.weather.conditions import conditions
-from seaglint.weather.draws import SamplingPlan
-from seaglint.weather.ephemeris import Ephemeris
-from seaglint.weather.weather_table import WeatherTable
 
 SAMPLES: Final = 1024
 """Draws at each time."""

@@ -10,15 +10,10 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
-from seaglint.files.weather import era5_weather as era5
-from seaglint.files.weather.columns_read import WeatherSource
-from seaglint.files.weather.read_weather import WeatherReading, is_grid, read_source
-from seaglint.files.weather.weather_file import WeatherFile, read_weather
-from seaglint.version import __version__
-from seaglint.weather.derived import model_atmosphere
-from seaglint.weather.select import Selection, covered
-from seaglint.weather.table_facts import ColumnFacts, MonthFacts, WeatherFacts, WindCloud, WindRose
-from seaglint.weather.table_summary import (
+from seaglint.climate.derived import model_atmosphere
+from seaglint.climate.select import Selection, covered
+from seaglint.climate.table_facts import ColumnFacts, MonthFacts, WeatherFacts, WindCloud, WindRose
+from seaglint.climate.table_summary import (
     CLOUD_EDGES,
     SECTORS,
     SPEED_EDGES,
@@ -28,7 +23,12 @@ from seaglint.weather.table_summary import (
     month_means,
     wind_rose,
 )
-from seaglint.weather.weather_table import MONTHS, NEEDED, RANGES, TEXTS, TextArray, WeatherTable
+from seaglint.climate.weather_table import MONTHS, NEEDED, RANGES, TEXTS, TextArray, WeatherTable
+from seaglint.files.weather import era5_weather as era5
+from seaglint.files.weather.columns_read import WeatherSource
+from seaglint.files.weather.read_weather import WeatherReading, is_grid, read_source
+from seaglint.files.weather.weather_file import WeatherFile, read_weather
+from seaglint.version import __version__
 
 
 @dataclass(frozen=True)

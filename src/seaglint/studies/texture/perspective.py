@@ -19,8 +19,8 @@ from seaglint.studies.mean.mean_map import mean as mean_map
 from seaglint.studies.prepare import prepare
 from seaglint.studies.texture.texture_requests import PlaceRequest
 from seaglint.studies.texture.texture_sequences import latent_model
-from seaglint.texture.placement import Footprints, PeriodicField, fluctuation
-from seaglint.texture.synthesis import latent
+from seaglint.textures.placement import Footprints, PeriodicField, fluctuation
+from seaglint.textures.synthesis import latent
 
 SAME_RATE: Final = 0.01
 """Relative difference of frame rates that is none."""

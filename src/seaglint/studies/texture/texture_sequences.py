@@ -24,14 +24,14 @@ from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import check_output, write_sequence
 from seaglint.files.texture_file import StoredTexture, read_texture
 from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, SampleRequest
-from seaglint.texture import gauss_markov_fit as estimation
-from seaglint.texture.autobinomial_texture import AutobinomialTexture
-from seaglint.texture.autobinomial_texture import fit_texture as fit_autobinomial
-from seaglint.texture.gauss_markov import GaussMarkov
-from seaglint.texture.gaussian_texture import GaussianTexture, fit_texture
-from seaglint.texture.marginals import Tails, fit_marginal
-from seaglint.texture.quality import Comparison, compare
-from seaglint.texture.suitability import PixelRegion, parse_region, require_stationary, require_values
+from seaglint.textures import gauss_markov_fit as estimation
+from seaglint.textures.autobinomial_texture import AutobinomialTexture
+from seaglint.textures.autobinomial_texture import fit_texture as fit_autobinomial
+from seaglint.textures.gauss_markov import GaussMarkov
+from seaglint.textures.gaussian_texture import GaussianTexture, fit_texture
+from seaglint.textures.marginals import Tails, fit_marginal
+from seaglint.textures.quality import Comparison, compare
+from seaglint.textures.suitability import PixelRegion, parse_region, require_stationary, require_values
 
 if TYPE_CHECKING:
     import xarray as xr

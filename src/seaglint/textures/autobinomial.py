@@ -1,0 +1,182 @@
+"""Autobinomial Markov random field: every pixel is binomial given its neighbours (Cross and Jain 1983)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
+from seaglint.textures.neighbourhood import Classes, classes, reach
+
+IntArray = NDArray[np.integer[Any]]
+
+KIND: Final = "autobinomial"
+
+MOST_LEVELS: Final = 1024
+"""Number of grey levels beyond which a binomial is a Gaussian and the Gauss-Markov field is the better model."""
+
+
+@dataclass(frozen=True)
+class Autobinomial:
+    """Autobinomial field, ``x_s | neighbours ~ Binomial(levels - 1, logistic(alpha + sum_k beta_k sum_d (x_{s+d} + x_{s-d})))``.
+
+    The joint density is ``exp(sum_s [alpha x_s + log C(levels - 1, x_s)] + sum_k beta_k sum_pairs x_s x_t) / Z``.
+
+    Attributes
+    ----------
+    levels : int
+        Grey levels: pixels are 0 to ``levels - 1``.
+    neighbours : tuple of tuple of (int, int)
+        Offsets of each class of pairs, rows down and columns right, one of each symmetric pair
+        (:func:`seaglint.textures.neighbourhood.classes`).
+    alpha : float
+        Logit of a pixel among neighbours that are all 0 [1].
+    beta : tuple of float
+        Coupling of each class [1 per level].
+
+    Raises
+    ------
+    DomainError
+        Levels outside 2 to :data:`MOST_LEVELS`, couplings that do not match the classes, numbers that are not finite, pairs named twice.
+
+    References
+    ----------
+    G. R. Cross and A. K. Jain, "Markov random field texture models", IEEE Trans. PAMI 5 (1983), 25-39.
+
+    Examples
+    --------
+    >>> Autobinomial(4, (((0, 1),), ((1, 0),)), alpha=-1.0, beta=(0.3, 0.1)).reach
+    (1, 1)
+    """
+
+    levels: int
+    neighbours: Classes
+    alpha: float
+    beta: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        check_levels(self.levels)
+        offsets = [offset for one in self.neighbours for offset in one]
+        if not offsets or any(not one for one in self.neighbours) or any(offset <= (0, 0) for offset in offsets):
+            raise DomainError("neighbours: each class is a list of offsets (rows down, columns right) that point down, or right in row 0")
+        if len(set(offsets)) < len(offsets):
+            raise DomainError("neighbours: an offset is named twice; name each symmetric pair once, pointing down or right")
+        if len(self.beta) != len(self.neighbours):
+            raise DomainError(f"beta has {len(self.beta)} couplings for {len(self.neighbours)} classes of neighbours: give one for each")
+        if not all(map(math.isfinite, (self.alpha, *self.beta))):
+            raise DomainError(f"alpha = {self.alpha}, beta = {self.beta}: finite numbers only", name="beta", value=self.beta)
+
+    @classmethod
+    def of(cls, levels: int, order: int, alpha: float, beta: tuple[float, ...], *, isotropic: bool = True) -> Autobinomial:
+        """Field of a neighbourhood's order; one coupling for each distance, or for each symmetric pair."""
+        return cls(levels, classes(order, isotropic), alpha, beta)
+
+    @property
+    def most(self) -> int:
+        """Largest grey level."""
+        return self.levels - 1
+
+    @property
+    def reach(self) -> tuple[int, int]:
+        """Rows and columns to the farthest neighbour."""
+        return reach(self.neighbours)
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Alpha and the couplings, in this order [1]."""
+        return np.array([self.alpha, *self.beta])
+
+    def with_parameters(self, parameters: FloatArray) -> Autobinomial:
+        """Return the field with other alpha and couplings."""
+        return Autobinomial(self.levels, self.neighbours, float(parameters[0]), tuple(map(float, parameters[1:])))
+
+    def to_dict(self) -> JsonObject:
+        """Return the field as values for JSON."""
+        return {
+            "kind": KIND,
+            "levels": self.levels,
+            "neighbours": [[list(offset) for offset in one] for one in self.neighbours],
+            "alpha": self.alpha,
+            "beta": list(self.beta),
+        }
+
+    @classmethod
+    def from_dict(cls, held: JsonObject) -> Autobinomial:
+        """Read the output of :meth:`to_dict`.
+
+        Raises
+        ------
+        DataError
+            Another kind of model, a key that is missing or of the wrong type.
+        """
+        if held.get("kind") != KIND:
+            raise DataError(f"kind = {held.get('kind')!r}: not an autobinomial field; fit one with model = 'autobinomial'")
+        try:
+            neighbours = tuple(tuple((int(dy), int(dx)) for dy, dx in one) for one in held["neighbours"])
+            return cls(int(held["levels"]), neighbours, float(held["alpha"]), tuple(map(float, held["beta"])))
+        except (KeyError, TypeError, ValueError) as error:
+            if isinstance(error, DomainError):
+                raise
+            raise DataError(f"not a whole autobinomial field ({error!r}): keys are levels, neighbours, alpha, beta; fit it anew") from error
+
+
+def check_levels(levels: int) -> None:
+    """Refuse numbers of grey levels outside the allowed range."""
+    if not 2 <= levels <= MOST_LEVELS:
+        raise DomainError(
+            f"levels = {levels}: allowed are 2 to {MOST_LEVELS} grey levels; quantise the picture first",
+            name="levels",
+            value=levels,
+            allowed=(2, MOST_LEVELS),
+        )
+
+
+def check_shape(shape: tuple[int, int], model: Autobinomial) -> None:
+    """Refuse pictures in which a pixel would have the same neighbour twice."""
+    rows, columns = (2 * far + 1 for far in model.reach)
+    if len(shape) != 2 or shape[0] < rows or shape[1] < columns:
+        raise DomainError(
+            f"shape = {' x '.join(map(str, shape))} pixels: neighbours reach {model.reach[0]} rows and {model.reach[1]} columns, "
+            f"so the field needs {rows} x {columns} pixels or more; take a larger picture or a lower order",
+            name="shape",
+            value=shape,
+            allowed=f"{rows} x {columns} or more",
+        )
+
+
+def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
+    """Copy of a picture of grey levels in the form of the kernels.
+
+    Raises
+    ------
+    DomainError
+        Not whole numbers, a level outside the model's, or a picture too small for its neighbours.
+    """
+    held = np.asarray(field)
+    if held.dtype.kind == "f" and not np.isfinite(held).all():
+        raise DomainError(
+            f"{int((~np.isfinite(held)).sum())} of {held.size} pixels are NaN or infinite: choose a region without them, or fill them",
+            name="image",
+        )
+    if held.dtype.kind not in "iub":
+        raise DomainError(
+            f"grey levels are whole numbers 0 to {model.most}, not {held.dtype}: quantise the picture (seaglint.textures.quantisation)",
+            name="image",
+            value=str(held.dtype),
+        )
+    check_shape(held.shape, model)
+    low, high = int(held.min()), int(held.max())
+    if low < 0 or high > model.most:
+        raise DomainError(
+            f"grey levels {low} to {high}: the field has 0 to {model.most}; quantise the picture to {model.levels} levels or fit with more",
+            name="image",
+            value=(low, high),
+            allowed=(0, model.most),
+        )
+    return np.array(held, dtype=np.int16, order="C")

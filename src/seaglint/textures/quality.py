@@ -1,0 +1,396 @@
+"""Similarity of two pictures or sequences as textures, in numbers, such as a sample and the data that it was fitted to.
+
+The false alarms of the Laplacian-filtered picture are what matters to a detector; distances of values, spectra, correlations in space and
+time and co-occurrence of grey levels say where a model fails that meets them, or why it does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
+from seaglint.clutter.correlation import spatial_correlation, temporal_correlation
+from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
+from seaglint.clutter.spectrum import Spectrum, power_spectrum
+from seaglint.textures.long_tails import interior
+
+THRESHOLDS: Final = (3.0, 3.5)
+
+LAGS: Final = 12
+"""Largest distance of the compared correlations [px]."""
+
+FRAMES: Final = 12
+"""Number of frames whose spectra, correlations in space and co-occurrence are compared, evenly spread."""
+
+TIMES: Final = 25
+"""Largest number of frames between compared pixels."""
+
+SQUARES: Final = (64, 32, 16)
+"""Sides of the squares of the compared spectra [px]: the largest of which there are :data:`FEWEST` in both."""
+
+FEWEST: Final = 24
+"""Least number of squares of a spectrum: their mean periodogram scatters by some 1 dB.
+
+A single one would by 5.6 dB, more than the limit.
+"""
+
+LEVELS: Final = 16
+"""Number of grey levels of the co-occurrence matrix."""
+
+PAIRS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))
+"""Distances of the pairs of the co-occurrence matrix (rows, columns)."""
+
+LIMITS: Final[Mapping[str, float]] = {
+    "rate_factor": 1.5,
+    "ks": 0.1,
+    "spectrum_db": 3.0,
+    "correlation": 0.1,
+    "time_correlation": 0.1,
+    "cooccurrence": 0.25,
+}
+"""Limits beyond which a texture differs.
+
+They are ratio of rates, distance of distribution functions, rms of spectra [dB], rms of correlations, largest relative difference of
+co-occurrence features.
+"""
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """Texture measures of one picture or sequence.
+
+    Attributes
+    ----------
+    name : str
+    values : ndarray
+        Sorted sample of the pixels [u].
+    rates : tuple of FalseAlarmRate
+        Rates of the filtered picture at 3 and 3.5 standard deviations.
+    curve : RateCurve
+        At all thresholds.
+    spectrum : Spectrum
+        Spectrum of the pixels in standard deviations.
+    x, y : ndarray
+        Correlation by distance in columns and rows, from 0.
+    time : ndarray or None
+        Correlation by frames.
+    features : dict of float
+        Haralick features of co-occurring grey levels.
+    """
+
+    name: str
+    values: FloatArray
+    rates: tuple[FalseAlarmRate, ...]
+    curve: RateCurve
+    spectrum: Spectrum
+    x: FloatArray
+    y: FloatArray
+    time: FloatArray | None
+    features: dict[str, float]
+
+
+@dataclass(frozen=True)
+class RatePair:
+    """Rates of both filtered pictures above a threshold.
+
+    Attributes
+    ----------
+    threshold_sigma : float
+        Threshold [standard deviations].
+    gaussian_rate : float
+        One-sided Gaussian tail [1].
+    first, second : float
+        Rates per pixel and frame [1].
+    first_interval, second_interval : list of float or None
+        Ends of their 95 % intervals [1].
+    first_over_gaussian, second_over_gaussian : float
+        Rates over the Gaussian tail [1].
+    second_over_first : float or None
+        Ratio of the rates [1]; None where one of them is 0.
+    """
+
+    threshold_sigma: float
+    gaussian_rate: float
+    first: float
+    first_interval: list[float | None]
+    second: float
+    second_interval: list[float | None]
+    first_over_gaussian: float
+    second_over_gaussian: float
+    second_over_first: float | None
+
+    @classmethod
+    def of(cls, a: FalseAlarmRate, b: FalseAlarmRate) -> Self:
+        """Return the rates of the first and the second picture."""
+        ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
+        ends = [a.rate_low, a.rate_high], [b.rate_low, b.rate_high]
+        return cls(a.threshold_sigma, a.gaussian_rate, a.rate, ends[0], b.rate, ends[1], a.ratio, b.ratio, ratio)
+
+
+@dataclass(frozen=True)
+class ValueMoments:
+    """Mean and standard deviation of the pixels [u], skewness and excess kurtosis [1]."""
+
+    mean: float
+    std: float
+    skewness: float
+    excess_kurtosis: float
+
+    @classmethod
+    def of(cls, values: FloatArray) -> Self:
+        """Return the moments of a sample of pixels [u]."""
+        z = (values - values.mean()) / max(float(values.std()), 1e-300)
+        return cls(float(values.mean()), float(values.std()), float((z**3).mean()), float((z**4).mean()) - 3.0)
+
+
+@dataclass(frozen=True)
+class ValueDistances:
+    """Differences between the values of two pictures.
+
+    Attributes
+    ----------
+    ks : float
+        Largest distance of the distribution functions [1].
+    wasserstein_std : float
+        Wasserstein distance [standard deviations of the first].
+    first, second : ValueMoments
+        Moments of both.
+    """
+
+    ks: float
+    wasserstein_std: float
+    first: ValueMoments
+    second: ValueMoments
+
+
+@dataclass(frozen=True)
+class FeaturePair:
+    """Feature of co-occurring grey levels of both pictures, and the relative difference [1]."""
+
+    first: float
+    second: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class TextureDistances:
+    """Distances between two textures.
+
+    Attributes
+    ----------
+    first, second : str
+        Names.
+    filtered_rates : list of RatePair
+        False alarms of the filtered pictures by threshold.
+    marginal : ValueDistances
+        Differences of the values.
+    spectrum_distance_db : float
+        Rms ratio of the spectra [dB].
+    correlation_distance : float
+        Rms difference of the correlations in space [1].
+    time_correlation_distance : float or None
+        Rms difference of the correlations in time [1]; None without time.
+    cooccurrence : dict of FeaturePair
+        Features of co-occurring grey levels by name.
+    fails : list of str
+        Sentences on the measures that differ by more than :data:`LIMITS`.
+    """
+
+    first: str
+    second: str
+    filtered_rates: list[RatePair]
+    marginal: ValueDistances
+    spectrum_distance_db: float
+    correlation_distance: float
+    time_correlation_distance: float | None
+    cooccurrence: dict[str, FeaturePair]
+    fails: list[str]
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and words."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Measures of two textures, the first one the data."""
+
+    first: Likeness
+    second: Likeness
+
+    @cached_property
+    def distances(self) -> TextureDistances:
+        """Distances between the two."""
+        a, b = self.first, self.second
+        pairs = ((name, a.features[name], b.features[name]) for name in a.features)
+        result = TextureDistances(
+            first=a.name,
+            second=b.name,
+            filtered_rates=[RatePair.of(p, q) for p, q in zip(a.rates, b.rates, strict=True)],
+            marginal=_values(a.values, b.values),
+            spectrum_distance_db=_decibels(a.spectrum, b.spectrum),
+            correlation_distance=math.sqrt(0.5 * (_rms(a.x, b.x) ** 2 + _rms(a.y, b.y) ** 2)),
+            time_correlation_distance=None if a.time is None or b.time is None else _rms(a.time, b.time),
+            cooccurrence={name: FeaturePair(one, other, _relative(name, one, other)) for name, one, other in pairs},
+            fails=[],
+        )
+        return replace(result, fails=_fails(result))
+
+    def as_dict(self) -> JsonObject:
+        """Return the comparison as plain numbers and words."""
+        return self.distances.as_dict()
+
+
+def _values(a: FloatArray, b: FloatArray) -> ValueDistances:
+    every = np.concatenate([a, b])
+    every.sort()
+    shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
+    steps = np.linspace(0.0005, 0.9995, 1000)
+    spread = max(float(a.std()), 1e-300)
+    wasserstein = float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread
+    return ValueDistances(float(np.abs(shares[0] - shares[1]).max()), wasserstein, ValueMoments.of(a), ValueMoments.of(b))
+
+
+def _fails(distances: TextureDistances) -> list[str]:
+    """Sentences on the measures that differ by more than :data:`LIMITS`."""
+    out = []
+    for entry in distances.filtered_rates:
+        ratio, most = entry.second_over_first, LIMITS["rate_factor"]
+        if ratio is None:
+            out.append(f"at {entry.threshold_sigma:g} sigma one of the two has no exceedance in the filtered picture")
+        elif not 1.0 / most <= ratio <= most:
+            out.append(f"the filtered picture exceeds {entry.threshold_sigma:g} sigma {ratio:.2g} times as often as the first")
+    checks = (
+        ("ks", distances.marginal.ks, "distribution functions of the pixels differ by {:.2g}"),
+        ("spectrum_db", distances.spectrum_distance_db, "spectra differ by {:.2g} dB rms"),
+        ("correlation", distances.correlation_distance, "correlations in space differ by {:.2g} rms"),
+        ("time_correlation", distances.time_correlation_distance, "correlations in time differ by {:.2g} rms"),
+    )
+    out += [text.format(value) for name, value, text in checks if value is not None and value > LIMITS[name]]
+    worst, pair = max(distances.cooccurrence.items(), key=lambda item: item[1].relative)
+    if pair.relative > LIMITS["cooccurrence"]:
+        out.append(f"co-occurring grey levels differ most in {worst}: {pair.first:.3g} and {pair.second:.3g}")
+    return out
+
+
+def _relative(name: str, a: float, b: float) -> float:
+    """Difference of a feature over its larger value; for correlations, which may be near 0, over 1."""
+    return abs(a - b) / (1.0 if name == "correlation" else max(abs(a), abs(b), 1e-12))
+
+
+def _rms(a: FloatArray, b: FloatArray) -> float:
+    n = min(a.size, b.size)
+    return float(np.sqrt(np.nanmean((a[:n] - b[:n]) ** 2)))
+
+
+def _decibels(a: Spectrum, b: Spectrum) -> float:
+    """Rms of the ratio of two spectra over the frequencies with more than a millionth of the largest density [dB]."""
+    largest = max(float(a.density.max()), float(b.density.max()))
+    floor = 1e-6 * largest
+    ratio = 10.0 * np.log10(np.maximum(a.density, floor) / np.maximum(b.density, floor))
+    return float(np.sqrt(np.mean(ratio**2)))
+
+
+def compare(
+    first: NDArray[np.floating], second: NDArray[np.floating], names: tuple[str, str] = ("data", "sample"), *, consecutive: bool = True
+) -> Comparison:
+    """Compare two textures by their measures.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (frames, rows, columns)
+        [u]; sizes may differ.
+    names : (str, str)
+        For reports.
+    consecutive : bool
+        Whether the frames follow each other, so that correlations in time mean something.
+
+    Raises
+    ------
+    DataError
+        Missing values, or pictures smaller than 24 x 24 pixels.
+    """
+    for name, x in zip(names, (first, second), strict=True):
+        if x.ndim != 3 or min(x.shape[1:]) < 2 * LAGS:
+            raise DataError(f"{name}: {x.shape} is too small to be compared; give 24 x 24 pixels or more")
+        if not np.isfinite(x).all():
+            raise DataError(f"{name}: values are missing or infinite; choose a region without them")
+    side = min(_side(first.shape), _side(second.shape))
+    ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
+    timed = consecutive and min(len(first), len(second)) >= 8
+    frames = min(len(first), len(second)) if timed else 0
+    return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))
+
+
+def _side(shape: tuple[int, ...]) -> int:
+    """Side of the squares of a spectrum that allows a sufficient average [px]."""
+    frames, rows, columns = min(shape[0], FRAMES), *shape[1:]
+    return next((side for side in SQUARES if frames * (rows // side) * (columns // side) >= FEWEST), SQUARES[-1])
+
+
+def _some(x: NDArray[np.floating]) -> FloatArray:
+    return np.asarray(x.reshape(-1)[:: max(x.size // 200_000, 1)], np.float64)
+
+
+def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, frames: int) -> Likeness:
+    alarms = FalseAlarms(THRESHOLDS)
+    for frame in x:
+        alarms.add(interior(frame[None]))
+    std = max(float(x.std()), 1e-300)
+    few = x[np.unique(np.linspace(0, len(x) - 1, min(len(x), FRAMES)).astype(int))]
+    near = spatial_correlation(few, longest=LAGS)
+    time = None
+    if frames:
+        step = max(int(math.sqrt(x[0].size / 4000.0)), 1)
+        series = x[:frames, ::step, ::step].reshape(frames, -1)
+        time = temporal_correlation(series, longest=min(TIMES, frames // 2)).rho
+    spectrum = power_spectrum((few - few.mean()) / std, size=side)
+    features = cooccurrence(few, (float(ends[0]), float(ends[1])))
+    return Likeness(name, np.sort(_some(x)), tuple(alarms.rates()), alarms.curve(), spectrum, near.x, near.y, time, features)
+
+
+def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels: int = LEVELS) -> dict[str, float]:
+    """Features of the grey levels of pairs of pixels (Haralick, Shanmugam and Dinstein 1973), mean of four directions [1].
+
+    Parameters
+    ----------
+    frames : ndarray, shape (frames, rows, columns)
+        [u].
+    ends : (float, float)
+        Values of the first and last level [u].
+    levels : int
+        Number of levels.
+
+    Examples
+    --------
+    >>> features = cooccurrence(np.indices((8, 8)).sum(axis=0)[None] % 2, (0.0, 1.0), 2)
+    >>> round(features["contrast"], 3), round(features["homogeneity"], 3)
+    (0.5, 0.75)
+    """
+    width = max(ends[1] - ends[0], 1e-300)
+    grey = np.clip((frames - ends[0]) / width * levels, 0, levels - 1).astype(np.int64)
+    i, j = np.indices((levels, levels))
+    out: dict[str, list[float]] = {name: [] for name in ("contrast", "homogeneity", "energy", "entropy", "correlation")}
+    rows, columns = grey.shape[1:]
+    for down, right in PAIRS:
+        here = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
+        there = grey[:, down:, max(right, 0) : columns + min(right, 0)]
+        table = np.bincount((here * levels + there).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
+        p = (table + table.T) / (2.0 * table.sum())
+        mean = float((p * i).sum())
+        variance = max(float((p * (i - mean) ** 2).sum()), 1e-300)
+        out["contrast"].append(float((p * (i - j) ** 2).sum()))
+        out["homogeneity"].append(float((p / (1.0 + (i - j) ** 2)).sum()))
+        out["energy"].append(float((p**2).sum()))
+        out["entropy"].append(float(-(p[p > 0.0] * np.log(p[p > 0.0])).sum()))
+        out["correlation"].append(float((p * (i - mean) * (j - mean)).sum()) / variance)
+    return {name: float(np.mean(values)) for name, values in out.items()}
