@@ -101,11 +101,17 @@ def test_the_functions_are_functions_whatever_was_imported_before(before: str) -
     assert in_new_interpreter(code) == "True True"
 
 
+GROUPS = {name: getattr(sg, name) for name in ("atmosphere", "evaluate", "reproduce", "texture", "weather")}
+FUNCTIONS = {
+    **{name: getattr(sg, name) for name in sg.__all__ if name != "__version__" and name not in GROUPS},
+    **{f"{group}.{name}": getattr(module, name) for group, module in GROUPS.items() for name in module.__all__},
+}
+
+
 def test_every_name_is_there_and_documented() -> None:
     assert set(sg.__all__) <= set(dir(sg))
-    for name in set(sg.__all__) - {"__version__"}:
-        function = getattr(sg, name)
-        assert inspect.isfunction(function)
+    for name, function in FUNCTIONS.items():
+        assert inspect.isfunction(function), name
         assert "Examples" in function.__doc__
         parameters = inspect.signature(function).parameters
         assert not {p.kind for p in parameters.values()} & {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}

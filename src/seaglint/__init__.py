@@ -12,18 +12,35 @@ if TYPE_CHECKING:
     from seaglint.api import (
         analyze,
         apparent_temperature,
+        atmosphere,
+        compare,
         compare_spectrum,
         dataset,
         detect,
+        detect_design,
+        detect_range,
+        detect_recording,
+        detect_scene,
         ensemble,
+        evaluate,
         export,
+        export_sea,
+        frames,
         homogeneous_path,
         image,
+        info,
+        init,
+        labels,
+        likelihood,
         load,
         mean,
         render,
+        reproduce,
+        schema,
         sense,
         sensor,
+        texture,
+        weather,
     )
     from seaglint.version import __version__
 
@@ -31,18 +48,35 @@ __all__ = [
     "__version__",
     "analyze",
     "apparent_temperature",
+    "atmosphere",
+    "compare",
     "compare_spectrum",
     "dataset",
     "detect",
+    "detect_design",
+    "detect_range",
+    "detect_recording",
+    "detect_scene",
     "ensemble",
+    "evaluate",
     "export",
+    "export_sea",
+    "frames",
     "homogeneous_path",
     "image",
+    "info",
+    "init",
+    "labels",
+    "likelihood",
     "load",
     "mean",
     "render",
+    "reproduce",
+    "schema",
     "sense",
     "sensor",
+    "texture",
+    "weather",
 ]
 
 
@@ -53,4 +87,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return list(__all__)

@@ -56,7 +56,7 @@ def test_the_files_of_both_spellings_are_the_same(seaglint, clip: Path, tmp_path
 
 def test_python_gives_what_the_command_prints(seaglint, clip: Path) -> None:
     answer = seaglint("detect", "recording", clip, "--contrast", "4,8", "--threshold", "3", "--velocity", "0.5,0", "--json")
-    found = sg.detect(clip, [4.0, 8.0], threshold=3.0, velocity=(0.0, 0.5))
+    found = sg.detect(clip, [4.0, 8.0], threshold=3.0, velocity=(0.5, 0.0))
     assert json.loads(answer.out) == json.loads(json.dumps(found))
 
 
@@ -88,7 +88,7 @@ def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:
     from seaglint.cli.terminal.records import READERS
 
     assert READERS["pair"]("0.5,2", "--velocity") == (2.0, 0.5)
-    assert RecordingRequest("clip.npy", velocity=(2.0, 0.5)).injected((1.0,)).velocity == (2.0, 0.5)
+    assert RecordingRequest("clip.npy", velocity=(0.5, 2.0)).injected((1.0,)).velocity == (2.0, 0.5)
 
 
 def test_a_file_that_is_called_like_a_command_is_reached_by_its_folder(seaglint, tmp_path: Path, monkeypatch) -> None:

@@ -29,7 +29,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from seaglint.base.errors import ScenarioError, SeaglintError
-from seaglint.cli.info import describe, lines
+from seaglint.studies.contents.output_facts import describe, lines
 from seaglint.files.air.air_file import read_atmosphere, write_atmosphere
 from seaglint.files.netcdf import write_netcdf
 from seaglint.files.provenance import band_attributes, provenance

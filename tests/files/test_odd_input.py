@@ -93,7 +93,7 @@ def test_cells_over_several_lines_are_told(tmp_path, read):
 
 
 def test_a_text_for_the_frame_rate_is_told(tmp_path):
-    from seaglint.cli.info import describe
+    from seaglint.studies.contents.output_facts import describe
 
     path = tmp_path / "a.nc"
     xr.Dataset({"radiance": (("time", "y", "x"), [[[1.0, 2.0]]])}, {"frame": ("time", [0])}, {"frame_rate_hz": "fast"}).to_netcdf(

@@ -18,7 +18,7 @@ from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, write_picture
 from seaglint.plot.scale import scale_of, tick_labels
-from seaglint.plot.sequence_summary import GLINT_FACTOR, grid_of, summarise, to_temperature
+from seaglint.files.sequence_summary import GLINT_FACTOR, grid_of, summarise, to_temperature
 from seaglint.plot.video import captioned, grey, video_available, write_video
 
 BAND = Band.rectangular(3.5, 5.0)

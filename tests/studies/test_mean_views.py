@@ -6,7 +6,7 @@ import xarray as xr
 
 import seaglint as sg
 from seaglint.base.conventions import horizon_depression
-from seaglint.cli.info import describe, lines
+from seaglint.studies.contents.output_facts import describe, lines
 from seaglint.files.netcdf import open_netcdf, write_netcdf
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.optics.band import Band

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import ScenarioError
-from seaglint.cli.info import describe
+from seaglint.studies.contents.output_facts import describe
 from seaglint.files.directions import directions
 from seaglint.files.store.store import open_sequence
 from seaglint.imaging.swept import SweptScene

@@ -1,4 +1,4 @@
-"""Functions of ``import seaglint as sg``: from a scenario file to labelled images and their clutter.
+"""Functions of ``import seaglint as sg``: each command of the program as a function, from a scenario file to labelled images.
 
 .. code-block:: python
 
@@ -10,31 +10,61 @@
     kelvin = sg.apparent_temperature(run.radiance.isel(time=0))
     print(sg.analyze(run).as_dict()["regions"]["glint"]["std"])
 
-Each is a few lines over the rooms below, which have more to choose: :mod:`seaglint.scenario`, :mod:`seaglint.studies`,
-:mod:`seaglint.analysis`.
+A command has the function of its name: ``seaglint export-sea`` is :func:`export_sea`, ``seaglint detect range`` is :func:`detect_range`.
+Commands of a group are functions of a module: ``seaglint texture fit`` is :func:`sg.texture.fit <seaglint.api.texture_models.fit>`, and so
+are those of ``sg.atmosphere``, ``sg.evaluate``, ``sg.reproduce`` and ``sg.weather``. Options of the terminal have no parameters: results
+are returned, not printed. Results are xarray where they have axes, else a
+:class:`~seaglint.api.result_record.ResultRecord` with ``as_dict()`` and ``plot()``.
+
+Where a function takes a scenario, it takes a file's name, tables in a mapping, or the result of :func:`load`.
 """
 
-from seaglint.api.comparing import compare_spectrum
-from seaglint.api.judging import detect
+from seaglint.api import air_functions as atmosphere
+from seaglint.api import article_results as reproduce
+from seaglint.api import case_tables as evaluate
+from seaglint.api import texture_models as texture
+from seaglint.api import weather_tables as weather
+from seaglint.api.beginning import info, init, schema
+from seaglint.api.comparing import compare, compare_spectrum
+from seaglint.api.exports import export, export_sea, labels
+from seaglint.api.glint import likelihood
+from seaglint.api.judging import detect, detect_design, detect_range, detect_recording, detect_scene
 from seaglint.api.laboratory import homogeneous_path
 from seaglint.api.many import dataset, ensemble
-from seaglint.api.runs import export, render, sense, sensor
+from seaglint.api.runs import frames, render, sense, sensor
 from seaglint.api.scenes import image, load, mean
 from seaglint.api.statistics import analyze, apparent_temperature
 
 __all__ = [
     "analyze",
     "apparent_temperature",
+    "atmosphere",
+    "compare",
     "compare_spectrum",
     "dataset",
     "detect",
+    "detect_design",
+    "detect_range",
+    "detect_recording",
+    "detect_scene",
     "ensemble",
+    "evaluate",
     "export",
+    "export_sea",
+    "frames",
     "homogeneous_path",
     "image",
+    "info",
+    "init",
+    "labels",
+    "likelihood",
     "load",
     "mean",
     "render",
+    "reproduce",
+    "schema",
     "sense",
     "sensor",
+    "texture",
+    "weather",
 ]

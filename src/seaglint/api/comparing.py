@@ -1,4 +1,4 @@
-"""Function of measured spectra: ``sg.compare_spectrum``."""
+"""Function of measured spectra: ``sg.compare``, which :func:`compare_spectrum` names in full."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from seaglint.scenario.model import Scenario
+    from seaglint.api.inputs import SceneInput
     from seaglint.studies.measured.compare_spectrum import SpectrumComparison
 
 
 def compare_spectrum(
     spectrum: str | Path | Mapping[str, ArrayLike],
-    scenario: Scenario,
+    scenario: SceneInput,
     *,
     resolution_cm: float | None = None,
     zenith_deg: float | None = None,
     depression_deg: float | None = None,
     spectroscopy: Literal["lblrtm", "lowtran7"] | None = None,
 ) -> SpectrumComparison:
-    """Compare a measured spectrum of sky or sea with that of a scenario.
+    """Compare a measured spectrum with that of a scenario.
 
     Parameters
     ----------
     spectrum : path or mapping
         CSV file, or its columns: ``wavenumber_cm`` or ``wavelength_um``, and one of ``radiance_w_m2_sr_cm``, ``radiance_mw_m2_sr_cm``,
         ``radiance_w_cm2_sr_cm`` (per cm-1), the same with ``_um`` (per um), ``brightness_temperature_k``; ``resolution_cm`` if it is known.
-    scenario : Scenario
+    scenario : Scenario, path or mapping
         See :func:`load`; its band is left aside.
     resolution_cm : float, optional
         Full width at half maximum of the spectrum [cm-1]; by default that of the file, else the spacing of its samples.
@@ -56,13 +56,17 @@ def compare_spectrum(
     >>> result.resolution_cm, len(result.bands)
     (20.0, 1)
     """
+    from seaglint.api.inputs import scenario_of
     from seaglint.studies.measured.compare_spectrum import compare_spectrum as compared
 
     return compared(
         spectrum,
-        scenario,
+        scenario_of(scenario),
         resolution_cm=resolution_cm,
         zenith_deg=zenith_deg,
         depression_deg=depression_deg,
         spectroscopy=spectroscopy,
     )
+
+
+compare = compare_spectrum

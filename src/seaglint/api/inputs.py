@@ -3,45 +3,86 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
     from seaglint.analysis import Recording
+    from seaglint.cluster import Workers
     from seaglint.optics.band import Band
+    from seaglint.scenario.model import Scenario
+    from seaglint.studies.reading_requests import ReadingRequest
 
+    SceneInput = Scenario | str | Path | Mapping[str, Any]
+Record = TypeVar("Record")
 
 AXES = ("time", "y", "x")
 """Names of the last axes of an array without names."""
 
 
-def recording_of(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:
-    """Return the recording to analyse, from a file or from memory."""
+def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
+    """Return the scenario of a file or of tables in a mapping; a scenario stays as it is.
+
+    Raises
+    ------
+    ScenarioError
+        A file or tables with mistakes, or an unknown ``sensor``, the name of a data sheet that replaces the scenario's sensor.
+    """
+    from seaglint.scenario.load import load_scenario, parse_scenario
+    from seaglint.scenario.model import Scenario
+    from seaglint.scenario.presets.sensor_presets import with_sensor
+
+    if isinstance(given, str | Path):
+        return load_scenario(given, sensor=sensor)
+    if isinstance(given, Scenario) and sensor is None:
+        return given
+    tables = given.model_dump(mode="json", exclude_none=True) if isinstance(given, Scenario) else dict(given)
+    return parse_scenario(tables if sensor is None else with_sensor(tables, sensor))
+
+
+def team_of(workers: int | Workers | None, threads: int | None = None) -> AbstractContextManager[Workers | None]:
+    """Return who shares the work: processes of this machine where a number is given."""
+    from seaglint.cluster import LocalProcesses
+
+    return LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers)
+
+
+def request_of(record: type[Record], values: Mapping[str, Any], **others: Any) -> Record:
+    """Return a request with the fields that are among some values, and others."""
+    names = {field.name for field in fields(record)}  # type: ignore[arg-type]
+    return record(**{name: value for name, value in values.items() if name in names} | others)
+
+
+def recording_of(given: Any, reading: ReadingRequest) -> Recording:
+    """Return the recording to analyse, from a file or from memory, read as requested."""
     from dataclasses import replace
 
     import numpy as np
     import xarray as xr
 
     from seaglint.analysis import Recording
-    from seaglint.files.recording import open_recording
     from seaglint.files.recording.arrays import ArrayFacts, ArrayReading, of_array
     from seaglint.files.recording.labelled import of_dataset
 
     if isinstance(given, str | Path):
-        return open_recording(given, frame_rate=frame_rate, units=units, variable=variable)
+        return reading.opened(given)
+    how = ArrayReading(reading.variable, reading.channel, reading.axes, tuple(reading.missing))
     if isinstance(given, xr.DataArray):
         given = given.to_dataset(name=str(given.name or "values"))
     if isinstance(given, xr.Dataset):
         ordered = given.transpose("time", ...) if "time" in given.dims else given
-        recording = of_dataset(ordered, "dataset", ArrayReading(variable))
+        recording = of_dataset(ordered, "dataset", how)
     elif isinstance(given, Recording):
         recording = given
     else:
-        recording = of_array(np.asarray(given), "array", ArrayReading(), ArrayFacts(frame_rate, units))
-    return replace(recording, frame_rate=frame_rate or recording.frame_rate, units=units or recording.units)
+        recording = of_array(np.asarray(given), "array", how, ArrayFacts(reading.frame_rate, reading.units))
+    stated: dict[str, Any] = {"frame_rate": reading.frame_rate, "units": reading.units, "saturation": reading.saturation}
+    return replace(recording, **{name: value for name, value in stated.items() if value is not None})
 
 
 def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.DataArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +27,7 @@ def ensemble(
     draw_only: bool = False,
     progress: Progress | None = None,
 ) -> list[TableRow]:
-    """Draw scenes from laws of a scenario's keys, and render each as a sequence of its own.
+    """Draw scenes from laws of a scenario's keys and render each.
 
     Parameters
     ----------
@@ -61,12 +60,12 @@ def ensemble(
     >>> [row["wind.speed_m_s"] for row in rows]
     [3.0, 3.0]
     """
-    from seaglint.cluster import LocalProcesses
+    from seaglint.api.inputs import team_of
     from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
     from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 
     resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
-    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+    with team_of(workers, threads) as others:
         render_ensemble(
             resolved, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
         )
@@ -80,7 +79,7 @@ def ensemble(
 )
 def dataset(
     source: str | Path,
-    output: str | Path,
+    output: str | Path | None = None,
     *,
     format: str = "coco",
     bits: int | None = None,
@@ -89,29 +88,32 @@ def dataset(
     threads: int | None = None,
     resume: bool = False,
     overwrite: bool = False,
+    check: bool = False,
     progress: Progress | None = None,
 ) -> Path:
-    """Render an ensemble and write its pictures with masks, boxes, tables and a data card.
+    """Render labelled pictures of an ensemble: masks, boxes, tables.
 
     Parameters
     ----------
     source : path
-        An ensemble's TOML file, or the folder that :func:`ensemble` made.
-    output : path
-        Folder to make.
+        An ensemble's TOML file, or the folder that :func:`ensemble` made; with ``check`` a data set.
+    output : path, optional
+        Folder to make; needed unless ``check`` is set.
     {request}
+    check : bool
+        Check a data set that is there, and make none.
     progress : callable, optional
         ``progress(scenes done, scenes in all)``.
 
     Returns
     -------
     Path
-        ``output``.
+        ``output``; with ``check`` the data set that is whole.
 
     Raises
     ------
     SeaglintError
-        An error as for :func:`ensemble`, or an unknown format.
+        An error as for :func:`ensemble`, an unknown format, or what is wrong with a data set that is checked.
 
     Examples
     --------
@@ -119,10 +121,19 @@ def dataset(
     >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
     PosixPath('small')
     """
-    from seaglint.cluster import LocalProcesses
+    from seaglint.api.inputs import team_of
+    from seaglint.base.errors import DataError
+    from seaglint.files.dataset.check import problems
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
 
+    if check:
+        faults = list(problems(Path(source)))
+        if faults:
+            raise DataError("\n".join(f"{source}: {fault}" for fault in faults))
+        return Path(source)
+    if output is None:
+        raise DataError("output is missing: the folder of the data set; give one, or check=True for a data set that is there")
     resolved, options = read_source(Path(source)), DatasetRequest(format=format, bits=bits, image=image).options()
-    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+    with team_of(workers, threads) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

@@ -1,27 +1,31 @@
-"""Functions of sequences in stores: ``sg.render``, ``sg.sense`` with its ``sg.sensor``, and ``sg.export``."""
+"""Functions of sequences: ``sg.render``, ``sg.frames`` without files, ``sg.sense`` and ``sg.sensor``."""
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
+from seaglint.api.inputs import recording_of, request_of, scenario_of, team_of, with_band
+from seaglint.api.result_record import ResultRecord
 from seaglint.base.parameters import documented
-from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
+from seaglint.studies.sequence.sequence_requests import RenderRequest, SenseRequest
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from seaglint.analysis import Recording
+    from seaglint.api.inputs import SceneInput
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
-    from seaglint.files.export.stack import Exported
-    from seaglint.scenario.model import Scenario
+    from seaglint.files.recording import RawLayout
 
 
 @documented(RenderRequest)
 def render(
-    scenario: Scenario,
+    scenario: SceneInput,
     output: str | Path,
     *,
     frames: range | None = None,
@@ -32,24 +36,33 @@ def render(
     electrons: bool = False,
     radiance: bool = False,
     workers: int | Workers | None = None,
+    sensor: str | None = None,
+    shard: str | None = None,
+    finish: bool = False,
 ) -> xr.Dataset:
-    """Render a sequence into a Zarr store and open it.
+    """Render the sequence: radiance, or counts of a detector.
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario : Scenario, path or mapping
         See :func:`load`.
     output : path
         Store to make, customarily ``*.zarr``.
     progress : callable, optional
         Called with (frames done, frames in all).
+    sensor : str, optional
+        Sensor of a data sheet instead of the scenario's; ``seaglint sensor --presets`` lists them.
+    shard : str, optional
+        Share of the work as ``"1/4"``, for several machines that write into one store; ``finish`` completes it.
+    finish : bool
+        Check that all frames of a store that was rendered in shares are there, and name it; nothing is rendered.
     {request}
 
     Returns
     -------
     xarray.Dataset
         The finished store: ``radiance`` [W m-2 sr-1, (time, y, x)], of a scenario with a detector ``signal`` [counts], and what the
-        scenario's ``render.layers`` name. Frames are read when they are used.
+        scenario's ``render.layers`` name. Frames are read when they are used. After a share the frames that are there.
 
     Raises
     ------
@@ -64,113 +77,123 @@ def render(
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
     """
-    from seaglint.api.inputs import with_band
-    from seaglint.cluster import LocalProcesses
-    from seaglint.files.store.store import open_sequence
+    from seaglint.files.store.location import place_of
+    from seaglint.files.store.share import Share
+    from seaglint.files.store.store import finish_sequence, open_sequence
     from seaglint.studies.sequence.sensed import render as written
 
-    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+    loaded = scenario_of(scenario, sensor)
+    if finish:
+        finish_sequence(output, loaded.model_dump_json(exclude_none=True))
+        return with_band(open_sequence(output))
+    share = None if shard is None else Share.parse(shard)
+    with team_of(workers, threads) as team:
         path = written(
-            scenario,
+            loaded,
             output,
             frames=frames,
             electrons=electrons,
             radiance=radiance,
             threads=threads if workers is None else None,
-            workers=others,
+            workers=team,
             resume=resume,
             overwrite=overwrite,
             progress=progress,
+            **({} if share is None else {"share": share}),
         )
+    if share is not None and not place_of(path).taken():
+        return open_sequence(place_of(path).work, allow_partial=True)
     return with_band(open_sequence(path))
 
 
-@documented(ExportRequest, videos="videos")
-def export(
-    run: xr.Dataset | str | Path,
-    output: str | Path,
-    *,
-    variable: str | None = None,
+def frames(
+    scenario: SceneInput,
     frames: range | None = None,
-    dtype: Literal["uint16", "float32"] | None = None,
-    limits: tuple[float, float] | None = None,
-    colours: Literal["white-hot", "black-hot", "perceptual"] | None = None,
-    rate: float | None = None,
-    scale: Literal["auto", "linear", "log"] | None = None,
-    overwrite: bool = False,
-    progress: Progress | None = None,
-) -> Exported:
-    """Write frames of a run for another program; the ending of ``output`` is the format.
+    *,
+    electrons: bool = False,
+    radiance: bool = False,
+    sensor: str | None = None,
+) -> Iterator[xr.Dataset]:
+    """Frames of a scenario one by one, without files, with the truth of its objects.
 
     Parameters
     ----------
-    run : xarray.Dataset or path
-        Result of :func:`render` or a part of it, or a finished store.
-    output : path
-        ``.nc``, ``.h5``, ``.tif``, ``.fits``, ``.npy``, ``.raw`` (the last two with a JSON header beside them), ``.mp4`` or ``.gif``.
-    {request}
-    progress : callable, optional
-        Called with (frames done, frames in all).
+    scenario : Scenario, path or mapping
+        See :func:`load`.
+    frames : range, optional
+        Numbers of the frames, counted from 0; all of the scenario by default.
+    electrons : bool
+        With a detector: electrons beside counts.
+    radiance : bool
+        With a detector: radiance at the aperture beside counts, averaged over pixels.
+    sensor : str, optional
+        Sensor of a data sheet instead of the scenario's; ``seaglint sensor --presets`` lists them.
 
     Returns
     -------
-    Exported
-        Files, shape and type of the numbers, scale and offset of counts.
+    iterator of xarray.Dataset
+        Of each frame the arrays that :func:`render` writes, equal to the last bit: ``signal`` [counts, (y, x)] of a scenario with a
+        detector, else ``radiance`` [W m-2 sr-1, (y, x)], and the scenario's ``render.layers``. With objects also ``classes`` (their names),
+        ``boxes`` (left, top, width and height [px], (object, side)), ``masks`` [(object, y, x)], ``object_id`` [(y, x)] and the numbers
+        that :func:`labels` gives, over ``object``.
 
     Raises
     ------
     SeaglintError
-        A format, variable, frames or settings that cannot be, an unfinished run, a file that is there already, no room.
+        A condition outside the models, before the first frame.
 
     Examples
     --------
-    >>> import seaglint as sg, tempfile
-    >>> scene = sg.load({"sensor": {"pixels": [8, 4], "frames": 3}, "sea": {"resolve_waves": False}})
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     sg.export(sg.render(scene, f"{folder}/run.zarr"), f"{folder}/run.tif", dtype="uint16", limits=(0.0, 2.0)).shape
-    (3, 4, 8)
+    >>> import seaglint as sg
+    >>> scene = sg.load({"sensor": {"pixels": [8, 4], "frames": 2}, "sea": {"resolve_waves": False}})
+    >>> [(int(frame.frame), frame.radiance.shape) for frame in sg.frames(scene)]
+    [(0, (4, 8)), (1, (4, 8))]
     """
-    from seaglint.files.store.store import open_sequence
-    from seaglint.plot.run_export import export_run
+    from seaglint.studies.sequence.frame_datasets import frame_datasets
 
-    opened = open_sequence(run) if isinstance(run, str | Path) else run
-    return export_run(
-        opened,
-        output,
-        variable=variable,
-        frames=frames,
-        dtype=dtype,
-        limits=limits,
-        colours=colours,
-        rate=rate,
-        scale=scale,
-        overwrite=overwrite,
-        progress=progress,
-    )
+    made = frame_datasets(scenario_of(scenario, sensor), frames, electrons=electrons, radiance=radiance)
+    return (with_band(frame) for frame in made)
 
 
 @documented(SenseRequest, INPUT="the radiance")
 def sense(
-    radiance: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path,
-    scenario: Scenario,
+    radiance: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
+    scenario: SceneInput,
     output: str | Path | None = None,
     *,
     seed: int | None = None,
     oversampling: int | None = None,
     electrons: bool = False,
+    sensor: str | None = None,
     frame_rate: float | None = None,
+    units: str | None = None,
+    variable: str | None = None,
+    channel: str | None = None,
+    axes: str | None = None,
+    missing: Sequence[float] = (),
+    raw: RawLayout | None = None,
+    shard: str | None = None,
+    resume: bool = False,
     overwrite: bool = False,
+    workers: int | Workers | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Put a scenario's sensor on radiance at the aperture.
+    """Put a sensor on recorded radiance: counts of its detector.
 
     Parameters
     ----------
-    radiance : xarray.Dataset, xarray.DataArray, ndarray or path
+    radiance : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
         In-band radiance [W m-2 sr-1, (time, y, x) or (y, x)], or a file of it.
-    scenario : Scenario
+    scenario : Scenario, path or mapping
         With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is that of the radiance.
     output : path, optional
         Zarr store to write and open; without it the counts are made in memory.
+    sensor : str, optional
+        Sensor of a data sheet instead of the scenario's; ``seaglint sensor --presets`` lists them.
+    shard : str, optional
+        Share of the work as ``"1/4"``, for several machines that write into one store.
+    progress : callable, optional
+        Called with (frames done, frames in all) while a store is written.
     {request}
 
     Returns
@@ -181,7 +204,7 @@ def sense(
     Raises
     ------
     SeaglintError
-        No sensor, a picture that the oversampling does not divide, values that are no radiances.
+        No sensor, a picture that the oversampling does not divide, values that are no radiances, workers for images in memory.
 
     Examples
     --------
@@ -193,41 +216,68 @@ def sense(
     """
     import xarray as xr
 
-    from seaglint.api.inputs import recording_of, with_band
-    from seaglint.files.recording import open_recording
+    from seaglint.base.errors import DataError
     from seaglint.files.recording.image_attributes import Source, source_of
+    from seaglint.files.store.location import place_of
+    from seaglint.files.store.share import Share
     from seaglint.files.store.store import open_sequence
-    from seaglint.studies.sequence.sense import prepare_sense, sensed_dataset
+    from seaglint.studies.sequence.sense import Reopen, prepare_sense, sensed_dataset
     from seaglint.studies.sequence.sense import sense as written
 
+    loaded = scenario_of(scenario, sensor)
+    absent = tuple(missing)
+    reading = request_of(SenseRequest, locals(), missing=absent, workers=None)
     if isinstance(radiance, str | Path):
-        opened, known = open_recording(radiance, frame_rate=frame_rate), source_of(Path(radiance))
+        known, again = source_of(Path(radiance)), Reopen(Path(radiance), frame_rate, variable, channel, axes, absent)
     else:
-        labelled = radiance.to_dataset(name="radiance") if isinstance(radiance, xr.DataArray) else radiance
-        known = Source.of(labelled) if isinstance(labelled, xr.Dataset) else None
-        opened = recording_of(labelled, frame_rate, None, None)
-    if output is not None:
+        radiance = radiance.to_dataset(name="radiance") if isinstance(radiance, xr.DataArray) else radiance
+        known, again = Source.of(radiance) if isinstance(radiance, xr.Dataset) else None, None
+        if workers is not None:
+            raise DataError("workers read the radiance again by its name, and it is in memory; give a file, or leave workers out")
+    opened = recording_of(radiance, reading)
+    if output is None:
+        images, layout = prepare_sense(opened, loaded, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
+        return sensed_dataset(images, layout)
+    share = None if shard is None else Share.parse(shard)
+    with team_of(workers) as team:
         path = written(
-            opened, scenario, output, source=known, seed=seed, oversampling=oversampling, electrons=electrons, overwrite=overwrite
+            opened,
+            loaded,
+            output,
+            source=known,
+            seed=seed,
+            oversampling=oversampling,
+            electrons=electrons,
+            resume=resume,
+            overwrite=overwrite,
+            progress=progress,
+            share=share,
+            workers=team,
+            reopen=again,
         )
-        return with_band(open_sequence(path))
-    frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
-    return sensed_dataset(frames, layout)
+    if share is not None and not place_of(path).taken():
+        return open_sequence(place_of(path).work, allow_partial=True)
+    return with_band(open_sequence(path))
 
 
-def sensor(scenario: Scenario) -> dict[str, Any]:
-    """Figures of merit of a scenario's sensor, as ``seaglint sensor --json`` prints them.
+def sensor(scenario: SceneInput, *, frequency: Sequence[float] = (), sensor: str | None = None) -> ResultRecord:
+    """Figures of merit of a sensor: NETD, MTF, noise budget.
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario : Scenario, path or mapping
         With ``[sensor.optics]`` and ``[sensor.detector]``.
+    frequency : sequence of float
+        Frequencies of the MTF [cycles/mrad]; by default from 0 to beyond Nyquist.
+    sensor : str, optional
+        Sensor of a data sheet instead of the scenario's; ``seaglint sensor --presets`` lists them.
 
     Returns
     -------
-    dict
+    ResultRecord
         ``netd_k``, ``sitf_counts_per_k``, ``nei_w_m2``, ``nep_w``, ``mtf`` with its parts, the noise budget for the mean of the scene,
-        ``dynamic_range_db``, ``saturation_temperature_k``, 3-D noise and what the conversion to photons costs.
+        ``dynamic_range_db``, ``saturation_temperature_k``, 3-D noise and what the conversion to photons costs; ``plot()`` draws MTF and
+        noise budget.
 
     Raises
     ------
@@ -244,4 +294,11 @@ def sensor(scenario: Scenario) -> dict[str, Any]:
     """
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
-    return describe_sensor(scenario).as_dict()
+    described = describe_sensor(scenario_of(scenario, sensor), tuple(frequency))
+
+    def draw() -> Figure:
+        from seaglint.plot.sensor_figure import draw_sensor
+
+        return draw_sensor(described.sheet)
+
+    return ResultRecord(described.as_dict(), draw=draw, title="sensor")

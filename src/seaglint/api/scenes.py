@@ -12,6 +12,7 @@ from seaglint.studies.mean.mean_requests import MeanRequest
 if TYPE_CHECKING:
     import xarray as xr
 
+    from seaglint.api.inputs import SceneInput
     from seaglint.scenario.model import Scenario
 
 
@@ -45,8 +46,8 @@ def load(source: str | Path | Mapping[str, Any]) -> Scenario:
 
 
 @documented(MeanRequest)
-def mean(scenario: Scenario) -> xr.Dataset:
-    """Mean radiance over the field of view, its parts, apparent temperature and the standard deviation of glint.
+def mean(scenario: SceneInput) -> xr.Dataset:
+    """Map mean radiance and apparent temperature over the view.
 
     Parameters
     ----------
@@ -69,20 +70,22 @@ def mean(scenario: Scenario) -> xr.Dataset:
     >>> found.radiance.dims, found.radiance.units
     (('y', 'x'), 'W m-2 sr-1')
     """
-    from seaglint.api.inputs import with_band
+    from seaglint.api.inputs import scenario_of, with_band
     from seaglint.files.netcdf import labelled
     from seaglint.studies.mean.mean_map import mean as computed
 
-    return with_band(labelled(computed(scenario)))
+    return with_band(labelled(computed(scenario_of(scenario))))
 
 
-def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
-    """Image at one time, without a file.
+def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
+    """Radiance at the aperture at one time, without a file; of a scenario with a detector too.
+
+    It is sharp: optics and detector are left aside. :func:`frames` gives the counts that :func:`render` writes.
 
     Parameters
     ----------
-    scenario : Scenario
-        See :func:`load`; its ``render.layers`` are left aside.
+    scenario : Scenario, path or mapping
+        See :func:`load`; its ``render.layers``, optics and detector are left aside.
     time : float
         Time from the start [s]; any, frames are not more than instants.
     layers : collection of str
@@ -92,8 +95,8 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     Returns
     -------
     xarray.Dataset
-        ``radiance`` [W m-2 sr-1, (y, x)] and the layers, with units, coordinates and provenance. It is the frame that :func:`render`
-        writes for this time.
+        ``radiance`` [W m-2 sr-1, (y, x)] and the layers, with units, coordinates and provenance. Of a scenario without a detector it is
+        the frame that :func:`render` writes for this time.
 
     Raises
     ------
@@ -112,8 +115,8 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     >>> found["range"].units, float(found.time)
     ('m', 0.5)
     """
-    from seaglint.api.inputs import with_band
+    from seaglint.api.inputs import scenario_of, with_band
     from seaglint.files.netcdf import labelled
     from seaglint.studies.sequence.image import image as drawn
 
-    return with_band(labelled(drawn(scenario, time, layers)))
+    return with_band(labelled(drawn(scenario_of(scenario), time, layers)))

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.clutter.filters import Filter
     from seaglint.detection.interface import Detector
+    from seaglint.files.recording import RawLayout
     from seaglint.optics.band import Band
 
 
@@ -27,7 +28,14 @@ def analyze(
     frame_rate: float | None = None,
     units: str | None = None,
     variable: str | None = None,
+    channel: str | None = None,
+    axes: str | None = None,
+    missing: Sequence[float] = (),
+    saturation: float | None = None,
+    raw: RawLayout | None = None,
     filter: str | Filter = "laplacian",
+    kernel: ArrayLike | None = None,
+    signature: ArrayLike | None = None,
     thresholds: Sequence[float] = (),
     scope: Literal["frame", "sequence", "local"] = "frame",
     rows: tuple[float, float] = (0.0, 1.0),
@@ -37,7 +45,7 @@ def analyze(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Analysis:
-    """Clutter statistics and false alarms, by region.
+    """Clutter statistics and false alarms of a recording, by region.
 
     Parameters
     ----------
@@ -67,20 +75,12 @@ def analyze(
     0.1
     """
     from seaglint.analysis import analyze as analysed
-    from seaglint.api.inputs import recording_of
+    from seaglint.api.inputs import recording_of, request_of
 
-    request = AnalysisRequest(
-        filter=filter,
-        thresholds=tuple(thresholds),
-        scope=scope,
-        rows=rows,
-        mask=mask,
-        border=border,
-        detectors=tuple(detectors) if isinstance(detectors, list | tuple) else (detectors,),
-        seed=seed,
-    )
+    several = tuple(detectors) if isinstance(detectors, list | tuple) else (detectors,)
+    request = request_of(AnalysisRequest, locals(), thresholds=tuple(thresholds), detectors=several, missing=tuple(missing))
     resolved = request.options()
-    opened = recording_of(recording, frame_rate, units, variable)
+    opened = recording_of(recording, request)
     return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
 
 

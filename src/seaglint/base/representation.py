@@ -1,4 +1,4 @@
-"""HTML of scenarios and results in notebooks: escaped, without scripts and without external files."""
+"""Text of numbers, and HTML of scenarios and results in notebooks: escaped, without scripts and without external files."""
 
 from __future__ import annotations
 
@@ -54,3 +54,18 @@ def notes(texts: Iterable[str]) -> str:
     """HTML of notes, one sentence a line; empty without notes."""
     lines = "".join(f"<li>{escape(text)}</li>" for text in texts)
     return f'<ul style="margin:.2rem 0;padding-left:1.2rem;font-size:.85rem">{lines}</ul>' if lines else ""
+
+
+def rounded(value: float, digits: int) -> str:
+    """Number to some digits, in full from a thousandth to ten million.
+
+    Examples
+    --------
+    >>> rounded(25412.0, 3), rounded(2.5e9, 3)
+    ('25400', '2.5e+09')
+    """
+    import numpy as np
+
+    if not 1e-3 <= abs(value) < 1e7:
+        return f"{value:.{digits}g}"
+    return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")

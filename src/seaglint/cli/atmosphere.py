@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -12,6 +11,8 @@ import typer
 from seaglint.cli.terminal.messages import files_read, log, naming_file
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from seaglint.air.profile.band_numbers import Spectroscopy
 
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
@@ -142,7 +143,7 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """Print what is understood of a sounding.
+    """What is understood of a sounding.
 
     Levels, water vapour, hydrostatic misfit, the lowest air, refraction and ducts; the same of a model atmosphere.
     """
@@ -150,15 +151,13 @@ def info(
 
     from seaglint.base.errors import DataError
     from seaglint.files.outputs import refuse_existing
-    from seaglint.files.soundings.air_summary import summarise_air
+    from seaglint.files.soundings.air_summary import moment_of, place_of_air, summarise_air
 
-    if not 200.0 <= sea_temperature <= 350.0:
-        raise DataError(f"--sea-temperature {sea_temperature:g}: give a temperature of 200 to 350 K")
     if plot is not None:
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
             raise DataError(f"{plot}: a picture is .png, .pdf or .svg; give a name that ends so")
         refuse_existing(plot, overwrite=overwrite, inputs=[Path(source)])
-    summary = summarise_air(source, sea_temperature, model, _place(place), _time(time))
+    summary = summarise_air(source, sea_temperature, model, place_of_air(place), moment_of(time))
     if place is not None and summary.kind not in _WITH_PLACES:
         log(f"--place {place} is not used: a file of this kind ({summary.kind}) holds one place")
     typer.echo(json.dumps(summary.as_dict(), indent=2) if as_json else "\n".join(summary.lines))
@@ -169,89 +168,164 @@ def info(
         log(f"{plot} written")
 
 
+SceneArgument = Annotated[
+    Path | None, typer.Argument(metavar="[SCENARIO.toml]", help="scenario whose air, band and sensor height are taken")
+]
+
+
 @atmosphere.command("path")
 def path_command(
-    temperature_k: Annotated[float, typer.Option("--temperature-k", help="temperature of the air in kelvin")],
-    pressure_hpa: Annotated[float, typer.Option("--pressure-hpa", help="pressure of the air in hectopascals")],
-    vapour_pressure_hpa: Annotated[float, typer.Option("--vapour-pressure-hpa", help="pressure of its water vapour in hectopascals")],
-    length_km: Annotated[float, typer.Option("--length-km", help="length of the path in kilometres")],
-    band_um: Annotated[str, typer.Option("--band-um", metavar="MIN-MAX", help="band in micrometres, such as 3.7-4.2")],
-    co2_ppmv: Annotated[float, typer.Option("--co2-ppmv", help="carbon dioxide, parts per million of dry air")] = 0.0,
-    o3_ppmv: Annotated[float, typer.Option("--o3-ppmv", help="ozone, parts per million of dry air")] = 0.0,
-    n2o_ppmv: Annotated[float, typer.Option("--n2o-ppmv", help="nitrous oxide, parts per million of dry air")] = 0.0,
-    co_ppmv: Annotated[float, typer.Option("--co-ppmv", help="carbon monoxide, parts per million of dry air")] = 0.0,
-    ch4_ppmv: Annotated[float, typer.Option("--ch4-ppmv", help="methane, parts per million of dry air")] = 0.0,
-    spectroscopy: Annotated[str, typer.Option("--spectroscopy", help="absorption: lblrtm or lowtran7")] = "lblrtm",
-    haze: Annotated[str, typer.Option("--haze", help="aerosol, as atmosphere.haze of a scenario")] = "none",
-    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="F.csv", help="file for the spectrum")] = None,
+    scenario: SceneArgument = None,
+    range_m: Annotated[
+        str | None,
+        typer.Option("--range-m", metavar="A,B,...", help="arcs along the sea from the sensor's foot [m]; or FIRST:LAST:STEP"),
+    ] = None,
+    target_height_m: Annotated[
+        str, typer.Option("--target-height-m", metavar="A,B,...", help="heights of the points above the mean sea; 0 is the sea")
+    ] = "0",
+    temperature_k: Annotated[float | None, typer.Option("--temperature-k", help="even air: temperature in kelvin")] = None,
+    pressure_hpa: Annotated[float | None, typer.Option("--pressure-hpa", help="even air: pressure in hectopascals")] = None,
+    vapour_pressure_hpa: Annotated[
+        float | None, typer.Option("--vapour-pressure-hpa", help="even air: pressure of its water vapour in hectopascals")
+    ] = None,
+    length_km: Annotated[float | None, typer.Option("--length-km", help="even air: length of the path in kilometres")] = None,
+    band_um: Annotated[
+        str | None, typer.Option("--band-um", metavar="MIN-MAX", help="even air: band in micrometres, such as 3.7-4.2")
+    ] = None,
+    co2_ppmv: Annotated[float, typer.Option("--co2-ppmv", help="even air: carbon dioxide, parts per million of dry air")] = 0.0,
+    o3_ppmv: Annotated[float, typer.Option("--o3-ppmv", help="even air: ozone, parts per million of dry air")] = 0.0,
+    n2o_ppmv: Annotated[float, typer.Option("--n2o-ppmv", help="even air: nitrous oxide, parts per million of dry air")] = 0.0,
+    co_ppmv: Annotated[float, typer.Option("--co-ppmv", help="even air: carbon monoxide, parts per million of dry air")] = 0.0,
+    ch4_ppmv: Annotated[float, typer.Option("--ch4-ppmv", help="even air: methane, parts per million of dry air")] = 0.0,
+    spectroscopy: Annotated[str, typer.Option("--spectroscopy", help="even air: absorption, lblrtm or lowtran7")] = "lblrtm",
+    haze: Annotated[str, typer.Option("--haze", help="even air: aerosol, as atmosphere.haze of a scenario")] = "none",
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """Print the transmittance of a path through even air.
+    """Transmittance of paths through the air.
 
-    The mean over the band, weighted with the blackbody at that temperature. Besides the gases given the air is nitrogen, oxygen and
-    water; nitrogen absorbs in 3.7-4.2 um only, where RRTMGP's tables have it.
+    Through the air of a scenario, from its sensor to points at --range-m: the mean over the band, weighted with the blackbody of the water,
+    and the thermal radiance of the path. Without a scenario through even air of one temperature, weighted with the blackbody at that
+    temperature; besides the gases given the air is nitrogen, oxygen and water, and nitrogen absorbs in 3.7-4.2 um only, where RRTMGP's
+    tables have it.
     """
-    from seaglint.air.profile.hazes import HazeWeather
-    from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
-    from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
-    from seaglint.files.outputs import refuse_existing, require_ending
+    from seaglint.cli.terminal.numbers import contrasts_of
+    from seaglint.studies.prepare.even_air import even_path, require_one_kind
 
     show_logs()
-    if output is not None:
-        refuse_existing(require_ending(output, (".csv",), "a table is .csv"), overwrite=overwrite, inputs=[])
+    numbers = {
+        "temperature_k": temperature_k,
+        "pressure_hpa": pressure_hpa,
+        "vapour_pressure_hpa": vapour_pressure_hpa,
+        "length_km": length_km,
+    }
+    require_one_kind(scenario is not None, range_m is not None, {**numbers, "band_um": band_um})
+    if scenario is not None and range_m is not None:
+        from seaglint.scenario.load import load_scenario
+        from seaglint.studies.prepare.sight_lines import path_air
+
+        loaded = load_scenario(scenario)
+        _refuse_table(output, overwrite, files_read(scenario, loaded))
+        with naming_file(scenario, loaded):
+            found = path_air(loaded, contrasts_of(range_m, "--range-m"), contrasts_of(target_height_m, "--target-height-m"))
+        typer.echo(f"{'range [m]':>12} {'height [m]':>12} {'transmittance':>14} {'path radiance [W m-2 sr-1]':>27}")
+        for (height, arc), value in _flat(found.transmittance):
+            glow = float(found.path_radiance.sel(target_height_m=height, range_m=arc))
+            typer.echo(f"{arc:>12g} {height:>12g} {value:>14.4f} {glow:>27.5g}")
+    else:
+        _refuse_table(output, overwrite, [])
+        gases = {"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv}
+        low, high = _band(band_um)
+        found = even_path(numbers, (low, high), gases, cast("Spectroscopy", spectroscopy), haze)
+        typer.echo(f"transmittance {float(found.transmittance):.4f} of {low:g}-{high:g} um, {length_km:g} km")
+    _write_table(found, output, overwrite)
+
+
+@atmosphere.command("sky")
+def sky_command(
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario whose air, band, Sun and sensor height are taken")],
+    zenith_deg: Annotated[
+        str, typer.Option("--zenith-deg", metavar="A,B,...", help="zenith angles looked at from the sensor, in degrees; or FIRST:LAST:STEP")
+    ],
+    azimuth_deg: Annotated[
+        str | None, typer.Option("--azimuth-deg", metavar="A,B,...", help="azimuths looked at, clockwise from north; that of the sensor")
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+) -> None:
+    """Radiance and apparent temperature of the clear sky.
+
+    As the sensor of a scenario sees it: emission of the air and sunlight that it scatters.
+    """
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.numbers import contrasts_of
+    from seaglint.scenario.load import load_scenario
+    from seaglint.studies.prepare.sight_lines import sky_air
+
+    show_logs()
+    loaded = load_scenario(scenario)
+    _refuse_table(output, overwrite, files_read(scenario, loaded))
+    azimuths = None if azimuth_deg is None else contrasts_of(azimuth_deg, "--azimuth-deg")
+    with naming_file(scenario, loaded):
+        found = sky_air(loaded, contrasts_of(zenith_deg, "--zenith-deg"), azimuths)
+    typer.echo(f"{'zenith [deg]':>12} {'azimuth [deg]':>14} {'radiance [W m-2 sr-1]':>22} {'scattered':>11} {'apparent [K]':>13}")
+    for (zenith, azimuth), value in _flat(found.radiance):
+        here = {"zenith_deg": zenith, "azimuth_deg": azimuth}
+        kelvin, light = (float(found[name].sel(here)) for name in ("apparent_temperature", "scattered_radiance"))
+        typer.echo(f"{zenith:>12g} {azimuth:>14g} {value:>22.5g} {light:>11.4g} {kelvin:>13.2f}")
+    _write_table(found, output, overwrite)
+
+
+def _band(text: str | None) -> tuple[float, float]:
+    """Return the wavelengths of an option [um]."""
+    from seaglint.base.errors import DataError
+
     try:
-        low, high = (float(part) for part in band_um.split("-"))
+        low, high = (float(part) for part in str(text).split("-"))
     except ValueError:
-        raise DataError(f"--band-um {band_um}: give the shortest and the longest wavelength in micrometres, as 3.7-4.2") from None
-    found = homogeneous_spectrum(
-        temperature_k=temperature_k,
-        pressure_hpa=pressure_hpa,
-        vapour_pressure_hpa=vapour_pressure_hpa,
-        length_km=length_km,
-        band_um=(low, high),
-        ppmv={"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv},
-        spectroscopy=cast("Spectroscopy", spectroscopy),
-        haze=HazeWeather(haze),
-    )
-    typer.echo(f"transmittance {found.mean:.4f} of {low:g}-{high:g} um, {length_km:g} km")
+        raise DataError(f"--band-um {text}: give the shortest and the longest wavelength in micrometres, as 3.7-4.2") from None
+    return low, high
+
+
+def _flat(values: xr.DataArray) -> list[tuple[tuple[float, ...], float]]:
+    """Return the coordinates and values of an array, one after the other."""
+    from itertools import product
+
+    axes = [values[name].to_numpy().tolist() for name in values.dims]
+    return list(zip(product(*axes), values.to_numpy().ravel().tolist(), strict=True))
+
+
+def _refuse_table(output: Path | None, overwrite: bool, inputs: list[Path]) -> None:
+    from seaglint.files.outputs import refuse_existing, require_ending
+
     if output is not None:
+        refuse_existing(
+            require_ending(output, (".nc", ".nc4", ".csv"), "numbers are written as .nc or .csv"), overwrite=overwrite, inputs=inputs
+        )
+
+
+def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> None:
+    """Write a dataset as NetCDF, or its spectra, else its numbers, as the columns of a CSV file."""
+    if output is None:
+        return
+    if output.suffix.lower() == ".csv":
         from seaglint.files.tables.columns import write_columns
 
-        write_columns({"wavenumber_cm": found.wavenumber_cm, "transmittance": found.transmittance}, output, overwrite=overwrite)
-        log(f"{output} written")
+        spectrum = "wavenumber_cm" if set(found.dims) == {"wavenumber_cm"} else None
+        kept = found if spectrum else found.drop_dims("wavenumber_cm")
+        table = kept.drop_vars("transmittance") if spectrum else kept
+        frame = table.rename(spectral_transmittance="transmittance").to_dataframe() if spectrum else table.to_dataframe()
+        write_columns({str(name): column.to_numpy() for name, column in frame.reset_index().items()}, output, overwrite=overwrite)
+    else:
+        from seaglint.files.netcdf import write_netcdf
+
+        write_netcdf(found, output, overwrite=overwrite)
+    log(f"{output} written")
 
 
 _WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")
 """Kinds of files that may hold several places."""
-
-
-def _place(text: str | None) -> tuple[float, float] | None:
-    """Latitude and longitude of an option."""
-    from seaglint.base.errors import DataError
-
-    if text is None:
-        return None
-    try:
-        latitude, longitude = (float(part) for part in text.split(","))
-    except ValueError:
-        latitude = longitude = float("nan")
-    if not (abs(latitude) <= 90.0 and abs(longitude) <= 360.0):
-        raise DataError(f"--place {text}: give latitude and longitude in degrees, -90 to 90 and -360 to 360, as 54.2,7.9")
-    return latitude, longitude
-
-
-def _time(text: str | None) -> datetime | None:
-    """Time of an option, UTC where it says no zone."""
-    from seaglint.base.errors import DataError
-
-    if text is None:
-        return None
-    try:
-        when = datetime.fromisoformat(text)
-    except ValueError:
-        raise DataError(f"--time {text}: give a time as 2024-07-01T06:00Z") from None
-    return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
 
 
 _HELD = {

@@ -26,7 +26,7 @@ class CommandEntry:
 GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Begin": {
         "init": CommandEntry("scenario_file.init", "Write a commented scenario file."),
-        "schema": CommandEntry("scenario_file.schema", "Print the JSON Schema of scenario files."),
+        "schema": CommandEntry("scenario_file.schema", "JSON Schema of scenario files."),
         "doctor": CommandEntry("facts.doctor", "Check the installation, or compile kernels ahead."),
     },
     "Look": {
@@ -49,7 +49,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
         "analyze": CommandEntry("analyze.analyze", "Clutter statistics and false alarms of a recording, by region."),
         "detect": CommandEntry("detect.detect", "Probabilities of detection and false alarm of a detector."),
         "compare": CommandEntry("compare.compare", "Compare a measured spectrum with that of a scenario."),
-        "likelihood": CommandEntry("likelihood.likelihood", "Tell how often glint is brighter than thresholds."),
+        "likelihood": CommandEntry("likelihood.likelihood", "How often glint is brighter than thresholds."),
     },
     "Share": {
         "export": CommandEntry("export.export", "Write frames of a run for another program.", "Command"),

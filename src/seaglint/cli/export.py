@@ -8,15 +8,12 @@ from typing import Annotated
 
 import typer
 
-from seaglint.base.errors import DataError
 from seaglint.cli.terminal.derived_help import derived_help, listed
 from seaglint.cli.terminal.messages import files_read, log, naming_file
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.records import takes_records
 from seaglint.studies.sequence.sequence_requests import ExportRequest
-
-KINDS = (".ply", ".nc")
 
 
 def _endings() -> str:
@@ -84,25 +81,16 @@ def export_sea(
     """Write heights, slopes and roughness of the sea at one time."""
     from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
+    from seaglint.studies.prepare.sea_export import export_sea as export
+    from seaglint.studies.prepare.sea_export import require_sea_name, write_sea
 
-    kind = output.suffix.lower()
-    if kind not in KINDS:
-        raise DataError(f"{output}: is neither {' nor '.join(KINDS)}; the ending says what is written")
+    require_sea_name(output)
     loaded = load_scenario(scenario)
     refuse_existing(output, overwrite=overwrite, inputs=files_read(scenario, loaded))
-    from seaglint.studies.prepare.sea_export import export_sea as export
-
     with naming_file(scenario, loaded):
         sea = export(loaded, time, centre=centre, extent=extent, spacing=spacing)
     rows, columns = sea.patch.shape
-    if kind == ".ply":
-        from seaglint.files.ply import write_ply
-
-        write_ply(output, *sea.patch.axes, sea.patch_surface, comments=sea.comments, overwrite=overwrite)
-    else:
-        from seaglint.files.netcdf import write_netcdf
-
-        write_netcdf(sea.dataset(lattices=lattices), output, overwrite=overwrite)
+    write_sea(sea, output, lattices=lattices, overwrite=overwrite)
     log(f"{output} written: {columns} x {rows} points every {sea.patch.spacing:.4g} m")
     finest = sea.tiles[-1].spacing
     if sea.patch.spacing > 2.0 * finest:

@@ -29,9 +29,9 @@ def info(
     as_json: AsJson = False,
 ) -> None:
     """Say what a file holds and how it was made."""
-    from seaglint.cli.info import describe, lines
-    from seaglint.cli.input_facts import describe_recording, describe_scenario, is_ours
     from seaglint.cli.terminal.start import only_numpy
+    from seaglint.studies.contents.input_facts import describe_recording, describe_scenario, is_ours
+    from seaglint.studies.contents.output_facts import describe, lines
 
     only_numpy()
     place = place_given(path)

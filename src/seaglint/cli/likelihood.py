@@ -33,7 +33,7 @@ def likelihood(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
 ) -> None:
-    """Tell how often glint is brighter than thresholds.
+    """How often glint is brighter than thresholds.
 
     Over weather, Sun and geometry, as the scenario's table [likelihood] says.
     """

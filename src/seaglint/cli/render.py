@@ -29,9 +29,7 @@ RenderedFile = Annotated[
 ]
 
 
-@takes_records(
-    order="scenario output frames threads resume overwrite preview scale show sensor_preset electrons radiance workers dask dask_slurm"
-)
+@takes_records(order="scenario output frames threads resume overwrite preview scale show sensor electrons radiance workers dask dask_slurm")
 def render(
     scenario: RenderedFile,
     request: RenderRequest,
@@ -41,7 +39,7 @@ def render(
     ] = None,
     preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
-    sensor_preset: SensorPreset = None,
+    sensor: SensorPreset = None,
     shard: ShardOption = None,
     finish: Annotated[
         bool, typer.Option("--finish", help="check that all frames of a store are there, and name it: --finish RUN.zarr")
@@ -66,7 +64,7 @@ def render(
         require_one_way(shard=shard, overwrite=request.overwrite)
         if preview:
             _beside(place_given(output or scenario), None)  # before anything is done
-        finished = finish_store(scenario, output, sensor_preset)
+        finished = finish_store(scenario, output, sensor)
         if preview:
             _preview(finished, scale)
         return
@@ -74,7 +72,7 @@ def render(
         raise typer.BadParameter("Missing option '-o' / '--output'.")
     share = None if shard is None else Share.parse(shard)
     file = Path(scenario)
-    loaded = load_scenario(file, sensor=sensor_preset)
+    loaded = load_scenario(file, sensor=sensor)
     numbers = parse_frames(request.frames, loaded.sensor.frames)
     store = place_given(output)
     inputs = files_read(file, loaded)
@@ -103,8 +101,8 @@ def render(
     if share is not None:
         tell_share(store, share)
         return
+    from seaglint.files.sequence_summary import summarise
     from seaglint.files.store.store import open_sequence
-    from seaglint.plot.sequence_summary import summarise
 
     with open_sequence(store) as dataset:
         if pictures is not None:

@@ -28,7 +28,7 @@ class SpectroscopyChoice(StrEnum):
 
 @reproduce.command()
 def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False) -> None:
-    """Print the article's headline numbers beside ours."""
+    """Headline numbers of the article beside ours."""
     from seaglint.studies.article.headline import headline as rows
 
     computed = rows()
@@ -171,7 +171,7 @@ def table1(
     overwrite: Overwrite = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
-    """Print the article's Table 1 of false alarms beside ours.
+    """Table 1 of the article, of false alarms, beside ours.
 
     Renders two seconds of glint for it: some five minutes on two cores. They are counted as rendered and through a detector with a blur
     of 1.2 pixels, which is assumed: the article does not state that of its sensor. Other blurs stand below each row.
@@ -207,7 +207,7 @@ def measured(
     overwrite: Overwrite = False,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
 ) -> None:
-    """Print measured spectra of sky and sea beside ours.
+    """Measured spectra of sky and sea beside ours.
 
     Writes DIR/measured.csv and measured.png.
 

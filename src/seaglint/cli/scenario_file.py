@@ -53,7 +53,7 @@ def init(
 
 
 def schema() -> None:
-    """Print the JSON Schema of scenario files."""
+    """JSON Schema of scenario files."""
     from seaglint.scenario.text.template import json_schema
 
     print_json(json_schema())

@@ -37,7 +37,7 @@ def _list_presets(requested: bool) -> None:
 
 
 @takes_records(
-    order="recording scenario output seed oversampling electrons sensor_preset frame_rate variable channel axes missing "
+    order="recording scenario output seed oversampling electrons sensor frame_rate variable channel axes missing "
     "resume overwrite show workers dask dask_slurm"
 )
 def sense(
@@ -48,7 +48,7 @@ def sense(
     output: StoreOption,
     request: Annotated[SenseRequest, Without(("units", "saturation", "raw", "threads"))],
     run: Annotated[RunOptions, Without(("threads",))],
-    sensor_preset: SensorPreset = None,
+    sensor: SensorPreset = None,
     shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
@@ -63,7 +63,7 @@ def sense(
     from seaglint.studies.sequence.sense import sense as sensed
 
     only_numpy()
-    loaded = load_scenario(scenario, sensor=sensor_preset)
+    loaded = load_scenario(scenario, sensor=sensor)
     store, share = place_given(output), None if shard is None else Share.parse(shard)
     check_output(
         store, resume=request.resume, overwrite=request.overwrite, inputs=[*files_read(scenario, loaded), Path(recording)], share=share
@@ -118,7 +118,7 @@ def sensor(
     frequency: Annotated[
         list[float] | None, typer.Option("--frequency", min=0.0, help="frequencies of the MTF, in cycles/mrad; repeatable")
     ] = None,
-    sensor_preset: SensorPreset = None,
+    sensor: SensorPreset = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture that is there")] = False,
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
 ) -> None:
@@ -130,7 +130,7 @@ def sensor(
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
     only_numpy()
-    loaded = load_scenario(scenario, sensor=sensor_preset)
+    loaded = load_scenario(scenario, sensor=sensor)
     if plot is not None:
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
             raise DataError(f"--plot {plot}: give a name that ends in .png, .pdf or .svg")

@@ -114,7 +114,7 @@ def compare(
     Filtered false alarms, values, spectra, correlations and co-occurrence.
     """
     from seaglint.base.errors import DataError
-    from seaglint.studies.texture.texture_sequences import compare_files
+    from seaglint.studies.texture.texture_sequences import compare_textures
 
     if len(request.regions) > 2:
         raise DataError(f"--region is given {len(request.regions)} times; give one for A and one for B")
@@ -126,7 +126,7 @@ def compare(
         log_notes(path, recording)
         return recording
 
-    comparison, one, other, likelihood = compare_files(first, second, opened, request)
+    comparison, one, other, likelihood = compare_textures(first, second, opened, request)
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
@@ -152,9 +152,9 @@ def place(
 
     from seaglint.cli.terminal.frame_numbers import parse_frames
     from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.files.sequence_summary import summarise
     from seaglint.files.store.store import check_output, open_sequence
     from seaglint.files.texture_file import read_texture
-    from seaglint.plot.sequence_summary import summarise
     from seaglint.scenario.load import load_scenario
     from seaglint.studies.texture.perspective import place as placed
 

@@ -14,9 +14,9 @@ from seaglint.base.schema import VARIABLES
 from seaglint.files.directions import directions
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
+from seaglint.files.sequence_summary import to_temperature
 from seaglint.files.store.object_labels import Label
 from seaglint.plot.scale import scale_of
-from seaglint.plot.sequence_summary import to_temperature
 
 if TYPE_CHECKING:
     import xarray as xr

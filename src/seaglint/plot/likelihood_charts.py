@@ -12,19 +12,24 @@ from seaglint.base.conventions import FloatArray
 from seaglint.climate.likelihood_summary import LikelihoodSummary, StratumChance
 from seaglint.climate.weather_table import MONTHS
 from seaglint.files.outputs import moved_when_whole
+from seaglint.plot.clutter.figure import new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _DPI = 130
 
 
 def write_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None, output: Path) -> None:
-    """Draw chances by threshold, by bearing (polar), by wind and, where the time varies, by month and hour."""
-    from matplotlib.figure import Figure
+    """Draw the charts into a picture file."""
+    _save(draw_charts(summary, month_by_hour), output)
 
-    figure = Figure(figsize=(10.0, 8.0), layout="constrained")
+
+def draw_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None) -> Figure:
+    """Draw chances by threshold, by bearing (polar), by wind and, where the time varies, by month and hour."""
+    figure = new_figure(10.0, 8.0)
     first = summary.results[0].threshold_w_m2_sr
     _thresholds(figure.add_subplot(2, 2, 1), summary)
     _bearings(figure.add_subplot(2, 2, 2, projection="polar"), summary, first)
@@ -39,7 +44,7 @@ def write_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None, o
         axes.invert_yaxis()
         figure.colorbar(image, ax=axes, label="probability [1]")
     figure.suptitle(f"{summary.case}: glint above {first:g} W m⁻² sr⁻¹")
-    _save(figure, output)
+    return figure
 
 
 def _of(summary: LikelihoodSummary, by: str, threshold: float) -> list[StratumChance]:

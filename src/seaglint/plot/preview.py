@@ -17,8 +17,8 @@ from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
+from seaglint.files.sequence_summary import images, to_temperature
 from seaglint.plot.scale import Kind, scale_of, tick_labels
-from seaglint.plot.sequence_summary import images, to_temperature
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.brightness import Scale, scale_limits
+from seaglint.base.representation import rounded
 
 Kind = Literal["auto", "linear", "log"]
 
@@ -45,19 +46,6 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto") -> Scale:
         return Scale(low, high)
     # The darker half of the pixels within one width; not less than a thousandth of the range, which is flat.
     return Scale(low, high, max(middle - low, 1e-3 * (high - low)))
-
-
-def rounded(value: float, digits: int) -> str:
-    """Number to some digits, in full from a thousandth to ten million.
-
-    Examples
-    --------
-    >>> rounded(25412.0, 3), rounded(2.5e9, 3)
-    ('25400', '2.5e+09')
-    """
-    if not 1e-3 <= abs(value) < 1e7:
-        return f"{value:.{digits}g}"
-    return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
 
 
 def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from seaglint.files.outputs import moved_when_whole
 from seaglint.instrument.data_sheet import SensorDataSheet
+from seaglint.plot.clutter.figure import new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SIZE = (11.0, 4.2)
 """Width and height [in]."""
@@ -13,11 +18,13 @@ SIZE = (11.0, 4.2)
 
 def write_sensor_plot(sheet: SensorDataSheet, path: Path) -> None:
     """Draw the figures of merit of a sensor into a picture file."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with moved_when_whole(path) as partial:
+        draw_sensor(sheet).savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
 
-    figure = Figure(figsize=SIZE, layout="constrained")
-    FigureCanvasAgg(figure)
+
+def draw_sensor(sheet: SensorDataSheet) -> Figure:
+    """Draw MTF and noise budget of a sensor."""
+    figure = new_figure(*SIZE)
     left, right = figure.subplots(1, 2)
     mtf = sheet.mtf
     frequency = mtf.frequency_cycles_per_mrad
@@ -38,5 +45,4 @@ def write_sensor_plot(sheet: SensorDataSheet, path: Path) -> None:
         right.text(value, place, f" {value:.3g}", va="center", fontsize=8)
     right.margins(x=0.15)
     right.set_title(f"NETD {1e3 * sheet.netd_k:.3g} mK at {sheet.background_k:g} K", fontsize=10)
-    with moved_when_whole(path) as partial:
-        figure.savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
+    return figure

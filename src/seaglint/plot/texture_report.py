@@ -14,6 +14,7 @@ from seaglint.base.brightness import scale_limits
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.plot.clutter import png
+from seaglint.plot.clutter.figure import new_figure
 from seaglint.plot.page import bullets, figure, notes, number, page, section, table
 from seaglint.textures.long_tails import interior
 from seaglint.textures.quality import LIMITS, Comparison, TextureDistances
@@ -26,18 +27,9 @@ Frames = NDArray[np.floating[Any]]
 COLOURS = ("#1f4e79", "#c8553d", "#7a7a7a")
 
 
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
 def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figure:
     """The middle frame of each, and its Laplacian in standard deviations, on common scales."""
-    figure = _figure(12.0, 8.0)
+    figure = new_figure(12.0, 8.0)
     axes = figure.subplots(2, 2)
     images = [frames[len(frames) // 2] for frames in (first, second)]
     low, high = scale_limits(np.concatenate([image.ravel() for image in images]))
@@ -54,7 +46,7 @@ def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figu
 
 def draw_measures(comparison: Comparison, gaussian: Comparison | None = None) -> Figure:
     """Rates of the filtered picture, values, spectra and correlations of both; of the Gaussian field where it is given."""
-    figure = _figure(13.0, 8.0)
+    figure = new_figure(13.0, 8.0)
     (rates, values, spectra), (space, time, features) = figure.subplots(2, 3)
     textures = [comparison.first, comparison.second, *(() if gaussian is None else (gaussian.second,))]
     for one, colour in zip(textures, COLOURS, strict=False):

@@ -18,8 +18,8 @@ from seaglint.files.counts import pictures
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording.labelled import stored_frame_rate
+from seaglint.files.sequence_summary import Images, images, to_temperature
 from seaglint.plot.scale import Kind, scale_of
-from seaglint.plot.sequence_summary import Images, images, to_temperature
 from seaglint.plot.video_formats import video_format
 
 if TYPE_CHECKING:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from seaglint.climate.table_facts import MonthFacts, WeatherFacts, WindRose
 from seaglint.files.outputs import moved_when_whole
+from seaglint.plot.clutter.figure import new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SIZE = (12.0, 9.0)
 """Width and height [in]."""
@@ -17,18 +21,19 @@ SIZE = (12.0, 9.0)
 
 def write_weather_plot(facts: WeatherFacts, path: Path) -> None:
     """Draw the facts of a table of weather into a picture file."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+    with moved_when_whole(path) as partial:
+        draw_weather(facts).savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
 
-    figure = Figure(figsize=SIZE, layout="constrained")
-    FigureCanvasAgg(figure)
+
+def draw_weather(facts: WeatherFacts) -> Figure:
+    """Draw wind rose, wind and cloud together, months and missing values of a table of weather."""
+    figure = new_figure(*SIZE)
     _rose(figure.add_subplot(2, 2, 1, projection="polar"), facts.wind_rose)
     _joint(figure, figure.add_subplot(2, 2, 2), facts)
     _months(figure.add_subplot(2, 2, 3), facts.by_month)
     _missing(figure.add_subplot(2, 2, 4), facts.missing_share)
     figure.suptitle(f"{Path(facts.path).name}: {facts.rows} rows, effectively {facts.effective_rows:.0f}")
-    with moved_when_whole(path) as partial:
-        figure.savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
+    return figure
 
 
 def _classes(edges: list[float | None]) -> list[str]:

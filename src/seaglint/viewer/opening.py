@@ -22,10 +22,10 @@ from seaglint.files.provenance import stored_band
 from seaglint.files.recording import open_recording
 from seaglint.files.recording.decoding import PLAIN
 from seaglint.files.recording.labelled import range_of_decoded, stored_blur, stored_frame_rate
+from seaglint.files.sequence_summary import to_temperature
 from seaglint.files.store.manifest import DONE
 from seaglint.files.store.store import is_sequence
 from seaglint.files.store.stored_truth import GROUP
-from seaglint.plot.sequence_summary import to_temperature
 
 _MAPS: Final = (".nc", ".nc4")
 

@@ -95,9 +95,12 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "atmosphere write": (_SCENE, "seaglint atmosphere write example.toml --format tape5 -o decks"),
     "atmosphere info": ("seaglint atmosphere info midlatitude-summer --plot air.png",),
     "atmosphere path": (
+        _SCENE,
+        "seaglint atmosphere path example.toml --range-m 1000,5000,10000 --target-height-m 0,10",
         "seaglint atmosphere path --temperature-k 300 --pressure-hpa 1013 --vapour-pressure-hpa 26 --length-km 5 --band-um 3.7-4.2 "
         "--co2-ppmv 425",
     ),
+    "atmosphere sky": (_SCENE, "seaglint atmosphere sky example.toml --zenith-deg 0,30,60,80,89"),
     "atmosphere read": (
         _SCENE,
         "seaglint atmosphere write example.toml --format tape5 -o modtran",

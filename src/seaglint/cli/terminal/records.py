@@ -170,14 +170,14 @@ def _raw(text: str, option: str) -> Any:
 
 
 def _pair(text: str, option: str) -> tuple[float, float]:
-    """Return rows and columns a frame, of X,Y."""
+    """Return pixels to the right and down, of X,Y."""
     from seaglint.base.errors import DataError
 
     try:
         right, down = (float(part) for part in text.split(","))
     except ValueError:
         raise DataError(f"{option} {text}: give X,Y in pixels a frame, to the right and down, e.g. 0.5,0") from None
-    return down, right
+    return right, down
 
 
 def _size(text: str, option: str) -> tuple[int, int]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
@@ -187,8 +188,10 @@ def summarise_air(
     Raises
     ------
     DataError
-        As :func:`~seaglint.files.soundings.sounding.read_sounding`.
+        A temperature of the sea outside 200 to 350 K, or as :func:`~seaglint.files.soundings.sounding.read_sounding`.
     """
+    if not 200.0 <= sea_kelvin <= 350.0:
+        raise DataError(f"sea_temperature = {sea_kelvin:g}: give a temperature of 200 to 350 K")
     if source in MODELS and not Path(source).exists():
         profile = model_profile(source)
         return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)
@@ -207,6 +210,42 @@ def summarise_air(
         (*(note for note in read.notes if not _is_continuation(note)), *(part.text for part in continuations(read, profile, model))),
         read.ozone_top,
     )
+
+
+def place_of_air(place: tuple[float, float] | str | None) -> tuple[float, float] | None:
+    """Return latitude and longitude [deg] of a pair or of text such as ``54.2,7.9``.
+
+    Raises
+    ------
+    DataError
+        No two numbers, or none of the Earth.
+    """
+    if place is None:
+        return None
+    try:
+        latitude, longitude = (float(part) for part in (place.split(",") if isinstance(place, str) else place))
+    except (TypeError, ValueError):
+        latitude = longitude = math.nan
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 360.0):
+        raise DataError(f"place = {place}: give latitude and longitude in degrees, -90 to 90 and -360 to 360, as 54.2,7.9")
+    return latitude, longitude
+
+
+def moment_of(time: datetime | str | None) -> datetime | None:
+    """Return a time in UTC, of ISO 8601 text or a datetime; UTC where it has no zone.
+
+    Raises
+    ------
+    DataError
+        Text of another form.
+    """
+    if time is None:
+        return None
+    try:
+        when = datetime.fromisoformat(time) if isinstance(time, str) else time
+    except ValueError:
+        raise DataError(f"time = {time}: give a time as 2024-07-01T06:00Z") from None
+    return when.replace(tzinfo=UTC) if when.tzinfo is None else when.astimezone(UTC)
 
 
 def _is_continuation(note: str) -> bool:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ from seaglint.files.store.stored_truth import BITS, GROUP
 from seaglint.files.tables.table_text import csv_text
 from seaglint.files.text_file import write_json, write_text
 from seaglint.objects.drawing.truth_names import NUMBERS
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,28 @@ class Labels:
             for n, name in enumerate(self.names):
                 mask = (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
                 yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
+
+
+def label_dataset(labels: Labels) -> xr.Dataset:
+    """Return labels as a dataset over ``frame`` and ``object``: all numbers, and ``classes``, the names; masks stay in the store."""
+    import xarray as xr
+
+    from seaglint.base.schema import VARIABLES
+
+    shape = (len(labels.frames), len(labels.names))
+    values = {name: np.full(shape, np.nan) for name in NUMBERS}
+    for position, label in enumerate(labels):
+        for name, array in values.items():
+            array[divmod(position, shape[1])] = label.values[name]
+    return xr.Dataset(
+        {name: (("frame", "object"), array, VARIABLES[name].attributes) for name, array in values.items()},
+        {
+            "frame": ("frame", list(labels.frames), {"long_name": "number of the frame"}),
+            "object": ("object", list(range(shape[1])), {"long_name": "number of the object"}),
+            "classes": ("object", list(labels.names), {"long_name": "name of the object"}),
+        },
+        {"title": "Labels of objects", "source": str(labels.path)},
+    )
 
 
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:

@@ -11,7 +11,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -175,6 +175,29 @@ def read_cases(path: str | Path) -> Cases:
     if not rows:
         raise DataError(f"{path}: holds no cases: nothing follows the headings in line 1")
     return Cases(path, header, rows, lines, separator, "\r\n" if first.endswith("\r") else "\n")
+
+
+def cases_of_columns(columns: Mapping[str, Sequence[Any]]) -> Cases:
+    """Return the cases of columns in memory: numbers or text by name, one value a case.
+
+    Raises
+    ------
+    DataError
+        No columns, or columns of different lengths.
+
+    Examples
+    --------
+    >>> cases_of_columns({"wind_speed_m_s": [2.0, 5.0]}).numbers("wind_speed_m_s").tolist()
+    [2.0, 5.0]
+    """
+    held = {str(name): np.atleast_1d(np.asarray(values)) for name, values in columns.items()}
+    sizes = {name: values.size for name, values in held.items() if values.ndim == 1}
+    if not held or len(sizes) < len(held) or len(set(sizes.values())) > 1:
+        given = ", ".join(f"{name} {size}" for name, size in sizes.items()) or "none"
+        raise DataError(f"cases: columns have different numbers of values ({given}); give lists of one length by name")
+    cells = [[str(value) for value in values.tolist()] for values in held.values()]
+    rows = [list(row) for row in zip(*cells, strict=True)]
+    return Cases(Path("cases"), list(held), rows, list(range(1, len(rows) + 1)))
 
 
 def _rows(path: Path, text: str, separator: str) -> tuple[list[str], list[list[str]], list[int]]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from seaglint.studies.detect.study import Study, with_settings
 from seaglint.studies.detect.varied_cases import STUDY_KEYS, parse_vary
 
 
-def settings_of(vary: Sequence[str]) -> list[TomlTables]:
+def settings_of(vary: Sequence[str] | Mapping[str, Sequence[Any]]) -> list[TomlTables]:
     """Every combination of some settings; one without any where nothing is varied.
 
     Raises
@@ -32,7 +33,7 @@ def settings_of(vary: Sequence[str]) -> list[TomlTables]:
     >>> settings_of(["detector=log,matched", "threshold=3"])
     [{'detector': 'log', 'threshold': 3}, {'detector': 'matched', 'threshold': 3}]
     """
-    found = parse_vary(vary)
+    found = [(key, list(values)) for key, values in vary.items()] if isinstance(vary, Mapping) else parse_vary(vary)
     for key, _ in found:
         if key not in STUDY_KEYS:
             raise DataError(f"vary = {key}: of a recording {', '.join(STUDY_KEYS)} may be varied; give one of them, or SCENARIO.toml")

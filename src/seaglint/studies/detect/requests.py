@@ -95,7 +95,7 @@ class DetectorRequest:
             "Object",
             "pair",
             "X,Y",
-            python="Motion of the objects down and to the right [px a frame].",
+            python="Motion of the objects to the right and down [px a frame].",
         ),
     ] = (0.0, 0.0)
     duration: Annotated[
@@ -128,7 +128,7 @@ class DetectorRequest:
             self.injections,
             self.placement,
             self.match_radius,
-            self.velocity,
+            (self.velocity[1], self.velocity[0]),
             self.pointing,
             self.seed,
             self.duration,

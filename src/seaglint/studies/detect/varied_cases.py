@@ -6,7 +6,7 @@ import copy
 import itertools
 import json
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -101,15 +101,21 @@ def plain_value(text: str) -> Any:
         return text.strip()
 
 
-def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None, sensor: str | None = None) -> list[StudyCase]:
-    """All cases of a scenario file; the file alone is one.
+def cases_of(
+    source: Path | Scenario,
+    *,
+    vary: Sequence[str] | Mapping[str, Sequence[Any]] = (),
+    table: Path | None = None,
+    sensor: str | None = None,
+) -> list[StudyCase]:
+    """All cases of a scenario; the scenario alone is one.
 
     Parameters
     ----------
-    path : Path
-        TOML file.
-    vary : sequence of str
-        ``key=value,value``; several are combined.
+    source : Path or Scenario
+        TOML file, or a scenario that is loaded.
+    vary : sequence of str, or mapping
+        ``key=value,value``, or values by key; several are combined.
     table : Path, optional
         CSV file with keys as headings and a case a row; empty cells leave the scenario as it is.
     sensor : str, optional
@@ -124,11 +130,14 @@ def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None,
     """
     from seaglint.scenario.load import load_scenario
 
-    load_scenario(path, sensor=sensor)  # its own mistakes, as the file has them
-    raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    if isinstance(source, Scenario):
+        path, base, raw = "scenario", None, source.model_dump(mode="json", exclude_none=True)
+    else:
+        load_scenario(source, sensor=sensor)  # its own mistakes, as the file has them
+        path, base, raw = str(source), source.parent, tomllib.loads(source.read_bytes().decode("utf-8-sig"))
     raw = raw if sensor is None else with_sensor(raw, sensor)
     rows = _rows(table) if table is not None else [({}, "")]
-    varied = parse_vary(vary)
+    varied = [(key, list(values)) for key, values in vary.items()] if isinstance(vary, Mapping) else parse_vary(vary)
     combined = list(itertools.product(*[[(key, value) for value in values] for key, values in varied]))
     if len(rows) * len(combined) > MOST_CASES:
         raise DataError(f"{len(rows) * len(combined)} cases are more than {MOST_CASES}; vary less, or part the study")
@@ -142,7 +151,7 @@ def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None,
         for key, value in parameters.items():
             if key not in STUDY_KEYS:
                 set_key(changed, key, value, name)
-        out.append(StudyCase(parameters, parse_scenario(changed, name=name, base=path.parent), study))
+        out.append(StudyCase(parameters, parse_scenario(changed, name=name, base=base), study))
     return out
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
 from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SAMPLES: Final = 1024
 """Draws at each time."""
@@ -111,6 +115,28 @@ class TrackChances:
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""
         return asdict(self)
+
+    def dataset(self) -> xr.Dataset:
+        """Return the way as a dataset: ``probability`` over ``threshold`` and ``time``, places, and hours with glint of each threshold."""
+        import xarray as xr
+
+        thresholds = [row.threshold_w_m2_sr for row in self.results]
+        first = [chance for chance in self.way if chance.threshold_w_m2_sr == thresholds[0]]
+        probability = [[chance.probability for chance in self.way if chance.threshold_w_m2_sr == value] for value in thresholds]
+        places = ("latitude_deg", "longitude_deg", "sun_elevation_deg")
+        spans = ("hours", "mean_duration_hours", "mean_return_hours")
+        return xr.Dataset(
+            {
+                "probability": (("threshold", "time"), probability, {"units": "1", "long_name": "chance that glint exceeds the threshold"}),
+                **{name: ("time", [getattr(chance, name) for chance in first], {"units": "degree"}) for name in places},
+                **{name: ("threshold", [getattr(row, name) or math.nan for row in self.results], {"units": "h"}) for name in spans},
+            },
+            {
+                "threshold": ("threshold", thresholds, {"units": "W m-2 sr-1"}),
+                "time": ("time", np.array([chance.time_utc.removesuffix("Z") for chance in first], "datetime64[ns]")),
+            },
+            {"title": "Chance of glint along a way", "hours": self.hours, "notes": "\n".join(self.notes)},
+        )
 
 
 @documented(LikelihoodRequest)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,6 +31,9 @@ from seaglint.files.weather.read_weather import WeatherReading, is_grid, read_so
 from seaglint.files.weather.weather_file import WeatherFile, read_weather
 from seaglint.version import __version__
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 @dataclass(frozen=True)
 class Built:
@@ -45,6 +49,16 @@ class Built:
 
     table: WeatherTable
     notes: tuple[str, ...] = field(default_factory=tuple)
+
+    def dataset(self) -> xr.Dataset:
+        """Return the columns as a dataset over ``row``."""
+        import xarray as xr
+
+        texts = {name: ("row", self.table.text(name)) for name in TEXTS if name in self.table.texts}
+        return xr.Dataset(
+            {**{name: ("row", values) for name, values in self.table.columns.items()}, **texts},
+            attrs={"title": "Weather table", "notes": "\n".join(self.notes)},
+        )
 
 
 def build(

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.free_form import Attributes
 from seaglint.base.schema import VARIABLES
-from seaglint.files.ply import MOST_VERTICES, ply_bytes
+from seaglint.files.netcdf import write_netcdf
+from seaglint.files.ply import MOST_VERTICES, ply_bytes, write_ply
 from seaglint.files.provenance import provenance
 from seaglint.scenario.model import Scenario
 from seaglint.sea.field import WaveField
@@ -26,6 +28,9 @@ from seaglint.studies.prepare.slope_laws import slopes
 
 if TYPE_CHECKING:
     import xarray as xr
+
+KINDS: Final = (".ply", ".nc")
+"""Endings of the files that are written."""
 
 DEFAULT_EXTENT: Final = 256.0
 """Side of the patch [m] where nothing is said and the spacing allows."""
@@ -145,6 +150,28 @@ class ExportedSea:
                 {name: (name, axis, VARIABLES[f"tile_{name[0]}"].attributes) for name in dimensions},
             )
         return out
+
+
+def require_sea_name(output: Path) -> Path:
+    """Return the path of a file of the sea; refuse endings that name no format."""
+    if output.suffix.lower() not in KINDS:
+        raise DataError(f"{output}: is neither {' nor '.join(KINDS)}; the ending says what is written")
+    return output
+
+
+def write_sea(sea: ExportedSea, output: Path, *, lattices: bool = True, overwrite: bool = False) -> Path:
+    """Write the patch as a triangle mesh (``.ply``), or all of it as NetCDF (``.nc``).
+
+    Raises
+    ------
+    DataError, StorageError
+        An output of another ending, that exists, or that cannot be written.
+    """
+    if require_sea_name(output).suffix.lower() == ".ply":
+        write_ply(output, *sea.patch.axes, sea.patch_surface, comments=sea.comments, overwrite=overwrite)
+    else:
+        write_netcdf(sea.dataset(lattices=lattices), output, overwrite=overwrite)
+    return output
 
 
 def export_sea(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -349,17 +349,17 @@ def _what(stored: StoredTexture) -> str:
     return "a single picture" if frames == 1 else f"{frames} frames, in which time changes nothing"
 
 
-def compare_files(
-    first: str | Path, second: str | Path, opened: Callable[[str | Path], Recording], request: CompareRequest
+def compare_textures(
+    first: Any, second: Any, opened: Callable[[Any], Recording], request: CompareRequest
 ) -> tuple[Comparison, Frames, Frames, DataLikelihood | None]:
     """Compare two recordings, or a recording and a model, of which a sample as large as the recording is drawn.
 
     Parameters
     ----------
-    first, second : path
-        Recordings, or texture files (``.json``), at most one of them.
+    first, second : object
+        Recordings, or textures or their files (``.json``), at most one of them.
     opened : callable
-        ``opened(path)`` is the recording of a path.
+        ``opened(first)`` is the recording.
     request : CompareRequest
         Regions, and seed of the sample.
 
@@ -376,28 +376,38 @@ def compare_files(
     DataError
         Two models, values that are missing, pictures that are too small.
     """
-    models = [Path(path).suffix.lower() == ".json" for path in (first, second)]
+    given = (first, second)
+    models = [isinstance(one, StoredTexture) or (isinstance(one, str | Path) and Path(one).suffix.lower() == ".json") for one in given]
     if all(models):
-        raise DataError(f"{first}, {second}: are two models; compare each with the data, or draw samples of both")
+        raise DataError(f"{_name(first)}, {_name(second)}: are two models; compare each with the data, or draw samples of both")
     regions = [*request.regions, "", ""]
     frames: list[Frames | None] = [None, None]
-    for i, path in enumerate((first, second)):
+    names = [_name(one) for one in given]
+    for i, one in enumerate(given):
         if not models[i]:
-            recording = opened(path)
+            recording = opened(one)
+            names[i] = names[i] or recording.source
             frames[i] = frames_of(recording, parse_region(regions[i] or ":,:", recording.rows, recording.columns))
     likelihood = None
-    for i, path in enumerate((first, second)):
+    for i, one in enumerate(given):
         if models[i]:
-            stored, data = read_texture(path), frames[1 - i]
+            stored, data = one if isinstance(one, StoredTexture) else read_texture(one), frames[1 - i]
             assert data is not None
             require_values(data)
             frames[i] = sample_like(stored.texture, data, request.seed)
-            likelihood = DataLikelihood(stored.texture.pseudo_log_likelihood(data), str(path), int(data.size))
-    one, other = frames
-    assert one is not None
+            likelihood = DataLikelihood(stored.texture.pseudo_log_likelihood(data), names[i], int(data.size))
+    data, other = frames
+    assert data is not None
     assert other is not None
-    timed = min(len(one), len(other)) >= STILL
-    return compare(one, other, (str(first), str(second)), consecutive=timed), one, other, likelihood
+    timed = min(len(data), len(other)) >= STILL
+    if names[0] == names[1] and not _name(first):
+        names = [f"first {names[0]}", f"second {names[1]}"]
+    return compare(data, other, (names[0], names[1]), consecutive=timed), data, other, likelihood
+
+
+def _name(given: Any) -> str:
+    """Return the name of a file or a texture in results; empty for images in memory."""
+    return "texture" if isinstance(given, StoredTexture) else str(given) if isinstance(given, str | Path) else ""
 
 
 def latent_model(stored: StoredTexture) -> tuple[GaussMarkov, GaussianTexture]:

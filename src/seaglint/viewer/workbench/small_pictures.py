@@ -77,7 +77,7 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
         What the models do not cover.
     """
     from seaglint.files.provenance import stored_band
-    from seaglint.plot.sequence_summary import to_temperature
+    from seaglint.files.sequence_summary import to_temperature
     from seaglint.studies.mean.mean_map import mean
     from seaglint.studies.sequence.image import image
 

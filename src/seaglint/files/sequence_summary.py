@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.representation import rounded
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL
 from seaglint.files.counts import count_line, pictures
 from seaglint.files.provenance import stored_band
 from seaglint.optics.band import Band, apparent_temperature
-from seaglint.plot.scale import rounded
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.free_form import JsonObject
-from seaglint.cli.input_facts import scene_line
 from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
 from seaglint.files.netcdf import open_netcdf
+from seaglint.files.sequence_summary import Summary, images, summarise
 from seaglint.files.store.location import place_of
 from seaglint.files.store.store import open_sequence
-from seaglint.plot.sequence_summary import Summary, images, summarise
+from seaglint.studies.contents.input_facts import scene_line
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,0 +1,266 @@
+"""Functions ``sg.reproduce``: results of the source article, and measured spectra, computed anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from seaglint.api.result_record import ResultRecord
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from seaglint.base.conventions import Progress
+
+__all__ = ["fig2", "fig3", "fig4", "fig5", "fig10", "fig12", "headline", "measured", "table1"]
+
+
+def headline() -> ResultRecord:
+    """Headline numbers of the article beside ours.
+
+    Returns
+    -------
+    ResultRecord
+        Value of the article, ours, unit and settings by name.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.headline()["contrast_mwir"]["article"]
+    0.42
+    """
+    from seaglint.studies.article.headline import headline as rows
+
+    return ResultRecord({name: row.as_dict() for name, row in rows().items()}, title="headline numbers")
+
+
+def fig2(*, progress: Progress | None = None) -> xr.Dataset:
+    """Path and boundary properties against range and wind.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with (winds done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        The curves, with units.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.fig2()  # doctest: +SKIP
+    """
+    return _figure("fig2", progress)
+
+
+def fig3(*, progress: Progress | None = None) -> xr.Dataset:
+    """Mirrored Sun and apparent temperature against zenith angles.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with (winds done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        The curves, with units.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.fig3()  # doctest: +SKIP
+    """
+    return _figure("fig3", progress)
+
+
+def fig4(*, progress: Progress | None = None) -> xr.Dataset:
+    """Glint images for winds: mean and standard deviation.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with (winds done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        The images, with units.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.fig4()  # doctest: +SKIP
+    """
+    return _figure("fig4", progress)
+
+
+def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress: Progress | None = None) -> xr.Dataset:
+    """Chance of glint against the azimuth from the Sun.
+
+    Parameters
+    ----------
+    weather : path, optional
+        Weather table instead of the packaged North Atlantic.
+    spectral : bool
+        Radiance per wavenumber, not the article's way.
+    progress : callable, optional
+        Called with (azimuths done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        Columns of both panels over ``row``; attributes ``brightest`` [W m-2 sr-1] and ``printed`` [1], the largest chance of the printed
+        threshold.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.fig5()  # doctest: +SKIP
+    """
+    import xarray as xr
+
+    from seaglint.studies.article.fig5 import figure_5
+
+    table = None if weather is None else Path(weather)
+    result = figure_5(table, mode="spectral" if spectral else "article", report=progress)
+    columns = {name: ("row", values) for name, values in result.columns.items()}
+    return xr.Dataset(columns, attrs={"brightest": result.brightest, "printed": result.printed})
+
+
+def fig10(*, progress: Progress | None = None) -> xr.Dataset:
+    """Autobinomial textures, isotropic and horizontal.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with (textures done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        Pictures, couplings and their errors.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.fig10()  # doctest: +SKIP
+    """
+    return _figure("fig10", progress)
+
+
+def fig12(
+    output: str | Path,
+    *,
+    frames: range | None = None,
+    pixels: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Two bodies that close over a glinting sea.
+
+    Parameters
+    ----------
+    output : path
+        Zarr store to make.
+    frames : range, optional
+        Frames to render; all 100 by default.
+    pixels : int, optional
+        Pixels along each side, 16 to 512; fewer for a quick look.
+    resume : bool
+        Go on with an unfinished sequence.
+    overwrite : bool
+        Replace a store that is there.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+
+    Returns
+    -------
+    xarray.Dataset
+        The sequence; :func:`seaglint.labels` gives the labels of both bodies.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.fig12("fig12.zarr", frames=range(60, 80), pixels=128)  # doctest: +SKIP
+    """
+    from seaglint.api.inputs import with_band
+    from seaglint.files.store.store import open_sequence
+    from seaglint.studies.article import fig12 as engagement
+
+    size = engagement.PIXELS if pixels is None else pixels
+    engagement.sequence(output, frames, size, resume=resume, overwrite=overwrite, progress=progress)
+    return with_band(open_sequence(output))
+
+
+def table1(*, progress: Progress | None = None) -> ResultRecord:
+    """Table 1 of the article, of false alarms, beside ours.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with (frames done, frames in all).
+
+    Returns
+    -------
+    ResultRecord
+        ``rows`` with the value of the article and ours, ``settings`` and ``notes``.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.table1()  # doctest: +SKIP
+    """
+    from seaglint.studies.article.table1 import table1 as computed
+
+    result = computed(**_report(progress))
+    rows = {name: row.as_dict() for name, row in result.rows().items()}
+    return ResultRecord({"rows": rows, "settings": result.settings(), "notes": list(result.analysis.notes)}, title="Table 1")
+
+
+def measured(*, spectroscopy: Literal["lblrtm", "lowtran7", "both"] = "both") -> ResultRecord:
+    """Measured spectra of sky and sea beside ours.
+
+    Parameters
+    ----------
+    spectroscopy : str
+        Absorption of the air: ``lblrtm``, ``lowtran7`` or ``both``.
+
+    Returns
+    -------
+    ResultRecord
+        ``rows``, a band of a measurement each; ``plot()`` draws the spectra.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.reproduce.measured()["rows"][0]  # doctest: +SKIP
+    """
+    from seaglint.studies.measured.against_measurements import against_measurements
+
+    result = against_measurements(spectroscopy)
+
+    def draw() -> Figure:
+        from seaglint.plot.beside_figure import draw_beside
+
+        return draw_beside(result.spectra)
+
+    return ResultRecord({"rows": [row.as_dict() for row in result.rows]}, draw=draw, title="measured spectra")
+
+
+def _report(progress: Progress | None) -> dict[str, Any]:
+    """Return the argument of a study that reports its progress."""
+    return {} if progress is None else {"report": progress}
+
+
+def _figure(name: str, progress: Progress | None) -> xr.Dataset:
+    """Compute a figure."""
+    from seaglint.studies.article.figures import FIGURES
+
+    compute: Any = FIGURES[name]
+    dataset: xr.Dataset = compute(**_report(progress))
+    return dataset

@@ -1,0 +1,249 @@
+"""Functions ``sg.evaluate``: results for many cases at once, a case a row of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from seaglint.base.parameters import documented
+from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from seaglint.base.conventions import Progress
+
+    CasesInput = str | Path | Mapping[str, Sequence[Any]] | xr.Dataset | Any
+
+__all__ = ["atmosphere", "emissivity", "mean", "scattered"]
+
+
+@documented(AirRequest)
+def atmosphere(
+    cases: CasesInput,
+    *,
+    bands: Sequence[str | tuple[float, float]],
+    levels: Literal["lowtran", "continuous"] = "lowtran",
+    extrapolate: bool = False,
+    output: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Transmittance, path, sunlight and sky of LOWTRAN7's models.
+
+    Parameters
+    ----------
+    cases : path, mapping, DataFrame or Dataset
+        CSV file, or columns by name: ``atmosphere`` (a model's name), ``wind_speed_m_s``, ``sensor_height_m``, ``depression_deg`` (of the
+        refracted ray at the sensor; it must end on the sea), ``solar_zenith_deg``, ``sky_zenith_deg``.
+    {request}
+    output : path, optional
+        CSV file to write too.
+    progress : callable, optional
+        Called with (rows and bands done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``case`` and ``band``: ``tau_mean`` [1], ``path_radiance_W_m2_sr``, ``sun_normal_irradiance_W_m2`` (at the sea, Sun at 1 au),
+        ``sun_times_tau_W_m2``, ``sky_radiance_W_m2_sr`` (from the sea); the columns of the cases over ``case``.
+
+    Raises
+    ------
+    SeaglintError
+        A column missing, or a value that cannot be used; its row and column are named.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0], depression_deg=[1.0])
+    >>> found = sg.evaluate.atmosphere({**case, "solar_zenith_deg": [60.0], "sky_zenith_deg": [30.0]}, bands=["3.5-4.1"])
+    >>> found.tau_mean.dims
+    ('case', 'band')
+    """
+    from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere
+
+    compute = partial(evaluate_atmosphere, bands=_bands(bands), levels=levels)
+    return _evaluated(cases, compute, extrapolate, output, overwrite, progress)
+
+
+@documented(EvaluationRequest)
+def emissivity(
+    cases: CasesInput,
+    *,
+    extrapolate: bool = False,
+    output: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Emissivity of the wind-roughened sea.
+
+    Isotropic Cox-Munk slopes, salt water, sea-to-sea reflection on.
+
+    Parameters
+    ----------
+    cases : path, mapping, DataFrame or Dataset
+        CSV file, or columns by name: ``wavelength_um``, ``wind_speed_m_s`` (at 12.5 m, as the slope fit has it), ``zenith_deg``.
+    {request}
+    output : path, optional
+        CSV file to write too.
+    progress : callable, optional
+        Called with (rows done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        ``emissivity`` [1] and the columns of the cases over ``case``.
+
+    Raises
+    ------
+    SeaglintError
+        A column missing, or a value that cannot be used; its row and column are named.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> found = sg.evaluate.emissivity({"wavelength_um": [10.0], "wind_speed_m_s": [5.0], "zenith_deg": [0.0]})
+    >>> round(float(found.emissivity[0]), 2)
+    0.99
+    """
+    from seaglint.studies.mean.evaluate_cases import evaluate_emissivity
+
+    return _evaluated(cases, evaluate_emissivity, extrapolate, output, overwrite, progress)
+
+
+@documented(BandsRequest)
+def mean(
+    cases: CasesInput,
+    *,
+    bands: Sequence[str | tuple[float, float]],
+    extrapolate: bool = False,
+    output: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Mean radiance of the sea, and standard deviation of glint.
+
+    Cox-Munk slopes, shadowed towards viewer and Sun; salt water; Sun at 1 au; glint forgotten after 0.07 s.
+
+    Parameters
+    ----------
+    cases : path, mapping, DataFrame or Dataset
+        CSV file, or columns by name: ``atmosphere`` (a model's name), ``wind_speed_m_s`` (at 10 m), ``sensor_height_m``,
+        ``depression_deg``, ``solar_zenith_deg``, ``relative_azimuth_deg`` (0 looks towards the Sun), ``sea_temperature_k``, ``ifov_mrad``
+        (side of the square pixel); optional ``wind_from_deg`` (clockwise from the Sun's azimuth) and ``slopes``.
+    {request}
+    output : path, optional
+        CSV file to write too.
+    progress : callable, optional
+        Called with (rows and bands done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``case`` and ``band``: ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``; the columns of the cases over
+        ``case``.
+
+    Raises
+    ------
+    SeaglintError
+        A column missing, or a value that cannot be used; its row and column are named.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0], depression_deg=[2.0], solar_zenith_deg=[60.0])
+    >>> case |= dict(relative_azimuth_deg=[90.0], sea_temperature_k=[300.0], ifov_mrad=[0.5])
+    >>> sg.evaluate.mean(case, bands=["3.5-4.1", "8-12"]).radiance_W_m2_sr.shape
+    (1, 2)
+    """
+    from seaglint.studies.mean.evaluate_cases import evaluate_mean
+
+    return _evaluated(cases, partial(evaluate_mean, bands=_bands(bands)), extrapolate, output, overwrite, progress)
+
+
+@documented(AirRequest)
+def scattered(
+    cases: CasesInput,
+    *,
+    bands: Sequence[str | tuple[float, float]],
+    levels: Literal["lowtran", "continuous"] = "lowtran",
+    extrapolate: bool = False,
+    output: str | Path | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Sunlight scattered into paths to the sea and the clear sky.
+
+    Single scattering as LOWTRAN7's, Sun at 1 au; a Sun below the horizon scatters nothing.
+
+    Parameters
+    ----------
+    cases : path, mapping, DataFrame or Dataset
+        CSV file, or columns by name: ``kind`` (path or sky), ``atmosphere`` (a model's name), ``wind_speed_m_s``, ``sensor_height_m`` (0
+        for sky seen from the sea), ``elevation_deg`` (below 0 for paths, which must end on the sea), ``azimuth_from_sun_deg``,
+        ``solar_zenith_deg`` (at the sensor, without refraction).
+    {request}
+    output : path, optional
+        CSV file to write too.
+    progress : callable, optional
+        Called with (rows and bands done, all of them).
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``case`` and ``band``: ``scattered_W_m2_sr``, ``thermal_W_m2_sr``; the columns of the cases over ``case``.
+
+    Raises
+    ------
+    SeaglintError
+        A column missing, or a value that cannot be used; its row and column are named.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.evaluate.scattered("sky.csv", bands=["3.5-4.1"])  # doctest: +SKIP
+    """
+    from seaglint.studies.mean.evaluate_cases import evaluate_scattered
+
+    compute = partial(evaluate_scattered, bands=_bands(bands), levels=levels)
+    return _evaluated(cases, compute, extrapolate, output, overwrite, progress)
+
+
+def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:
+    """Return bands of texts such as ``3.0-5.0`` or of pairs of wavelengths [um]."""
+    from seaglint.studies.mean.evaluate_cases import parse_bands
+
+    given = [bands] if isinstance(bands, str) else bands
+    return parse_bands([band if isinstance(band, str) else f"{band[0]:g}-{band[1]:g}" for band in given])
+
+
+def _evaluated(
+    given: CasesInput,
+    compute: Callable[..., Any],
+    extrapolate: bool,
+    output: str | Path | None,
+    overwrite: bool,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """Read the cases, compute, write the CSV file where one is requested, and label the results."""
+    import xarray as xr
+
+    from seaglint.files.outputs import refuse_existing, require_ending
+    from seaglint.files.tables.cases import cases_of_columns, read_cases, write_cases
+    from seaglint.studies.mean.case_datasets import labelled_cases
+
+    if output is not None:
+        refuse_existing(require_ending(Path(output), (".csv", ".txt"), "the results are a CSV file"), overwrite=overwrite)
+    if isinstance(given, str | Path):
+        cases = read_cases(given)
+    else:
+        columns: Any = given
+        names = columns.data_vars if isinstance(columns, xr.Dataset) else columns
+        cases = cases_of_columns({str(name): columns[name] for name in names})
+    results = compute(cases, extrapolate=extrapolate, progress=progress)
+    if output is not None:
+        write_cases(cases, results, output, overwrite=overwrite)
+    return labelled_cases(cases, results)

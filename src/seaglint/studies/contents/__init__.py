@@ -1,0 +1,1 @@
+"""What a file holds: sequences, maps, scenarios and recordings described."""

@@ -1,0 +1,115 @@
+"""Frames of a scenario one by one as labelled datasets, without files: what a store of the sequence would hold of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from datetime import UTC, timedelta
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.base.schema import VARIABLES
+from seaglint.files.netcdf import plain_attributes
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.stored_truth import BITS
+from seaglint.objects.drawing.truth_names import NUMBERS
+from seaglint.scenario.model import Scenario
+from seaglint.studies.sequence import render_sequence as plain
+from seaglint.studies.sequence import sensed
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SIDES = ("left", "top", "width", "height")
+"""Numbers of a box, in COCO's order [px]."""
+
+
+def frame_datasets(
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False
+) -> Iterator[xr.Dataset]:
+    """Prepare a scenario, then make its frames one after the other.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to render.
+    frames : range, optional
+        Numbers of the frames, counted from 0; all of the scenario by default.
+    electrons, radiance : bool
+        With a detector: electrons, and radiance at the aperture averaged over pixels, beside counts.
+
+    Returns
+    -------
+    iterator of xarray.Dataset
+        The images of each frame and the truth of its objects.
+
+    Raises
+    ------
+    SeaglintError
+        A condition outside the models, or electrons of a scenario without a detector.
+    """
+    if scenario.sensor.senses:
+        layout, images = sensed.prepared_frames((scenario, frames, electrons, radiance))
+    elif electrons or radiance:
+        raise DataError("electrons and radiance need a detector, and the scenario has no [sensor.detector]; leave them out, or add one")
+    else:
+        layout, images = plain.prepared_frames((scenario, frames))
+    return (labelled_frame(layout, position, images(number)) for position, number in enumerate(layout.frames))
+
+
+def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[Any]]) -> xr.Dataset:
+    """Return the arrays of a frame as a dataset with the coordinates, units and attributes of its store.
+
+    Parameters
+    ----------
+    layout : Layout
+        Layout of the sequence.
+    position : int
+        Position of the frame among those of the layout.
+    arrays : mapping
+        Arrays by variable, those of the truth of objects among them.
+    """
+    import xarray as xr
+
+    number = layout.frames[position]
+    time = number / layout.frame_rate
+    whole = layout.azimuth_deg.ndim == 2
+    directions = {} if layout.turning else {"azimuth": layout.azimuth_deg, "elevation": layout.elevation_deg}
+    axes = {"azimuth": ("y", "x") if whole else ("x",), "elevation": ("y", "x") if whole else ("y",)}
+    coordinates: dict[str, Any] = {
+        "time": ((), time, VARIABLES["time"].attributes),
+        "frame": ((), number),
+        **{name: (axes[name], values, VARIABLES[name].attributes) for name, values in directions.items()},
+        **{name: ((), float(values[position]), VARIABLES[name].attributes) for name, values in layout.poses.items()},
+    }
+    if layout.start is not None:
+        moment = layout.start.astimezone(UTC).replace(tzinfo=None) + timedelta(seconds=time)
+        coordinates["utc"] = ((), np.datetime64(moment, "ns"))
+    variables: dict[str, Any] = {
+        name: (("y", "x"), np.asarray(arrays[name], VARIABLES[name].dtype), {**VARIABLES[name].attributes, **layout.details.get(name, {})})
+        for name in layout.variables
+    }
+    variables |= {name: ((), np.float32(arrays[name]), VARIABLES[name].attributes) for name in layout.per_frame}
+    if layout.truth is not None:
+        coordinates["object"] = ("object", np.arange(len(layout.truth.names)), {"long_name": "number of the object"})
+        coordinates["side"] = ("side", list(SIDES))
+        variables |= _truth(layout.truth.names, arrays)
+    return xr.Dataset(variables, coordinates, plain_attributes(layout.all_attributes))
+
+
+def _truth(names: tuple[str, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """Return classes, boxes, masks and truth numbers of the objects of a frame as variables."""
+    numbers = {name: np.asarray(arrays.get(name, np.full(len(names), np.nan)), np.float64) for name in NUMBERS}
+    planes = arrays["object_mask"]
+    masks = np.stack([(planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0 for n in range(len(names))])
+    boxes = np.stack([numbers[f"bbox_{side}_px"] for side in SIDES], axis=-1)
+    about = {"units": "1", "long_name": "first column and row, and number of columns and rows, that an object touches"}
+    return {
+        "classes": ("object", np.array(names, dtype=object), {"long_name": "name of the object, as labels have it"}),
+        "boxes": (("object", "side"), boxes, about),
+        "masks": (("object", "y", "x"), masks, {"long_name": "pixels that an object touches"}),
+        "object_id": (("y", "x"), np.asarray(arrays["object_id"], np.uint16), VARIABLES["object_id"].attributes),
+        **{name: ("object", values, VARIABLES[name].attributes) for name, values in numbers.items()},
+    }
