@@ -59,7 +59,7 @@ def info(
     --------
     >>> import seaglint as sg
     >>> round(sg.atmosphere.info("tropical")["air_minus_sea_k"], 1)
-    11.6
+    11.5
     """
     from seaglint.files.soundings.air_summary import moment_of, place_of_air, summarise_air
 

@@ -38,6 +38,8 @@ def headline() -> ResultRecord:
 def fig2(*, progress: Progress | None = None) -> xr.Dataset:
     """Path and boundary properties against range and wind.
 
+    Figure 2 of the article.
+
     Parameters
     ----------
     progress : callable, optional
@@ -58,6 +60,8 @@ def fig2(*, progress: Progress | None = None) -> xr.Dataset:
 
 def fig3(*, progress: Progress | None = None) -> xr.Dataset:
     """Mirrored Sun and apparent temperature against zenith angles.
+
+    Figure 3 of the article.
 
     Parameters
     ----------
@@ -80,6 +84,8 @@ def fig3(*, progress: Progress | None = None) -> xr.Dataset:
 def fig4(*, progress: Progress | None = None) -> xr.Dataset:
     """Glint images for winds: mean and standard deviation.
 
+    Figure 4 of the article.
+
     Parameters
     ----------
     progress : callable, optional
@@ -100,6 +106,8 @@ def fig4(*, progress: Progress | None = None) -> xr.Dataset:
 
 def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress: Progress | None = None) -> xr.Dataset:
     """Chance of glint against the azimuth from the Sun.
+
+    Figure 5 of the article; it takes a minute.
 
     Parameters
     ----------
@@ -134,6 +142,8 @@ def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress:
 def fig10(*, progress: Progress | None = None) -> xr.Dataset:
     """Autobinomial textures, isotropic and horizontal.
 
+    Figure 10 of the article.
+
     Parameters
     ----------
     progress : callable, optional
@@ -162,6 +172,8 @@ def fig12(
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Two bodies that close over a glinting sea.
+
+    The sequence of Figure 12 of the article; it takes some minutes.
 
     Parameters
     ----------
@@ -199,6 +211,8 @@ def fig12(
 
 def table1(*, progress: Progress | None = None) -> ResultRecord:
     """Table 1 of the article, of false alarms, beside ours.
+
+    It renders two seconds of glint: some five minutes on two cores.
 
     Parameters
     ----------

@@ -41,8 +41,8 @@ def init(output: str | Path, preset: str = "glint", *, camera: str | Path | None
     --------
     >>> import seaglint as sg, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     sg.load(sg.init(f"{folder}/my.toml", preset="night")).sun is None
-    False
+    ...     sg.load(sg.init(f"{folder}/my.toml", preset="calm")).wind.speed_m_s > 0.0
+    True
     """
     import logging
 

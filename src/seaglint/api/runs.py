@@ -53,7 +53,7 @@ def render(
     sensor : str, optional
         Sensor of a data sheet instead of the scenario's; ``seaglint sensor --presets`` lists them.
     shard : str, optional
-        Share of the work as ``"1/4"``, for several machines that write into one store; ``finish`` completes it.
+        Share of the work as ``"0/4"``, counted from 0, for several machines that write into one store; ``finish`` completes it.
     finish : bool
         Check that all frames of a store that was rendered in shares are there, and name it; nothing is rendered.
     {request}
@@ -191,7 +191,7 @@ def sense(
     sensor : str, optional
         Sensor of a data sheet instead of the scenario's; ``seaglint sensor --presets`` lists them.
     shard : str, optional
-        Share of the work as ``"1/4"``, for several machines that write into one store.
+        Share of the work as ``"0/4"``, counted from 0, for several machines that write into one store.
     progress : callable, optional
         Called with (frames done, frames in all) while a store is written.
     {request}

@@ -48,15 +48,33 @@ def frame_datasets(
     Raises
     ------
     SeaglintError
-        A condition outside the models, or electrons of a scenario without a detector.
+        A condition outside the models, frames that there are not, or electrons of a scenario without a detector.
     """
+    numbers = require_numbers(frames, scenario.sensor.frames)
     if scenario.sensor.senses:
-        layout, images = sensed.prepared_frames((scenario, frames, electrons, radiance))
+        layout, images = sensed.prepared_frames((scenario, numbers, electrons, radiance))
     elif electrons or radiance:
         raise DataError("electrons and radiance need a detector, and the scenario has no [sensor.detector]; leave them out, or add one")
     else:
-        layout, images = plain.prepared_frames((scenario, frames))
+        layout, images = plain.prepared_frames((scenario, numbers))
     return (labelled_frame(layout, position, images(number)) for position, number in enumerate(layout.frames))
+
+
+def require_numbers(frames: range | None, count: int) -> range:
+    """Return the numbers of frames, all of the scenario where none are given.
+
+    Raises
+    ------
+    DataError
+        No range, an empty one, or frames that the scenario does not have.
+    """
+    if frames is None:
+        return range(count)
+    if not isinstance(frames, range):
+        raise DataError(f"frames = {frames!r} is no range of numbers; give e.g. range(0, {count}), or leave it out for all frames")
+    if len(frames) == 0 or min(frames[0], frames[-1]) < 0 or max(frames[0], frames[-1]) >= count:
+        raise DataError(f"frames = {frames!r}: the scenario has frames 0 to {count - 1}; give some of them, or raise sensor.frames")
+    return frames
 
 
 def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[Any]]) -> xr.Dataset:
