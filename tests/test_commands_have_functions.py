@@ -6,6 +6,7 @@ import inspect
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -17,11 +18,11 @@ TERMINAL = {"view", "doctor"}
 """Commands of a terminal alone, beside completion, which is an option of the program."""
 
 SHOWN = {"as_json", "show", "preview", "scale", "report", "plot", "every_tail", "everything", "presets", "dask", "dask_slurm", "csv"}
-"""Options of what a terminal prints, draws and connects: in Python results are values, ``plot()`` draws, and ``workers`` takes a cluster."""
+"""Options of what a terminal prints, draws and connects: in Python results are values with ``plot()``, and ``workers`` takes a cluster."""
 
 RETURNED = {
-    **dict.fromkeys(("mean", "compare", "likelihood", "analyze", "weather info", "atmosphere info", "sensor"), {"output", "overwrite"}),
-    **dict.fromkeys(("atmosphere path", "atmosphere sky", "texture compare"), {"output", "overwrite"}),
+    **{name: {"output", "overwrite"} for name in ("mean", "compare", "likelihood", "analyze", "weather info", "sensor")},
+    **{name: {"output", "overwrite"} for name in ("atmosphere info", "atmosphere path", "atmosphere sky", "texture compare")},
     **{f"reproduce {name}": {"output", "overwrite"} for name in ("fig2", "fig3", "fig4", "fig5", "fig10", "table1", "measured")},
     **{f"detect {name}": {"output", "overwrite", "resume"} for name in ("recording", "scene", "design", "range")},
     "sweep": {"output", "overwrite", "resume"},
@@ -88,7 +89,12 @@ def test_a_function_says_what_its_command_says(command: str) -> None:
 
 @pytest.mark.parametrize(
     "before",
-    ["", "import seaglint.textures, seaglint.climate, seaglint.air", "import seaglint.studies.texture.texture_sequences", "import seaglint.api"],
+    [
+        "",
+        "import seaglint.textures, seaglint.climate, seaglint.air",
+        "import seaglint.studies.texture.texture_sequences",
+        "import seaglint.api",
+    ],
 )
 @pytest.mark.parametrize("after", ["", "import seaglint.textures, seaglint.climate, seaglint.cli.texture"])
 def test_functions_of_groups_are_there_in_any_order_of_imports(before: str, after: str) -> None:
@@ -102,3 +108,13 @@ def test_functions_of_groups_are_there_in_any_order_of_imports(before: str, afte
 def test_public_names_alone_are_listed() -> None:
     assert dir(sg) == sorted(sg.__all__)
     assert not [name for name in dir(sg) if name.startswith("_") and name != "__version__"]
+
+
+def test_the_guide_names_every_command_and_function() -> None:
+    guide = (Path(__file__).resolve().parents[1] / "docs/guide/python.md").read_text(encoding="utf-8")
+    table = guide.partition("## Commands and functions")[2].partition("\n## ")[0]
+    for command in COMMANDS:
+        first, *rest = command.split()
+        assert f"`seaglint {first}" in table
+        if first != "reproduce":
+            assert all(word in table for word in rest), command

@@ -29,7 +29,6 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from seaglint.base.errors import ScenarioError, SeaglintError
-from seaglint.studies.contents.output_facts import describe, lines
 from seaglint.files.air.air_file import read_atmosphere, write_atmosphere
 from seaglint.files.netcdf import write_netcdf
 from seaglint.files.provenance import band_attributes, provenance
@@ -44,6 +43,7 @@ from seaglint.optics.band import Band
 from seaglint.scenario.keys import key_paths
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.text.template import template
+from seaglint.studies.contents.output_facts import describe, lines
 from seaglint.studies.prepare.air_export import export_air
 
 PATIENCE = 600.0

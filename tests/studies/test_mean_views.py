@@ -6,7 +6,6 @@ import xarray as xr
 
 import seaglint as sg
 from seaglint.base.conventions import horizon_depression
-from seaglint.studies.contents.output_facts import describe, lines
 from seaglint.files.netcdf import open_netcdf, write_netcdf
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.optics.band import Band
@@ -14,6 +13,7 @@ from seaglint.plot.preview import draw
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean_radiance import MeanModel
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.contents.output_facts import describe, lines
 from seaglint.studies.mean import mean_pixels
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.prepare import prepare

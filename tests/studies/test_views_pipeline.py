@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import ScenarioError
-from seaglint.studies.contents.output_facts import describe
 from seaglint.files.directions import directions
 from seaglint.files.store.store import open_sequence
 from seaglint.imaging.swept import SweptScene
 from seaglint.imaging.turned import TurnedScene
 from seaglint.plot.preview import draw
 from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.studies.contents.output_facts import describe
 from seaglint.studies.prepare import memory, prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
 

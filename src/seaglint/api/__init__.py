@@ -27,8 +27,9 @@ from seaglint.api import weather_tables as weather
 from seaglint.api.beginning import info, init, schema
 from seaglint.api.comparing import compare, compare_spectrum
 from seaglint.api.exports import export, export_sea, labels
-from seaglint.api.glint import likelihood
-from seaglint.api.judging import detect, detect_design, detect_range, detect_recording, detect_scene
+from seaglint.api.glint_chances import likelihood
+from seaglint.api.judging import detect, detect_recording
+from seaglint.api.judging_scenes import detect_design, detect_range, detect_scene
 from seaglint.api.laboratory import homogeneous_path
 from seaglint.api.many import dataset, ensemble
 from seaglint.api.runs import frames, render, sense, sensor

@@ -29,7 +29,7 @@ def info(
     place: tuple[float, float] | None = None,
     time: datetime | str | None = None,
 ) -> ResultRecord:
-    """What is understood of a sounding.
+    """Levels, water vapour and refraction of a sounding.
 
     Parameters
     ----------

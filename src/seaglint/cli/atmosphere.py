@@ -143,7 +143,7 @@ def info(
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """What is understood of a sounding.
+    """Levels, water vapour and refraction of a sounding.
 
     Levels, water vapour, hydrostatic misfit, the lowest air, refraction and ducts; the same of a model atmosphere.
     """

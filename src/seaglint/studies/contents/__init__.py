@@ -1,1 +1,1 @@
-"""What a file holds: sequences, maps, scenarios and recordings described."""
+"""Descriptions of files: sequences, maps, scenarios and recordings."""
