@@ -11,6 +11,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.files.outputs import moved_when_whole
+from seaglint.plot.scale import number_decades
 from seaglint.plot.texture_figure import draw_figure_10
 
 if TYPE_CHECKING:
@@ -160,6 +161,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
         axes.set_ylabel("zenith angle of the Sun µ [deg]")
     panels[0, 0].legend(fontsize=8, loc="lower left")
     bar = figure.colorbar(bright, ax=panels[0, :], extend="min", pad=0.01)
+    number_decades(bar)
     bar.set_label(f"mirrored Sun [{_RADIANCE}]")
     figure.colorbar(warm, ax=panels[1, :], pad=0.01).set_label("apparent temperature T_app [K]")
     figure.suptitle(f"Solar radiation scattered from the sea: {_settings(dataset)}", fontsize=11)
@@ -196,6 +198,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
             if i == winds.size - 1:
                 axes.set_xlabel("azimuth from the Sun [deg]", fontsize=9)
         bar = half.colorbar(image, ax=panels, extend="min", location="bottom", shrink=0.7, pad=0.02, aspect=40)
+        number_decades(bar)
         bar.set_label(f"[{_RADIANCE}]; lines at 10, 50 and 90 % of each image's maximum", fontsize=9)
         half.suptitle(title, fontsize=11)
     more = f"Sun zenith {dataset.attrs['solar_zenith_deg']:g}°", f"detector {dataset.attrs['ifov_mrad']:g} mrad"

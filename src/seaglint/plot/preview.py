@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 from seaglint.base.brightness import Scale
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.representation import rounded
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.files.counts import pictures
-from seaglint.files.directions import directions
+from seaglint.files.directions import below_horizon, directions
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.sequence_summary import images, to_temperature
-from seaglint.plot.scale import Kind, scale_of, tick_labels
+from seaglint.plot.graticule import draw_graticule
+from seaglint.plot.scale import Kind, round_ticks, scale_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,8 +41,8 @@ def _edges(centres: FloatArray, alone: float) -> tuple[float, float]:
     return float(centres[0] - 0.5 * step), float(centres[-1] + 0.5 * step)
 
 
-def _title(dataset: xr.Dataset) -> str:
-    """Facts of the scene, from the scenario in the attributes."""
+def _title(dataset: xr.Dataset, frame: int) -> str:
+    """Facts of the scene, from the scenario in the attributes, and the time of a frame."""
     band = stored_band(dataset.attrs)
     facts = [f"{band.min_um:g}–{band.max_um:g} µm"]
     try:
@@ -54,7 +56,7 @@ def _title(dataset: xr.Dataset) -> str:
     except (KeyError, ValueError, TypeError):
         pass
     if "time" in pictures(dataset).dims:
-        facts.append(f"t = {float(dataset['time'][0]):g} s")
+        facts.append(f"t = {float(dataset['time'][frame]):g} s")
     return " · ".join(facts)
 
 
@@ -101,13 +103,11 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
     thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
     if scale.logarithmic:
         # A second axis would be linear beside this one.
-        even = np.linspace(0.0, 1.0, 9)
-        ticks = scale.value(even)
-        pairs = zip(tick_labels(ticks), tick_labels(ARTICLE_RADIANCE_PER_SI * ticks), strict=True)
-        bar.set_ticks(ticks, labels=[f"{si} ({article})" for si, article in pairs])
+        ticks = round_ticks(scale.share, scale.value)
+        bar.set_ticks(ticks, labels=[f"{rounded(tick, 9)} ({rounded(ARTICLE_RADIANCE_PER_SI * tick, 9)})" for tick in ticks])
         bar.set_label(f"{symbol} ({ARTICLE_RADIANCE_SYMBOL}), logarithmic", fontsize=8)
-        kelvin = np.asarray(warm.inverse(even))
-        thermal.set_ticks(kelvin, labels=tick_labels(kelvin, 4))
+        kelvin = round_ticks(lambda t: np.asarray(warm(t)), lambda share: np.asarray(warm.inverse(share)))
+        thermal.set_ticks(kelvin, labels=[rounded(tick, 9) for tick in kelvin])
         bar.minorticks_off()
         thermal.minorticks_off()
     else:
@@ -119,28 +119,24 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
         drawn.ax.tick_params(labelsize=7)
 
 
-def _graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:
-    """Pixels on the axes, and lines of equal elevation and azimuth across the image, for a camera that has no grid of them."""
-    from matplotlib.ticker import MaxNLocator
+def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool:
+    """Whether most of the sky is outside the scale, and most of the sea inside."""
+    known = np.isfinite(radiance)
+    outside = known & ((radiance > scale.high) | (radiance < scale.low))
+    sea = np.broadcast_to(below > 0.0, radiance.shape) & known
+    sky = known & ~sea
+    return bool(
+        2 * np.count_nonzero(outside & sky) > np.count_nonzero(sky) > 0 and 2 * np.count_nonzero(outside & sea) < np.count_nonzero(sea)
+    )
 
-    axes.set_xlabel("column")
-    axes.set_ylabel("row")
-    style: dict[str, Any] = {"colors": "deepskyblue", "linewidths": 0.6, "alpha": 0.8}
-    if min(azimuth.shape) < 2:
-        return
-    for values, unit in ((elevation, "°"), (azimuth, "° az")):
-        if np.ptp(values) == 0.0 or (values is azimuth and np.ptp(values) > 180.0):
-            continue
-        lines = axes.contour(values, levels=MaxNLocator(6).tick_values(values.min(), values.max()), **style)
-        axes.clabel(lines, fmt=lambda value, unit=unit: f"{value:g}{unit}", fontsize=7)
-    if np.ptp(azimuth) > 180.0:
-        # round the nadir or the whole compass azimuth has a seam that its lines would bunch on: each is drawn as the zero of a sine
-        for towards in range(0, 360, 45):
-            off = np.radians(azimuth - towards)
-            sine = np.where(np.cos(off) > 0.0, np.sin(off), np.nan)
-            if np.any(sine < 0.0) and np.any(sine > 0.0):
-                line = axes.contour(sine, levels=[0.0], **style)
-                axes.clabel(line, fmt=lambda _, towards=towards: f"{towards}° az", fontsize=7)
+
+def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -> None:
+    """Dotted line at the horizon, which a sky beyond the scale does not show, and words on that; a grid has elevations of its rows."""
+    if elevation is not None:
+        axes.axhline(float(np.mean(elevation + below[:, 0])), color="deepskyblue", linestyle=":", linewidth=1.2)
+    else:
+        axes.contour(below, levels=[0.0], colors="deepskyblue", linestyles=":", linewidths=1.2)
+    axes.set_title(f"{axes.get_title()}, sky beyond the scale, horizon dotted", fontsize=10)
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
@@ -154,14 +150,16 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    radiance = images(dataset)[0]
+    finished = images(dataset)
+    radiance, frame = finished[0], int(finished.indices[0])
     if not np.isfinite(radiance).any():
         raise DataError(f"a picture of {radiance.shape[1]} x {radiance.shape[0]} pixels without a finite value; there is nothing to draw")
     band = stored_band(dataset.attrs)
     temperature = to_temperature(radiance, band)
-    chosen = scale_of(radiance, scale)
+    below = below_horizon(dataset, frame)
+    chosen = scale_of(radiance, scale, below)
     bright, warm = _norms(chosen, band)
-    azimuth, elevation = directions(dataset)
+    azimuth, elevation = directions(dataset, frame)
     upright = azimuth.ndim == 1
     if upright:
         # a single row or column has pixels as wide as the other axis
@@ -179,8 +177,11 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     _bars(bar, thermal, chosen, warm)
     if not upright:
         for axes in (upper, lower):
-            _graticule(axes, azimuth, elevation)
-    figure.suptitle(_title(dataset), fontsize=11)
+            draw_graticule(axes, azimuth, elevation)
+    if below is not None and _sky_beyond(radiance, below, chosen):
+        for axes in (upper, lower):
+            _mark_horizon(axes, below, elevation if upright else None)
+    figure.suptitle(_title(dataset, frame), fontsize=11)
     return figure
 
 

@@ -1,14 +1,20 @@
-"""Brightness of a preview: limits from all pixels shown, and a logarithm where glint would leave the sea black."""
+"""Brightness of a preview: limits from the pixels shown, of the sea where the sky would take the scale, and a logarithm beside glint."""
 
 from __future__ import annotations
 
-from typing import Any, Final, Literal
+from collections.abc import Callable
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.brightness import Scale, scale_limits
+from seaglint.base.conventions import FloatArray
 from seaglint.base.representation import rounded
+
+if TYPE_CHECKING:
+    from matplotlib.colorbar import Colorbar
 
 Kind = Literal["auto", "linear", "log"]
 
@@ -16,15 +22,39 @@ _FLAT: Final = 0.1
 """Share of a linear scale that the middle half of the pixels has to span; else the scale is logarithmic."""
 
 
-def scale_of(values: NDArray[Any], kind: Kind = "auto") -> Scale:
-    """Scale for images: its limits leave out one pixel in five hundred at either end, and no part of the picture.
+_FAR: Final = 25.0
+"""Part of the sea below the horizon that takes the sky's radiance with distance, and sets no limit [% of the pixels of the sea]."""
+
+_OWN: Final = 0.5
+"""Share of the whole scale below which the sea gets a scale of its own [1]."""
+
+_SUNLIT: Final = 2.0
+"""Brightest sky over the middle of the sea from which the Sun lights it: air emits at most 1.5 times as much, at night in 3.5-5 um [1]."""
+
+_CLOSE: Final = 0.055
+"""Least distance of two numbers beside a bar [share of its length]."""
+
+_WIDE: Final = 0.22
+"""Distance of two numbers beside a bar from which another comes between them [share of its length]."""
+
+_DECADES: Final = 12
+"""Largest number of decades beside a bar."""
+
+
+def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any] | None = None) -> Scale:
+    """Return the scale of images: its limits leave out one pixel in five hundred at either end.
+
+    Where the sky alone makes an automatic scale more than twice as wide as the sea needs, its limits are those of the sea.
 
     Parameters
     ----------
     values : ndarray
         Radiances [any unit].
     kind : {"auto", "linear", "log"}
-        ``auto`` takes the logarithm where half of the pixels would share less than a tenth of a linear scale at its dark end.
+        ``auto`` takes the logarithm where half of the pixels would share less than a tenth of a linear scale at its dark end; the others
+        span the sky too.
+    depression : ndarray, optional
+        Angle of the pixels below the sea's horizon, negative in the sky, of a shape that broadcasts to that of ``values`` [deg].
 
     Returns
     -------
@@ -37,6 +67,9 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto") -> Scale:
     (False, True)
     """
     low, high = scale_limits(values)
+    if kind == "auto" and depression is not None:
+        values = _sea_alone(values, np.broadcast_to(depression, values.shape), (low, high))
+        low, high = scale_limits(values)
     finite = values[np.isfinite(values)]
     if kind == "linear" or finite.size == 0:
         return Scale(low, high)
@@ -46,6 +79,29 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto") -> Scale:
         return Scale(low, high)
     # The darker half of the pixels within one width; not less than a thousandth of the range, which is flat.
     return Scale(low, high, max(middle - low, 1e-3 * (high - low)))
+
+
+def _sea_alone(values: NDArray[Any], depression: NDArray[Any], limits: tuple[float, float]) -> NDArray[Any]:
+    """Return the values without those of the sky, and of the sea below the horizon, beyond the sea's own limits; all where none is to go.
+
+    Air warmer or colder than the water would leave the sea a small part of the scale: at night in 8-12 um 0.7 K of 8 K.
+    """
+    known = np.isfinite(values)
+    sea, sky = known & (depression > 0.0), known & (depression <= 0.0)
+    if not sea.any() or not sky.any():
+        return values
+    near = sea & (depression > np.percentile(depression[sea], _FAR))
+    if not near.any():
+        return values
+    far = sea & ~near
+    low, high = scale_limits(values[near])
+    (low_far, high_far), (low_sky, high_sky) = scale_limits(values[far]), scale_limits(values[sky])
+    # Glint below the horizon is brighter than the sky there, and stays.
+    bright = high_far <= high_sky < _SUNLIT * float(np.median(values[near]))
+    dark = low_far >= low_sky
+    within = values[near | (known & ~(bright & (values > high)) & ~(dark & (values < low)))]
+    low, high = scale_limits(within)
+    return within if high - low < _OWN * (limits[1] - limits[0]) else values
 
 
 def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
@@ -63,3 +119,67 @@ def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
         if len(set(labels)) == len(labels):
             break
     return labels
+
+
+def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Return round numbers beside the bar of a logarithmic scale, rising: 1, 2 and 5 times powers of ten, then others where a gap is wide.
+
+    Parameters
+    ----------
+    share : callable
+        Brightness [0, 1] of values, as :meth:`seaglint.base.brightness.Scale.share`.
+    value : callable
+        Its inverse.
+
+    Examples
+    --------
+    >>> def of(scale):
+    ...     return round_ticks(scale.share, scale.value).tolist()
+    >>> of(Scale(0.8, 250.0, width=1.0))
+    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]
+    >>> of(Scale(28.01, 30.4, width=0.03))
+    [28.05, 28.1, 28.2, 28.5, 29.0]
+    """
+    low, high = (float(end) for end in value(np.array([0.0, 1.0])))
+    ticks: list[float] = []
+    top = int(np.floor(np.log10(high))) if high > 0.0 else None
+    # Powers of ten first: where there is room for some of the numbers alone, for these.
+    for factor in (1, 5, 2) if top is not None else ():
+        for exponent in range(top or 0, (top or 0) - _DECADES, -1):
+            tick = float(f"{factor}e{exponent}")
+            if low <= tick <= high:
+                at, others = share(np.array([tick])), share(np.array(ticks))
+                if np.all(np.abs(others - at) >= _CLOSE):
+                    ticks.append(tick)
+    for _ in range(_DECADES):
+        ends = [0.0, *share(np.array(sorted(ticks))).tolist(), 1.0]
+        wide = [(begin, end) for begin, end in pairwise(ends) if end - begin > _WIDE]
+        if not wide:
+            break
+        for begin, end in wide:
+            third = (end - begin) / 3.0
+            ticks.append(_roundest(*value(np.array([begin + third, end - third])).tolist()))
+    return np.array(sorted(ticks))
+
+
+def number_decades(bar: Colorbar) -> None:
+    """Write the numbers 1, 2 and 5 of each decade, or of more than four the powers of ten alone, beside the bar of a ``LogNorm``."""
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+    low, high = float(bar.norm.vmin or 1.0), float(bar.norm.vmax or 1.0)
+    factors = (1, 2, 5) if high / low < 1e4 else (1,)
+    exponents = range(int(np.floor(np.log10(low))), int(np.floor(np.log10(high))) + 1)
+    ticks = [tick for exponent in exponents for factor in factors if low <= (tick := float(f"{factor}e{exponent}")) <= high]
+    bar.locator, bar.minorlocator = FixedLocator(ticks), NullLocator()
+    bar.formatter = FuncFormatter(lambda tick, _: rounded(tick, 9))
+    bar.update_ticks()
+
+
+def _roundest(low: float, high: float) -> float:
+    """Return the number with the fewest digits between two others."""
+    for exponent in range(int(np.floor(np.log10(max(abs(low), abs(high), 1e-300)))) + 1, -320, -1):
+        for factor in (5, 2, 1):
+            step = float(f"{factor}e{exponent}")
+            if step > 0.0 and (value := np.ceil(low / step) * step) <= high:
+                return float(f"{value:.12g}")
+    return 0.5 * (low + high)

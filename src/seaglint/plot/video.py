@@ -15,6 +15,7 @@ from seaglint.base.conventions import Progress
 from seaglint.base.optional import missing
 from seaglint.base.schema import VARIABLES
 from seaglint.files.counts import pictures
+from seaglint.files.directions import below_horizon
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording.labelled import stored_frame_rate
@@ -144,7 +145,7 @@ def write_video(
     form = video_format(ending)
     frames, stored = images(dataset, variable), pictures(dataset) if variable is None else dataset[variable]
     count = len(frames)
-    shown_scale = Scale(*limits) if limits is not None else _scale(dataset, frames, scale)
+    shown_scale = Scale(*limits) if limits is not None else _scale(dataset, frames, scale, sky=variable is None)
     ends = _ends(dataset, variable or "radiance", shown_scale)
     times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in stored.dims else None
     hertz = Fraction(rate or shown_rate(dataset, str(stored.name), ending)).limit_denominator(1000)
@@ -168,11 +169,14 @@ def write_video(
     return output
 
 
-def _scale(dataset: xr.Dataset, frames: Images, kind: Kind) -> Scale:
-    """Scale from some of the frames."""
+def _scale(dataset: xr.Dataset, frames: Images, kind: Kind, *, sky: bool) -> Scale:
+    """Scale from some of the frames; ``sky`` where the values are radiances, of which the sky may go beyond the scale."""
     count = len(frames)
-    sampled = np.stack([frames[i] for i in np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))])
-    return scale_of(sampled, kind)
+    places = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))
+    sampled = np.stack([frames[i] for i in places])
+    below = [below_horizon(dataset, int(frames.indices[i])) if sky else None for i in places]
+    known = [depression for depression in below if depression is not None]
+    return scale_of(sampled, kind, np.stack(known) if len(known) == len(below) else None)
 
 
 def _ends(dataset: xr.Dataset, variable: str, scale: Scale) -> str:

@@ -11,7 +11,7 @@ from seaglint.base.errors import DataError
 from seaglint.cli.terminal.options import PreviewScale
 
 ScaleOption = Annotated[
-    PreviewScale, typer.Option("--scale", help="brightness of previews; auto is log where glint would leave the sea black")
+    PreviewScale, typer.Option("--scale", help="brightness of previews; auto follows the sea, and is log where glint would leave it black")
 ]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from seaglint.analysis import Analysis
 from seaglint.base.conventions import FloatArray
 from seaglint.plot.clutter.figure import COLOURS, new_figure, per_frame, say, unit_of
+from seaglint.plot.scale import number_decades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -132,7 +133,9 @@ def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
         image = axes.imshow(
             np.maximum(density, least), norm=LogNorm(least, most), cmap="viridis", extent=(*ends, ends[1], ends[0]), interpolation="nearest"
         )
-        figure.colorbar(image, ax=axes, pad=0.02).set_label(f"density [({unit_of(analysis.recording.units)})² px²]")
+        bar = figure.colorbar(image, ax=axes, pad=0.02)
+        number_decades(bar)
+        bar.set_label(f"density [({unit_of(analysis.recording.units)})² px²]")
         axes.set_title(f"spectrum: {name}", fontsize=10)
         axes.set(xlabel="frequency along rows, x [cycles/px]", ylabel="frequency along columns, y [cycles/px]")
         return

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.brightness import Scale, eight_bit
+from seaglint.base.representation import rounded
 from seaglint.base.schema import VARIABLES
-from seaglint.plot.scale import scale_of, tick_labels
+from seaglint.plot.scale import round_ticks, scale_of, tick_labels
 from seaglint.viewer.workbench.small_pictures import PreviewPicture
 
 Quantity = Literal["radiance", "apparent_temperature"]
@@ -25,7 +26,7 @@ _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
     """Return the picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and a colour bar."""
     values = picture.radiance if quantity == "radiance" else picture.temperature
-    scale = scale_of(values)
+    scale = scale_of(values, depression=picture.depression)
     rows, columns = values.shape
     width = _WIDTH - _LEFT - _RIGHT
     x, y, names = _axes(picture)
@@ -92,8 +93,12 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
         f'<image x="{left:.1f}" y="{_TOP:g}" width="12" height="{height:.1f}" preserveAspectRatio="none" '
         f'href="{_png(shares, _colours(quantity))}"/>'
     )
-    shown = np.linspace(0.0, 1.0, 5)
-    labels = tick_labels(scale.value(shown), 4 if quantity == "apparent_temperature" else 3)
+    if scale.logarithmic:
+        ticks = round_ticks(scale.share, scale.value)
+        shown, labels = scale.share(ticks), [rounded(tick, 9) for tick in ticks]
+    else:
+        shown = np.linspace(0.0, 1.0, 5)
+        labels = tick_labels(scale.value(shown), 4 if quantity == "apparent_temperature" else 3)
     for share, label in zip(shown, labels, strict=True):
         at = _TOP + height * (1.0 - share)
         y = min(max(at, _TOP + 5), _TOP + height - 5)

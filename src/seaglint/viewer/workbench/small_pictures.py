@@ -39,6 +39,8 @@ class PreviewPicture:
         Width and height of the whole picture.
     seconds : float
         Time of the computation [s].
+    depression : ndarray or None
+        Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to that of the picture.
     """
 
     radiance: NDArray[np.float32]
@@ -47,6 +49,7 @@ class PreviewPicture:
     elevation: tuple[float, float] | None
     pixels: tuple[int, int]
     seconds: float
+    depression: NDArray[np.float64] | None = None
 
 
 def reduced(scenario: Scenario, most: int = MOST_PIXELS) -> Scenario:
@@ -76,6 +79,7 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     SeaglintError
         What the models do not cover.
     """
+    from seaglint.files.directions import below_horizon
     from seaglint.files.provenance import stored_band
     from seaglint.files.sequence_summary import to_temperature
     from seaglint.studies.mean.mean_map import mean
@@ -90,7 +94,8 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     else:
         temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
     edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
-    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, time.perf_counter() - begin)
+    below = below_horizon(dataset)
+    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, time.perf_counter() - begin, below)
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:
