@@ -22,8 +22,7 @@ extensions = [
     "sphinx.ext.mathjax",
     "numpydoc_once",
     "sphinx_design",
-    "gallery",
-    "generated_tables",
+    "plain_pages",
     "reference",
     "sidebar",
 ]

@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 import pytest
 from typer.main import get_command
 
+import page_tables
 from run_docs import Block, alike, blocks, commands, matches, run
 from seaglint.cli.app import app
 
@@ -280,10 +281,41 @@ def test_links_lead_somewhere(page: Path) -> None:
 def test_a_page_is_light_with_its_pictures(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     named = [page.parent / name for name in re.findall(r"[\w./-]+\.(?:png|jpg|svg)\b", text) if (page.parent / name).exists()]
-    for kind, listed in re.findall(r"\{gallery-(picture|cards)\} ([\w ]+)", text):
-        folder = DOCS / "images" / "gallery" / ("small" if kind == "cards" else "")
-        named += [path for name in listed.split() for path in folder.glob(f"{name}.*")]
     assert len(text) + sum(path.stat().st_size for path in set(named)) < MOST_BYTES
+
+
+RAW = re.compile(r"^(?:`{3,}|:{3,}) ?\{.*|\{[a-z:-]+\}`[^`\n]*`|^\([\w-]+\)=$|^% .*|(?<![\w\]`!])\[\]\([^)]*\)", re.MULTILINE)
+"""What only Sphinx reads: directives, roles, labels, comments and links without words."""
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"], ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_page_reads_without_a_build(page: Path) -> None:
+    assert RAW.findall(page.read_text(encoding="utf-8")) == [], "write Markdown; docs/_ext/plain_pages.py makes lists and copies of it"
+
+
+def test_what_reads_in_a_build_alone_is_found() -> None:
+    found = RAW.findall("```{toctree}\n:hidden:\n```\n(here)=\n% note\n:::{grid} 1\nsee [](x.md), {doc}`x` and `x[](a)` [y](x.md) {x}\n")
+    assert found == ["```{toctree}", "(here)=", "% note", ":::{grid} 1", "[](x.md)", "{doc}`x`"]
+
+
+@pytest.mark.parametrize("place", page_tables.BLOCKS)
+def test_what_comes_from_the_code_is_as_the_code_has_it(place: str) -> None:
+    assert page_tables.written(place) == page_tables.BLOCKS[place](), "run ./run tables pages"
+
+
+def test_a_block_that_is_older_than_the_code_is_found_and_written_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(page_tables, "ROOT", tmp_path)
+    monkeypatch.setattr(page_tables, "BLOCKS", {"a.md#one": lambda: ["| new |"], "a.md#two": lambda: ["second"]})
+    page = tmp_path / "a.md"
+    page.write_text("x\n\n<!-- begin one -->\n\n| old |\n\n<!-- end one -->\n\ny\n<!-- begin two -->\n<!-- end two -->\n")
+    assert page_tables.written("a.md#one") == ["| old |"]
+    for _ in range(2):
+        assert page_tables.main([]) == 0
+        assert page.read_text() == (
+            "x\n\n<!-- begin one -->\n\n| new |\n\n<!-- end one -->\n\ny\n<!-- begin two -->\n\nsecond\n\n<!-- end two -->\n"
+        )
+    with pytest.raises(SystemExit, match="no blocks in"):
+        page_tables.main(["other.md"])
 
 
 def test_what_is_shown_is_compared() -> None:

@@ -15,7 +15,6 @@ import pytest
 import seaglint
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
-INDEX = (DOCS / "api" / "index.md").read_text(encoding="utf-8")
 MODULES = sorted(info.name for info in pkgutil.walk_packages(seaglint.__path__, "seaglint."))
 
 
@@ -30,6 +29,8 @@ def extension(name: str) -> ModuleType:
 
 
 reference = extension("reference")
+plain_pages = extension("plain_pages")
+INDEX = plain_pages.built((DOCS / "api" / "index.md").read_text(encoding="utf-8"))
 PAGES = reference.reference_pages()
 TEXTS = reference.page_texts(PAGES)
 
@@ -113,3 +114,33 @@ def test_the_list_beside_a_page_keeps_titles_and_pages_below() -> None:
     assert titles.astext().split() == ["files", "glossary"]
     assert [tree["entries"] for tree in titles.findall(addnodes.toctree)] == [[("", "files.air")]]
     assert "radiance_of" in contents.astext()
+
+
+def test_links_of_plain_pages_become_copies_and_lists() -> None:
+    whole = "<!-- include -->\n[CHANGELOG.md](../CHANGELOG.md)\n"
+    assert plain_pages.built(whole) == "```{include} ../CHANGELOG.md\n```\n"
+    code = plain_pages.built("<!-- include toml -->\n[a scene](../a.toml)\n")
+    assert code == "```{literalinclude} ../a.toml\n:language: toml\n```\n"
+    script = plain_pages.built("<!-- include python -->\n[docs/gallery/a.py](a.py)\n")
+    assert "{dropdown} docs/gallery/a.py" in script
+    assert "{literalinclude} a.py" in script
+    lists = plain_pages.built("<!-- toctree -->\n## All\n\n**One**: [a](a.md), [b](x/b-c.md)\n\n**Two**: [d](d.md)\n<!-- end toctree -->\n")
+    assert lists.count("{toctree}") == 2
+    assert ":caption: One\n:hidden:\n\na\nx/b-c\n```" in lists
+    assert ":maxdepth: 1\n\na\n```" in plain_pages.built("<!-- toctree -->\n- [A](a.md)\n<!-- end toctree -->\n")
+
+
+def test_names_lead_to_their_documentation_outside_of_code() -> None:
+    text = "`seaglint.api.mean` and [`seaglint.air`](x), `seaglint mean`, ``seaglint.api``\n\n```python\n`seaglint.api.mean`\n```\n"
+    expected = text.replace("`seaglint.api.mean` and", "{py:obj}`seaglint.api.mean` and")
+    assert plain_pages.built(text) == expected
+
+
+def test_every_page_is_in_a_list_of_pages() -> None:
+    listed_pages = set()
+    for page in DOCS.rglob("*.md"):
+        for tree in plain_pages.TOCTREE.finditer(page.read_text(encoding="utf-8")):
+            listed_pages |= {(page.parent / f"{name}.md").resolve() for name in plain_pages.PAGE.findall(tree["body"])}
+    every = {page.resolve() for page in DOCS.rglob("*.md") if "_build" not in page.parts}
+    assert every - listed_pages == {(DOCS / "index.md").resolve()}
+    assert listed_pages <= every

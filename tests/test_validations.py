@@ -92,7 +92,7 @@ HOUSE = {
     "tests/imaging/test_camera.py": "def test_look() -> None: ...\n",
     "tests/cli/test_show.py": "def test_show() -> None: ...\n",
     "tests/test_documentation.py": "def test_pages() -> None: ...\n",
-    "docs/validation.md": "before\n\n% begin last-run\n\n% end last-run\n\nafter\n",
+    "docs/validation.md": "before\n\n<!-- begin last-run -->\n\n<!-- end last-run -->\n\nafter\n",
     "docs/data/numbers.csv": "1\n",
 }
 """A house of five rooms: cli above imaging above sea above base, and air beside them."""
@@ -602,8 +602,8 @@ def test_a_whole_run_that_passes_is_recorded(clone: Clone, monkeypatch: pytest.M
     assert record.items() >= {"commit": commit, "local_changes": False, "passed": 50, "failed": 0, "skipped": 2, "xfailed": 1}.items()
     page = (clone.root / "docs/validation.md").read_text()
     assert re.fullmatch(
-        rf"before\n\n% begin last-run\n\nLast whole run: .*, commit {commit[:9]} \(.*, Python .*\): "
-        r"50 passed, 0 failed, 2 skipped, 1 expected to fail, 0 minutes\.\n\n% end last-run\n\nafter\n",
+        rf"before\n\n<!-- begin last-run -->\n\nLast whole run: .*, commit {commit[:9]} \(.*, Python .*\): "
+        r"50 passed, 0 failed, 2 skipped, 1 expected to fail, 0 minutes\.\n\n<!-- end last-run -->\n\nafter\n",
         page,
     )
     # What the record itself changes is no change, and the record is the base of what follows.

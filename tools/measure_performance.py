@@ -217,7 +217,7 @@ def main() -> None:
     print("\n".join(lines))
     if not arguments.print:
         text = PAGE.read_text(encoding="utf-8")
-        begin, end = "% begin measured\n", "% end measured"
+        begin, end = "<!-- begin measured -->\n", "<!-- end measured -->"
         PAGE.write_text(
             text[: text.index(begin) + len(begin)] + "\n" + "\n".join(lines) + "\n\n" + text[text.index(end) :], encoding="utf-8"
         )

@@ -270,7 +270,7 @@ def main() -> None:
         text = f"{when}\n\n{table(measure())}\n"
         print(f"{title}\n\n{text}", flush=True)
         if not given.shown:
-            begin, end = f"% begin scaling {part}\n", f"% end scaling {part}\n"
+            begin, end = f"<!-- begin scaling {part} -->\n", f"<!-- end scaling {part} -->\n"
             page = PAGE.read_text(encoding="utf-8")
             head, rest = page.split(begin, 1)
             PAGE.write_text(f"{head}{begin}\n{text}\n{end}{rest.split(end, 1)[1]}", encoding="utf-8")

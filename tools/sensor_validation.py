@@ -154,8 +154,8 @@ def main() -> None:
     lines = ["| what | bound | found |", "| --- | --- | --- |", *(f"| {what} | {bound} | {found} |" for what, bound, found in rows)]
     print("\n".join(lines))
     page = PAGE.read_text(encoding="utf-8")
-    table = "\n".join(("% begin sensor", "", *lines, "", "% end sensor"))
-    PAGE.write_text(re.sub(r"% begin sensor\n.*?% end sensor", lambda _: table, page, flags=re.DOTALL), encoding="utf-8")
+    table = "\n".join(("<!-- begin sensor -->", "", *lines, "", "<!-- end sensor -->"))
+    PAGE.write_text(re.sub(r"<!-- begin sensor -->\n.*?<!-- end sensor -->", lambda _: table, page, flags=re.DOTALL), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -54,6 +54,14 @@ def rows(name: str, made: Iterable[Sequence[str]]) -> Pairs:
         yield " | ".join(cells(name, row[0])), " | ".join(row)
 
 
+def pages() -> Pairs:
+    """Tables, lists and pictures that come from the code, all of them."""
+    from page_tables import BLOCKS, written
+
+    for place, make in BLOCKS.items():
+        yield "\n".join(written(place)), "\n".join(make())
+
+
 def air_differences() -> Pairs:
     """What today's absorption changes, all of it."""
     import air_differences as made

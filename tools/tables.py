@@ -149,11 +149,11 @@ def block(place: str) -> tuple[Path, re.Match[str]]:
     """Page and text between the markers of ``page.md#name``."""
     page, name = place.split("#")
     path = ROOT / page
-    found = re.search(
-        rf"(?<=^% begin {re.escape(name)}\n).*?(?=^% end {re.escape(name)}$)", path.read_text("utf-8"), re.DOTALL | re.MULTILINE
-    )
+    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
+    pattern = rf"(?<=^{re.escape(begin)}\n).*?(?=^{re.escape(end)}$)"
+    found = re.search(pattern, path.read_text("utf-8"), re.DOTALL | re.MULTILINE)
     if found is None:
-        raise SystemExit(f"tables: {page} lacks the lines '% begin {name}' and '% end {name}'; put them around the table")
+        raise SystemExit(f"tables: {page} lacks the lines '{begin}' and '{end}'; put them around the table")
     return path, found
 
 

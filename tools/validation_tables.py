@@ -371,7 +371,7 @@ TABLES: dict[str, Callable[[], Lines]] = {
 
 def replace(page: str, name: str, lines: list[str]) -> str:
     """Page with the text between a table's markers replaced."""
-    begin, end = f"% begin {name}", f"% end {name}"
+    begin, end = f"<!-- begin {name} -->", f"<!-- end {name} -->"
     pattern = re.compile(re.escape(begin) + r"\n.*?" + re.escape(end), re.DOTALL)
     if not pattern.search(page):
         raise SystemExit(f"{PAGE.name} lacks the markers '{begin}' and '{end}'")

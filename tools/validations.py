@@ -353,9 +353,10 @@ def sentence(record: dict[str, Any]) -> str:
 
 def with_block(page: str, text: str) -> str:
     """Return a page with the text between its markers of the last run."""
-    block = re.compile(r"(?<=^% begin last-run\n).*?(?=^% end last-run$)", re.DOTALL | re.MULTILINE)
+    begin, end = "<!-- begin last-run -->", "<!-- end last-run -->"
+    block = re.compile(rf"(?<=^{begin}\n).*?(?=^{end}$)", re.DOTALL | re.MULTILINE)
     if not block.search(page):
-        raise SystemExit(f"{PAGE} lacks the lines '% begin last-run' and '% end last-run'; put them where the last run is to be shown")
+        raise SystemExit(f"{PAGE} lacks the lines '{begin}' and '{end}'; put them where the last run is to be shown")
     return block.sub(lambda _: f"\n{text}\n\n", page)
 
 

@@ -112,7 +112,7 @@ def main() -> None:
     table = "\n".join(("", *lines, "", ""))
     print(table)
     if not given.print:
-        begin, end = "% begin warm\n", "% end warm"
+        begin, end = "<!-- begin warm -->\n", "<!-- end warm -->"
         page = PAGE.read_text(encoding="utf-8")
         PAGE.write_text(page[: page.index(begin) + len(begin)] + table + page[page.index(end) :], encoding="utf-8")
 

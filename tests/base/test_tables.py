@@ -153,9 +153,9 @@ def test_a_command_that_fails_leaves_the_table_stale(tmp_path: Path, monkeypatch
 
 def test_what_a_command_prints_goes_between_the_markers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables, "ROOT", tmp_path)
-    (tmp_path / "page.md").write_text("a\n% begin one\n\n| old |\n\n% end one\nb\n")
+    (tmp_path / "page.md").write_text("a\n<!-- begin one -->\n\n| old |\n\n<!-- end one -->\nb\n")
     assert tables.make(tables.Table("one", "echo '| new |'", (), stdout="page.md#one", by_hand=True))
-    assert (tmp_path / "page.md").read_text() == "a\n% begin one\n\n| new |\n\n% end one\nb\n"
+    assert (tmp_path / "page.md").read_text() == "a\n<!-- begin one -->\n\n| new |\n\n<!-- end one -->\nb\n"
 
 
 def test_the_list_names_tables_without_failing(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -225,7 +225,8 @@ def machine() -> str:
 
 def write(part: str, lines: list[str]) -> None:
     """Put lines between the markers of a part."""
-    begin, end = ("% begin measured\n", "% end measured") if part == "program" else (f"% begin bench {part}\n", f"% end bench {part}\n")
+    name = "measured" if part == "program" else f"bench {part}"
+    begin, end = f"<!-- begin {name} -->\n", f"<!-- end {name} -->"
     text = PAGE.read_text(encoding="utf-8")
     head, _, rest = text.partition(begin)
     _, marker, tail = rest.partition(end)

@@ -1,0 +1,80 @@
+"""Pages of plain Markdown, which read without a build, made into Sphinx's lists, references and copies as they are read.
+
+``<!-- include -->`` before a link alone on its line shows the file in the place of the link: another page whole, or with a language
+(``<!-- include toml -->``) a block of code. Links between ``<!-- toctree -->`` and ``<!-- end toctree -->`` become the list of pages: each
+line ``**Caption**: [title](page.md), ...`` a hidden one, list items one that is shown. The table of rooms becomes the
+index of the reference.
+Names such as ```seaglint.api.mean``` lead to their documentation.
+"""
+
+from __future__ import annotations
+
+import re
+
+from sphinx.application import Sphinx
+
+INCLUDE = re.compile(r"^<!-- include(?: (?P<language>\w+))? -->\n\[(?P<title>[^\]]*)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
+TOCTREE = re.compile(r"^<!-- toctree -->\n(?P<body>.*?)^<!-- end toctree -->$", re.DOTALL | re.MULTILINE)
+ROOMS = re.compile(r"^<!-- begin rooms -->\n(?P<body>.*?)^<!-- end rooms -->$", re.DOTALL | re.MULTILINE)
+PAGE = re.compile(r"\]\(([\w./-]+)\.md\)")
+MODULE = re.compile(r"`(seaglint\.\w+)`")
+FENCE = re.compile(r"^(?P<fence>```+|~~~+).*?^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE)
+NAME = re.compile(r"(?<![`\[}\w])`(seaglint(?:\.\w+)+)`(?!`)")
+
+
+def directive(name: str, argument: str, options: list[str], body: list[str] | None = None) -> str:
+    """Return a MyST directive."""
+    return "\n".join((f"```{{{name}}} {argument}".rstrip(), *options, *(("", *body) if body else ()), "```"))
+
+
+def included(match: re.Match[str]) -> str:
+    """Return what shows the file of a link."""
+    title, path, language = match["title"], match["path"], match["language"]
+    if language is None:
+        return directive("include", path, [])
+    if language != "python":
+        return directive("literalinclude", path, [f":language: {language}"])
+    # A script of the gallery: what follows the line on its size, folded away.
+    code = directive("literalinclude", path, [":language: python", ":start-after: SEAGLINT_GALLERY_SIZE"])
+    return f":::{{dropdown}} {title}\n{code}\nThe whole script: {{download}}`{path} <{path}>`.\n:::"
+
+
+def listed(match: re.Match[str]) -> str:
+    """Return the lists of pages that stand for links."""
+    lines = match["body"].splitlines()
+    if any(line.startswith("- [") for line in lines):
+        return directive("toctree", "", [":maxdepth: 1"], PAGE.findall(match["body"]))
+    captioned = (re.match(r"\*\*(.*?)\*\*: (.*)", line) for line in lines)
+    return "\n\n".join(directive("toctree", "", [f":caption: {line[1]}", ":hidden:"], PAGE.findall(line[2])) for line in captioned if line)
+
+
+def indexed(match: re.Match[str]) -> str:
+    """Return the index of the reference, with a page for each room."""
+    rows = [f"   {name}" for name in MODULE.findall(match["body"])]
+    return "\n".join(("```{eval-rst}", ".. autosummary::", "   :toctree: generated", "", *rows, "```"))
+
+
+def linked(text: str) -> str:
+    """Return a page with links from names of the package to their documentation, outside of blocks of code."""
+    pieces, end = [], 0
+    for block in FENCE.finditer(text):
+        pieces += [NAME.sub(r"{py:obj}`\1`", text[end : block.start()]), block.group()]
+        end = block.end()
+    return "".join((*pieces, NAME.sub(r"{py:obj}`\1`", text[end:])))
+
+
+def built(text: str) -> str:
+    """Return a page as Sphinx reads it."""
+    return ROOMS.sub(indexed, TOCTREE.sub(listed, INCLUDE.sub(included, linked(text))))
+
+
+def read(app: Sphinx, name: str, source: list[str]) -> None:
+    """Change a page of Markdown before it is parsed."""
+    if str(app.env.doc2path(name)).endswith(".md"):
+        source[0] = built(source[0])
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Connect to the reading of pages."""
+    app.connect("source-read", read)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
