@@ -21,6 +21,8 @@ DOCS = ROOT / "docs"
 PAGES = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
+    ROOT / "SECURITY.md",
+    ROOT / "CODE_OF_CONDUCT.md",
     *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "api") for page in (DOCS / folder).glob("*.md")),
 ]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
