@@ -30,7 +30,7 @@ from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, Uniform
 from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
 from seaglint.studies.ensemble.object_places import PixelGrid
 from seaglint.studies.prepare.kept import Kept
-from seaglint.studies.prepare.memory import give_back
+from seaglint.studies.prepare.memory import give_back, require_memory_of_all
 from seaglint.studies.prepare.prepare import band
 from seaglint.studies.prepare.sounding_air import report_air
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -164,6 +164,8 @@ def render_ensemble(
     folder = Folder(refuse_file_ending(Path(output), "an ensemble"))
     folder.check(resume=resume, overwrite=overwrite)
     drawn = draw(ensemble)
+    if not draw_only:
+        require_memory_of_all(scene.scenario for scene in drawn)
     with ExitStack() as held:
         with storage_errors(folder.path, "choose another folder"):
             held.enter_context(exclusive(folder.path))
