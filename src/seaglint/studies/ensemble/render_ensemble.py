@@ -26,6 +26,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Weather, value_of
 from seaglint.scenario.setting import set_key
 from seaglint.studies.ensemble.ensemble_folder import Folder
+from seaglint.studies.ensemble.label_outlook import report_unseen
 from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, UniformNumbers, WeatherRows, count_key, quantity_of, sea_seed
 from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
 from seaglint.studies.ensemble.object_places import PixelGrid
@@ -164,6 +165,7 @@ def render_ensemble(
     folder = Folder(refuse_file_ending(Path(output), "an ensemble"))
     folder.check(resume=resume, overwrite=overwrite)
     drawn = draw(ensemble)
+    report_unseen(drawn)
     if not draw_only:
         require_memory_of_all(scene.scenario for scene in drawn)
     with ExitStack() as held:
