@@ -59,14 +59,14 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
 
 def say_moments(raw: Mapping[str, Any], name: str) -> None:
     """Say what is taken for dates and times without a zone, or without an hour, which changes the Sun."""
-    for key, given, moment in _without_zone(raw):
-        lacks = "no hour and no time zone" if len(given) <= len("2026-06-21") else "no time zone"
-        text = "seaglint: %s: %s = %s has %s and is taken as %s; write the time with Z at its end, or its offset such as -05:00"
-        log.warning(text, name, key, given, lacks, f"{moment:%Y-%m-%dT%H:%M:%SZ}")
+    for key, moment, hour in _without_zone(raw):
+        given, lacks = (moment.isoformat(), "") if hour else (f"{moment:%Y-%m-%d}", "no hour and ")
+        text = "seaglint: %s: %s = %s has %sno time zone and is taken as UTC, %sZ; write the time with Z at its end, or its offset such as -05:00"
+        log.warning(text, name, key, given, lacks, moment.isoformat())
 
 
-def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, str, datetime]]:
-    """Yield the keys of dates and times without a zone, their values as text, and the time that is taken."""
+def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, datetime, bool]]:
+    """Yield the keys of dates and times without a zone, the time that is taken, and whether an hour is given."""
     if isinstance(raw, Mapping):
         for key, value in raw.items():
             yield from _without_zone(value, f"{above}.{key}" if above else str(key))
@@ -80,7 +80,7 @@ def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, str, datetim
         except (ValueError, AttributeError):
             return
         if moment.tzinfo is None:
-            yield above, given, moment
+            yield above, moment, len(given) > len("2026-06-21")
 
 
 def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:

@@ -157,7 +157,7 @@ class Object(Record):
     def _whole(self) -> Self:
         where = f"objects ('{self.name}')"
         if self.shape is None:
-            raise rule(f"{where}.shape", "is missing; give a shape = { kind = ... } or a preset")
+            raise rule(f"{where}.shape", 'is missing; give preset = "small-boat" or another one, or a table shape with its kind')
         moves = {"track": self.track, "keyframes": self.keyframes, "course_deg and speed_m_s": self.course_deg}
         given = [name for name, value in moves.items() if value is not None]
         if len(given) > 1:

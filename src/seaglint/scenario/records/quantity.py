@@ -53,19 +53,20 @@ FACTORS: Final = {
 CELSIUS: Final = ("degC", "°C")
 
 # Units in which data sheets and weather reports give what a key wants in another one: of a number outside its range the first that fits is
-# meant. Where a list of units depends on the size of things, the second number is the largest limit [unit of the key] that they suit.
-MISTAKEN: Final[dict[str, tuple[tuple[str, float], ...]]] = {
-    "K": (("degC", math.inf), ("mK", 100.0), ("degF", math.inf)),
-    "um": (("nm", math.inf), ("mm", math.inf), ("m", math.inf)),
-    "m": (("mm", 100.0), ("um", 1e-3), ("ft", math.inf), ("km", math.inf)),
-    "km": (("m", math.inf),),
-    "deg": (("mrad", math.inf), ("rad", math.inf)),
-    "m/s": (("kn", math.inf), ("km/h", math.inf)),
-    "s": (("ms", math.inf), ("us", math.inf)),
-    "Hz": (("kHz", math.inf),),
-    "urad": (("mrad", math.inf), ("rad", math.inf)),
-    "h": (("min", math.inf),),
-    "hPa": (("Pa", math.inf), ("kPa", math.inf)),
+# meant. The numbers are the limits of keys that a unit suits [unit of the key]: lenses are not in feet, differences not in degrees Celsius.
+_ANY: Final = (0.0, math.inf)
+MISTAKEN: Final[dict[str, tuple[tuple[str, tuple[float, float]], ...]]] = {
+    "K": (("mK", (0.0, 100.0)), ("degC", (150.0, math.inf)), ("degF", (150.0, math.inf))),
+    "um": (("nm", _ANY), ("mm", _ANY), ("m", _ANY)),
+    "m": (("mm", (0.0, 100.0)), ("um", (0.0, 1e-3)), ("ft", (100.0, math.inf)), ("km", _ANY)),
+    "km": (("m", _ANY),),
+    "deg": (("mrad", _ANY), ("rad", _ANY)),
+    "m/s": (("kn", _ANY), ("km/h", _ANY)),
+    "s": (("ms", _ANY), ("us", _ANY)),
+    "Hz": (("kHz", _ANY),),
+    "urad": (("mrad", _ANY), ("rad", _ANY)),
+    "h": (("min", _ANY),),
+    "hPa": (("Pa", _ANY), ("kPa", _ANY)),
 }
 """Units that a number outside its range may be meant in, by the unit of the key."""
 
@@ -141,8 +142,8 @@ def meant_in(value: float, unit: str, allowed: Callable[[float], bool], limit: f
     >>> meant_in(15.0, "K", lambda kelvin: 260.0 <= kelvin <= 320.0)
     '; did you mean "15 degC"?'
     """
-    for other, most in MISTAKEN.get(unit, ()):
-        if limit <= most and allowed(convert(f"{value:.17g} {other}", unit)):
+    for other, (least, most) in MISTAKEN.get(unit, ()):
+        if least <= limit <= most and allowed(convert(f"{value:g} {other}", unit)):
             return f'; did you mean "{value:g} {other}"?'
     return ""
 

@@ -58,7 +58,7 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
     first = f" of the first {len(looked)} scenes" if len(looked) < len(scenes) else ""
     more = f"; and {count - len(named)} more" if count > len(named) else ""
     REPORTS.warning(
-        "%d of %d objects%s never enter the view and get no label: %s%s; give column and row, or range_m, which place objects in the picture",
+        "%d of %d objects%s never enter the view and get no label: %s%s; point the sensor there, or place objects by column and row",
         count, objects, first, "; ".join(named), more,
     )  # fmt: skip
 
