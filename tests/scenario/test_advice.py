@@ -38,7 +38,9 @@ def test_recommended_lines_are_a_scenario(advice):
             return
     # a kind may need keys beside it, which the message must name: then the recommended key is right
     key = advice.lines.split(" = ")[0]
-    assert all(f"{mistake.key.rpartition('.')[0]}." in f"{key}." and "add it" in mistake.text for mistake in errors[-1].mistakes), errors[-1]
+    assert all(f"{mistake.key.rpartition('.')[0]}." in f"{key}." and "add it" in mistake.text for mistake in errors[-1].mistakes), errors[
+        -1
+    ]
 
 
 def test_advice_is_found():

@@ -61,7 +61,12 @@ def test_all_of_what_is_named_is_outside_and_what_is_far_outside_is_named(projec
 
 @pytest.mark.parametrize(
     "sensor",
-    [{}, {"azimuth_deg": 170, "elevation_deg": -60}, {"projection": "pinhole", "elevation_deg": 30}, {"projection": "pinhole", "roll_deg": 30}],
+    [
+        {},
+        {"azimuth_deg": 170, "elevation_deg": -60},
+        {"projection": "pinhole", "elevation_deg": 30},
+        {"projection": "pinhole", "roll_deg": 30},
+    ],
 )
 def test_the_advice_brings_it_into_view(sensor):
     scene = {**BEHIND, "sensor": sensor}
@@ -79,7 +84,11 @@ def test_the_whole_way_counts():
     assert out_of_view(scenario, np.arange(1000) / 25.0) == ()
     assert [one.name for one in out_of_view(scenario, np.arange(25) / 25.0)] == ["small-boat"]
     turning = parse_scenario(
-        {**BEHIND, "sensor": {"frames": 1000}, "platform": {"keyframes": [{"time_s": 0, "azimuth_deg": 180}, {"time_s": 40, "azimuth_deg": 1}]}}
+        {
+            **BEHIND,
+            "sensor": {"frames": 1000},
+            "platform": {"keyframes": [{"time_s": 0, "azimuth_deg": 180}, {"time_s": 40, "azimuth_deg": 1}]},
+        }
     )
     assert out_of_view(turning, np.arange(1000) / 25.0) == ()
     assert len(out_of_view(turning, np.arange(500) / 25.0)) == 1
@@ -130,6 +139,7 @@ ENSEMBLE = {
             "detector": {"pitch_um": 15.0, "well_capacity_e": 1e6, "integration_time_s": 0.002, "read_noise_e": 300},
         },
         "sea": {"resolve_waves": False},
+        "atmosphere": {"source": "none"},
         "render": {"oversampling": 2},
     },
     "objects": [

@@ -196,7 +196,11 @@ def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | No
     if above is not None or (name.startswith("netd_") and not states_netd):
         return None
     if value is None:
-        lens = {"f_number": sensor.focal_length_m / sensor.aperture_m, "aperture_m": sensor.aperture_m, "focal_length_m": sensor.focal_length_m}
+        lens = {
+            "f_number": sensor.focal_length_m / sensor.aperture_m,
+            "aperture_m": sensor.aperture_m,
+            "focal_length_m": sensor.focal_length_m,
+        }
         if name in lens:
             return f"{lens[name]:.4g}"
         return "what the NETD needs" if name == "integration_time_s" and states_netd else _LEFT_OUT.get(name)

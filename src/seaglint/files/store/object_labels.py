@@ -77,7 +77,10 @@ class Labels:
         seen = np.nan_to_num(self._group["visible_share"][:]).max(axis=0) > 0.0
         cut = np.nan_to_num(self._group["truncated_share"][:])
         why = ("is hidden behind the horizon, waves or other objects", "is outside the picture", "is outside the picture or hidden")
-        reasons = [why[0] if most <= 0.0 else why[1] if least >= 1.0 else why[2] for least, most in zip(cut.min(axis=0), cut.max(axis=0), strict=True)]
+        reasons = [
+            why[0] if most <= 0.0 else why[1] if least >= 1.0 else why[2]
+            for least, most in zip(cut.min(axis=0), cut.max(axis=0), strict=True)
+        ]
         azimuth, arc = self._group["bearing_deg"][0], self._group["range_m"][0]
         return [
             f"'{name}' {reasons[n]} "
