@@ -14,7 +14,7 @@ MOST: Final = 256
 """Threads that any machine is allowed."""
 
 MOST_PER_PROCESSOR: Final = 4
-"""Threads for each processor above which a number over :data:`MOST` is taken for a mistake: each thread costs memory, and all run slower."""
+"""Threads for each processor above which a number over :data:`MOST` is taken for a mistake: each costs memory, and all run slower."""
 
 
 def require_thread_setting() -> None:

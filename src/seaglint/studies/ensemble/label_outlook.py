@@ -43,7 +43,8 @@ WEAK: Final = 1.0
 
 def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
     """Say how many objects of an ensemble are in no frame of their scene, with the first of them."""
-    looked, objects, named, count = scenes[:MOST_SCENES], 0, [], 0
+    looked, objects, count = scenes[:MOST_SCENES], 0, 0
+    named: list[str] = []
     for scene in looked:
         scenario = scene.scenario
         if not scenario.objects:
