@@ -61,7 +61,7 @@ def say_moments(raw: Mapping[str, Any], name: str) -> None:
     """Say what is taken for dates and times without a zone, or without an hour, which changes the Sun."""
     for key, moment, hour in _without_zone(raw):
         given, lacks = (moment.isoformat(), "") if hour else (f"{moment:%Y-%m-%d}", "no hour and ")
-        text = "seaglint: %s: %s = %s has %sno time zone and is taken as UTC, %sZ; write the time with Z at its end, or its offset such as -05:00"
+        text = "seaglint: %s: %s = %s has %sno time zone and is taken as UTC, %sZ; end the time in Z, or in its offset such as -05:00"
         log.warning(text, name, key, given, lacks, moment.isoformat())
 
 

@@ -83,8 +83,8 @@ class Labels:
         ]
         azimuth, arc = self._group["bearing_deg"][0], self._group["range_m"][0]
         return [
-            f"'{name}' {reasons[n]} "
-            f"(azimuth {round(float(azimuth[n]) % 360.0, 2) % 360.0:.4g} deg, {float(arc[n]) / 1000.0:.3g} km away in frame {self.frames[0]})"
+            f"'{name}' {reasons[n]} (azimuth {round(float(azimuth[n]) % 360.0, 2) % 360.0:.4g} deg, "
+            f"{float(arc[n]) / 1000.0:.3g} km away in frame {self.frames[0]})"
             for n, name in enumerate(self.names)
             if not seen[n]
         ]
@@ -147,7 +147,7 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
     if unseen:
         more = f"; and {len(unseen) - MOST_NAMED} more" if len(unseen) > MOST_NAMED else ""
         REPORTS.warning(
-            "%s: no frame shows %d of %d objects: %s%s; turn the sensor towards them (sensor.azimuth_deg, sensor.elevation_deg), or move them",
+            "%s: no frame shows %d of %d objects: %s%s; turn the sensor (sensor.azimuth_deg, sensor.elevation_deg), or move them",
             labels.path, len(unseen), len(labels.names), "; ".join(unseen[:MOST_NAMED]), more,
         )  # fmt: skip
     if output.suffix.lower() != ".csv":

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -181,7 +182,7 @@ def _behind_horizon(body: Body, lift: float, times: FloatArray, track: Track) ->
         seen_to = horizon_range(pose.height) + (horizon_range(top) if top > 0.0 else 0.0)
         margins.append((arc - seen_to, float(time), seen_to))
     margin, time, seen_to = min(margins)
-    if margin <= (0.0 if len(times) == 1 else max(abs(a[0] - b[0]) for a, b in zip(margins, margins[1:], strict=False))):
+    if margin <= (0.0 if len(times) == 1 else max(abs(a[0] - b[0]) for a, b in pairwise(margins))):
         return None
     pose = track.at(time)
     return _seen_at(body, stand(body.motion.at(time), pose).place, pose, time, seen_to)
