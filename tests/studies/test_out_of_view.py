@@ -10,7 +10,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from seaglint.files.store.object_labels import Labels, write_labels
+from seaglint.files.store.object_labels import Labels, report_never_seen
 from seaglint.objects.approach import reach_of
 from seaglint.objects.drawing.eye import stand
 from seaglint.scenario.ensemble_file import merged, parse_ensemble
@@ -117,7 +117,7 @@ def test_render_and_labels_say_it(tmp_path, caplog):
         (said,) = [record.getMessage() for record in caplog.records if "enters the view" in record.getMessage()]
         assert said.startswith("object 'small-boat' never enters the view: azimuth 0 deg, 2 km away")
         labels = Labels.of(store)
-        write_labels(labels, tmp_path / "labels.csv")
+        report_never_seen(labels)
     assert "no frame shows 1 of 2 objects: 'small-boat' is outside the picture (azimuth 0 deg, 2 km away" in caplog.text
     assert len(labels.never_seen()) == 1
 

@@ -101,6 +101,15 @@ class Labels:
                 yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
 
 
+def report_never_seen(labels: Labels) -> None:
+    """Say which objects no frame shows, where they are and why."""
+    unseen = labels.never_seen()
+    if unseen:
+        more = f"; and {len(unseen) - MOST_NAMED} more" if len(unseen) > MOST_NAMED else ""
+        text = "%s: no frame shows %d of %d objects: %s%s; turn the sensor (sensor.azimuth_deg, sensor.elevation_deg), or move them"
+        REPORTS.warning(text, labels.path, len(unseen), len(labels.names), "; ".join(unseen[:MOST_NAMED]), more)
+
+
 def label_dataset(labels: Labels) -> xr.Dataset:
     """Return labels as a dataset over ``frame`` and ``object``: all numbers, and ``classes``, the names; masks stay in the store."""
     import xarray as xr
@@ -143,13 +152,6 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
     """
     output = require_labels_name(output)
     refuse_existing(output, overwrite=overwrite, inputs=[labels.path])
-    unseen = labels.never_seen()
-    if unseen:
-        more = f"; and {len(unseen) - MOST_NAMED} more" if len(unseen) > MOST_NAMED else ""
-        REPORTS.warning(
-            "%s: no frame shows %d of %d objects: %s%s; turn the sensor (sensor.azimuth_deg, sensor.elevation_deg), or move them",
-            labels.path, len(unseen), len(labels.names), "; ".join(unseen[:MOST_NAMED]), more,
-        )  # fmt: skip
     if output.suffix.lower() != ".csv":
         write_json(_coco(labels), output, indent=None)
         return output

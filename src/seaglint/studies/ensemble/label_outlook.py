@@ -18,7 +18,7 @@ from seaglint.files.store.stored_truth import BITS
 from seaglint.scenario.model import Scenario
 from seaglint.studies.ensemble.law_draws import EnsembleScene
 from seaglint.studies.prepare.kept import Kept
-from seaglint.studies.sequence.out_of_view import out_of_view
+from seaglint.studies.sequence.out_of_view import out_of_view, times_of
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed import prepare_sensed
 
@@ -50,7 +50,7 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
         if not scenario.objects:
             continue
         objects += len(scenario.objects)
-        for one in out_of_view(scenario, np.arange(scenario.sensor.frames) / scenario.sensor.frame_rate_hz):
+        for one in out_of_view(scenario, times_of(scenario)):
             count += 1
             if len(named) < MOST_NAMED:
                 named.append(f"'{one.name}' of scene {scene.label}, {one.place}" + (", behind the horizon" if one.seen_to else ""))

@@ -195,13 +195,20 @@ def _seen_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: fl
     return OutOfView(body.name, azimuth, elevation, math.hypot(at[0] - pose.east, at[1] - pose.north), seen_to, time)
 
 
+def times_of(scenario: Scenario, frames: Sequence[int] | None = None) -> FloatArray:
+    """Return the times of some frames, all of the scenario's by default [s]; of very many as many as are looked at."""
+    numbers = range(scenario.sensor.frames) if frames is None else frames
+    places = range(len(numbers))
+    if len(places) > MOST_LOOKS:
+        places = np.unique(np.linspace(0, len(numbers) - 1, MOST_LOOKS).round().astype(int)).tolist()
+    return np.array([numbers[place] for place in places], float) / scenario.sensor.frame_rate_hz
+
+
 def report_out_of_view(scenario: Scenario, frames: Sequence[int] | None = None, *, times: FloatArray | None = None) -> None:
     """Say which objects are in none of some frames, all of the scenario's by default, or at none of some times [s]."""
     if not scenario.objects:
         return
-    if times is None:
-        times = np.asarray(range(scenario.sensor.frames) if frames is None else frames, float) / scenario.sensor.frame_rate_hz
-    for line in lines_of(scenario, out_of_view(scenario, times)):
+    for line in lines_of(scenario, out_of_view(scenario, times_of(scenario, frames) if times is None else times)):
         REPORTS.warning("%s", line)
 
 
