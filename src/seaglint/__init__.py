@@ -83,6 +83,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'seaglint' has no attribute {name!r}; it has {', '.join(__all__)}, and its rooms as submodules")
+    if name != "__version__":
+        from seaglint.base.thread_setting import require_thread_setting
+
+        require_thread_setting()
     return getattr(import_module("seaglint.version" if name == "__version__" else "seaglint.api"), name)
 
 

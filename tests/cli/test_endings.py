@@ -1,9 +1,15 @@
 """Endings of outputs say what is written: another kind's is refused before the work; and ``seaglint info`` says what any file is."""
 
+import functools
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+from seaglint.base.thread_setting import require_thread_setting
+from seaglint.scenario.load import load_scenario
 
 ENSEMBLE = 'base = "my.toml"\n[ensemble]\nscenes = 3\n[[vary]]\nkey = "wind.speed_m_s"\nlaw = "uniform"\nmin = 2\nmax = 9\n'
 OF_MAPS = ("m.txt", "m.json", "m.zarr", "m.zip", "m.png", "m.h5")
@@ -86,3 +92,70 @@ def test_info_is_ten_lines_and_all_the_rest_on_demand(seaglint, folder):
     assert len(long) > 20
     assert any("cut_wavenumber_rad_m" in line for line in long)
     assert not any("cut_wavenumber_rad_m" in line for line in short)
+
+
+PROC = pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder that takes no files although its rights allow it")
+
+
+@PROC
+@pytest.mark.parametrize(
+    ("command", "output"),
+    [
+        (("mean", "my.toml"), "x.nc"),
+        (("render", "my.toml"), "x.zarr"),
+        (("sense", "clip.npy", "my.toml"), "x.zarr"),
+        (("init",), "x.toml"),
+        (("evaluate", "emissivity", "cases.csv"), "x.csv"),
+        (("ensemble", "winds.toml"), "x"),
+        (("dataset", "winds.toml"), "x"),
+        (("reproduce", "fig5"), "x"),
+        (("export-sea", "my.toml"), "x.ply"),
+        (("texture", "fit", "clip.npy"), "x.json"),
+        (("detect", "recording", "clip.npy"), "x"),
+        (("atmosphere", "export", "my.toml"), "x.nc"),
+        (("atmosphere", "write", "my.toml"), "x"),
+    ],
+)
+def test_a_folder_that_takes_no_files_is_named_before_the_work(seaglint, folder, command, output):
+    answer = seaglint(*command, *((f"/proc/{output}",) if command[0] == "init" else ("-o", f"/proc/{output}")))
+    assert answer.code == 3
+    last = answer.err.splitlines()[-1]
+    assert "/proc" in last
+    assert "cannot be written to" in last or "no right to write there" in last
+
+
+@pytest.mark.parametrize("given", ["abc", "0", "-1", "1000", "1.5"])
+def test_a_wrong_number_of_threads_is_a_line(seaglint, folder, monkeypatch, given):
+    monkeypatch.setenv("NUMBA_NUM_THREADS", given)
+    monkeypatch.setattr("os.cpu_count", lambda: 8)
+    answer = seaglint("mean", "my.toml", "-o", "m.nc")
+    assert answer.code == 2
+    assert answer.err.startswith(f"seaglint: NUMBA_NUM_THREADS = '{given}' in the environment is no number of threads; allowed: 1 to 256")
+    assert answer.err.count("\n") == 1
+
+
+def test_threads_that_are_allowed_pass(monkeypatch):
+    for given in ("1", "2", " 4 ", "256", ""):
+        monkeypatch.setenv("NUMBA_NUM_THREADS", given)
+        require_thread_setting()
+
+
+def test_init_says_what_a_camera_leaves_open(seaglint, folder):
+    answer = seaglint("init", "cam.toml", "--camera", "pitch_um=15,pixels=640x512,aperture_m=0.05,f_number=2")
+    assert answer.code == 0
+    for said in (
+        "[sensor] height_m = 30, azimuth_deg = 180, elevation_deg = -1.925",
+        "frame_rate_hz = 25, frames = 100",
+        "[band] min_um = 3.5, max_um = 5",
+        "[sensor.optics] focal_length_m = 0.1, transmission = 1",
+        "quantum_efficiency = 1, integration_time_s = a whole frame, well_capacity_e = without limit, read_noise_e = 0",
+        "[sensor.noise] all 0",
+        "[wind] speed_m_s = 7, from_deg = 230",
+    ):
+        assert said in answer.err
+    scenario = load_scenario(folder / "cam.toml")
+    for table, keys in re.findall(r"\[([\w.]+)\] (\w+ = .*)", answer.err):  # each is what the file has
+        for key, value in re.findall(r"(\w+) = (\[.*?\]|[^,]+)", keys):
+            record = functools.reduce(getattr, table.split("."), scenario)
+            if isinstance(getattr(record, key), int | float):
+                assert f"{getattr(record, key):g}" == value

@@ -47,7 +47,8 @@ def init(output: str | Path, preset: str = "glint", *, camera: str | Path | None
     import logging
 
     from seaglint.files.outputs import refuse_existing, require_ending
-    from seaglint.scenario.camera import read_camera
+    from seaglint.scenario.camera import assumed_values, read_camera
+    from seaglint.scenario.load import load_scenario
     from seaglint.scenario.text.template import write_template
 
     path = Path(output)
@@ -55,7 +56,7 @@ def init(output: str | Path, preset: str = "glint", *, camera: str | Path | None
     refuse_existing(path, overwrite=overwrite)
     chosen = None if camera is None else read_camera(str(camera))
     write_template(path, preset, camera=chosen, overwrite=overwrite)
-    for line in () if chosen is None else chosen.assumed:
+    for line in () if chosen is None else (*chosen.assumed, *assumed_values(load_scenario(path), chosen)):
         logging.getLogger(__name__).info("camera: %s", line)
     return path
 

@@ -169,11 +169,12 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
     >>> sg.labels("run.zarr", "labels.json").column_px  # doctest: +SKIP
     """
     from seaglint.files.outputs import refuse_existing
-    from seaglint.files.store.object_labels import Labels, label_dataset, require_labels_name, write_labels
+    from seaglint.files.store.object_labels import Labels, label_dataset, report_never_seen, require_labels_name, write_labels
 
     if output is not None:
         refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[Path(run)])
     held = Labels.of(run)
+    report_never_seen(held)
     if output is not None:
         write_labels(held, output, overwrite=overwrite)
     return label_dataset(held)

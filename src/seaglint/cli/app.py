@@ -18,6 +18,7 @@ import typer
 from typer.core import TyperGroup
 
 from seaglint.base.errors import ScenarioError, SeaglintError
+from seaglint.base.thread_setting import require_thread_setting
 from seaglint.cli.commands import Commands, write_groups
 from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import epilog
@@ -80,6 +81,7 @@ class _Program(TyperGroup):
         words = [*ctx._protected_args, *ctx.args]
         begin_logs()
         try:
+            require_thread_setting()
             with _termination(), _printable_usage():
                 return super().invoke(ctx)
         except SeaglintError as error:
@@ -91,6 +93,9 @@ class _Program(TyperGroup):
             if error.errno != errno.ENAMETOOLONG:
                 raise
             log(f"seaglint: {str(error.filename)[:80]}...: a name in it is too long for this file system; give a shorter one")
+            sys.exit(2)
+        except MemoryError as error:  # what no estimate foresaw
+            log(f"seaglint: the memory of this machine is not enough ({str(error) or 'it ran out'}); give fewer pixels, frames or workers")
             sys.exit(2)
         except KeyboardInterrupt:
             log("seaglint: interrupted; files with their final names are complete")

@@ -22,10 +22,11 @@ def labels(
     annotations with masks, boxes and track numbers.
     """
     from seaglint.files.outputs import refuse_existing
-    from seaglint.files.store.object_labels import Labels, require_labels_name, write_labels
+    from seaglint.files.store.object_labels import Labels, report_never_seen, require_labels_name, write_labels
 
     refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
     truth = Labels.of(run)
+    report_never_seen(truth)
     write_labels(truth, output, overwrite=overwrite)
     log(f"{output} written: {len(truth.names)} object{'s' * (len(truth.names) != 1)} in {len(truth.frames)} frames")
     if output.suffix.lower() == ".json":

@@ -82,7 +82,7 @@ def lines(summary: LikelihoodSummary) -> list[str]:
 def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
     """Files to write, refused before the work where they exist."""
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.outputs import made_folder, refuse_existing
 
     if output is None:
         return []
@@ -90,15 +90,8 @@ def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Pat
         return [refuse_existing(output, overwrite=overwrite, inputs=inputs)]
     if output.suffix:
         raise DataError(f"{output}: give a folder, or a name that ends in .json, .csv or .png (with --map also .nc)")
-    _make(output)
+    made_folder(output, "choose another folder with -o")
     return [refuse_existing(output / name, overwrite=overwrite, inputs=inputs) for name in _FILES]
-
-
-def _make(folder: Path) -> None:
-    from seaglint.files.failures import storage_errors
-
-    with storage_errors(folder, "choose another folder with -o"):
-        folder.mkdir(parents=True, exist_ok=True)
 
 
 def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: list[Path]) -> None:
@@ -136,15 +129,14 @@ def _mapped(
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.progress import progress
     from seaglint.files.netcdf import write_netcdf
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.outputs import made_folder, refuse_existing
     from seaglint.plot.likelihood_charts import write_map
     from seaglint.studies.likelihood.chance_map import likelihood_map
 
     if output is None or output.suffix not in ("", ".nc"):
         raise DataError("--map writes a NetCDF file and a picture; give -o OUT.nc, or a folder")
     if output.suffix == "":
-        _make(output)
-        output = output / "likelihood_map.nc"
+        output = made_folder(output, "choose another folder with -o") / "likelihood_map.nc"
     picture = output.with_suffix(".png")
     for file in (output, picture):
         refuse_existing(file, overwrite=overwrite, inputs=inputs)

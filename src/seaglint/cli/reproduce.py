@@ -235,13 +235,9 @@ def measured(
 
 def _made(folder: Path) -> Path:
     """The folder, made where it is missing."""
-    from seaglint.files.failures import storage_errors
-    from seaglint.files.outputs import refuse_file_ending
+    from seaglint.files.outputs import made_folder, refuse_file_ending
 
-    refuse_file_ending(folder, "the output")
-    with storage_errors(folder, "choose another folder with -o"):
-        folder.mkdir(parents=True, exist_ok=True)
-    return folder
+    return made_folder(refuse_file_ending(folder, "the output"), "choose another folder with -o")
 
 
 def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:

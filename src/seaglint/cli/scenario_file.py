@@ -36,7 +36,8 @@ def init(
 ) -> None:
     """Write a commented scenario file."""
     from seaglint.files.outputs import refuse_existing, require_ending
-    from seaglint.scenario.camera import read_camera
+    from seaglint.scenario.camera import assumed_values, read_camera
+    from seaglint.scenario.load import load_scenario
     from seaglint.scenario.text.template import PRESETS, write_template
 
     require_ending(output, (".toml",), "a scenario is a TOML file")
@@ -45,8 +46,12 @@ def init(
     write_template(output, preset, camera=chosen, overwrite=overwrite)
     if PRESETS[preset].files:
         log(f"beside it: {', '.join(PRESETS[preset].files)}")
-    for line in () if chosen is None else chosen.assumed:
-        log(f"camera: {line}")
+    if chosen is not None:
+        for line in chosen.assumed:
+            log(f"camera: {line}")
+        log(f"not given, and so assumed (correct it in {output}):")
+        for line in assumed_values(load_scenario(output), chosen):
+            log(f"  {line}")
     log(f"{output} written; next: seaglint render {output} -o {output.with_suffix('.zarr')} --frames 0:1 --preview")
     if chosen is not None:
         log(f"what the camera does: seaglint sensor {output}")

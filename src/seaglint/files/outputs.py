@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import errno
 import os
+import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from seaglint.base.errors import DataError
+from seaglint.base.errors import DataError, StorageError
 from seaglint.files.failures import storage_errors
 
 ELSEWHERE = "choose another place; nothing was written"
@@ -77,11 +78,44 @@ def require_folder(output: Path) -> None:
     ------
     DataError, OSError
         The folder is missing; the system would refuse to write there.
+    StorageError
+        The folder takes no files, as those of ``/proc``.
     """
     if not output.parent.is_dir():
         raise DataError(f"{output}: the folder {output.parent} does not exist; make it first")
-    if not os.access(output.parent, os.W_OK):
-        raise OSError(errno.EACCES, os.strerror(errno.EACCES), str(output.parent))
+    _require_writable(output.parent, output)
+
+
+def _require_writable(folder: Path, output: Path) -> None:
+    """Refuse a folder in which no file can be made; ``output`` is named."""
+    if not os.access(folder, os.W_OK):
+        raise OSError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+    try:  # rights alone do not tell: of some folders the system refuses files to everybody
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        if error.errno not in (errno.ENOENT, errno.ENOTSUP, errno.EINVAL, errno.ENOSYS, errno.ENOTDIR):
+            raise  # room or rights, which have words for them
+        raise StorageError(f"{output}: the folder {folder} cannot be written to; {ELSEWHERE}") from error
+
+
+def made_folder(folder: Path, remedy: str = ELSEWHERE) -> Path:
+    """Return the path of an output folder, made where it is missing; refuse one that takes no files.
+
+    Raises
+    ------
+    DataError
+        A file has this name.
+    StorageError
+        The folder cannot be made, or not be written to.
+    """
+    above = next((parent for parent in (folder, *folder.absolute().parents) if parent.exists()), folder)
+    with storage_errors(folder, remedy):
+        if not above.is_dir():
+            raise DataError(f"{folder}: {'' if above == folder else f'{above} '}is a file; give the name of a folder")
+        _require_writable(above, folder)
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder
 
 
 def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:

@@ -52,7 +52,7 @@ def first_contact(body: Body, eye: Callable[[float], FloatArray], corners: Float
         Time of the last frame [s].
     """
     flat, lift = (body.motion.base, _lift(body.motion)) if isinstance(body.motion, Afloat) else (body.motion, 0.0)
-    reach = max(_radius(part) for part in body.parts) + lift
+    reach = reach_of(body) + lift
     turns = flat.time if isinstance(flat, Keyframed) else np.zeros(0)
     inner = np.concatenate([corners, turns])
     breaks = np.unique(np.concatenate([[0.0, last], inner[(inner > 0.0) & (inner < last)]]))
@@ -98,6 +98,11 @@ def _lift(motion: Afloat) -> float:
     """Height by which waves move a floating body from its place on a flat sea at most [m]."""
     variance = sum(0.5 * float((waves[:, 3] ** 2 + waves[:, 4] ** 2).sum()) for waves in motion.swell.waves)
     return HIGHEST_WAVE * math.sqrt(variance)
+
+
+def reach_of(body: Body) -> float:
+    """Radius of a ball about a body's origin that holds all of it [m]."""
+    return max(_radius(part) for part in body.parts)
 
 
 def _radius(part: Solid | GasPlume | PointSource) -> float:

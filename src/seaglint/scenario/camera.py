@@ -19,6 +19,7 @@ from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import TomlTables
 from seaglint.scenario.keys import key_at, table_keys
 from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import TABLES
 from seaglint.scenario.records.quantity import convert
 from seaglint.scenario.records.sensor_detector import PhotonDetector, ThermalDetector
@@ -31,6 +32,32 @@ ABOVE: Final = 0.0625
 
 UNCOOLED_FROM_UM: Final = 6.0
 """Band edge from which a camera of which only an NETD is known is taken for a microbolometer [um]."""
+
+_ASSUMED: Final[Mapping[str, tuple[str, ...]]] = {
+    "sensor": ("height_m", "azimuth_deg", "elevation_deg", "projection", "fov_deg", "frame_rate_hz", "frames"),
+    "band": ("min_um", "max_um"),
+    "sensor.optics": (
+        *("f_number", "aperture_m", "focal_length_m", "transmission", "obscuration", "wavefront_error_waves", "defocus_waves"),
+        *("jitter_urad", "emissivity", "temperature_k"),
+    ),
+    "sensor.detector": (
+        *("kind", "fill_factor", "quantum_efficiency", "absorptance", "integration_time_s", "time_constant_s", "well_capacity_e"),
+        *("read_noise_e", "dark_current_e_s", "netd_f_number", "netd_temperature_k", "full_scale_k", "bit_depth"),
+    ),
+    "sun": ("zenith_deg", "azimuth_deg"),
+    "time": ("utc",),
+    "place": ("latitude_deg", "longitude_deg"),
+    "wind": ("speed_m_s", "from_deg"),
+    "sea": ("temperature_k",),
+    "atmosphere": ("source", "model"),
+}
+"""Keys on which the answers of a camera depend, by table."""
+
+_LEFT_OUT: Final[Mapping[str, str]] = {
+    "integration_time_s": "a whole frame",
+    "well_capacity_e": "without limit",
+}
+"""Meaning of keys that have no value."""
 
 _ONLY_PHOTON: Final = frozenset(PhotonDetector.model_fields) - frozenset(ThermalDetector.model_fields)
 _ONLY_THERMAL: Final = frozenset(ThermalDetector.model_fields) - frozenset(PhotonDetector.model_fields)
@@ -127,6 +154,59 @@ def with_camera(raw: Mapping[str, Any], chosen: CameraTables) -> TomlTables:
     level = parse_scenario({**bands, "sensor": {**remaining, "elevation_deg": 0.0, **new}}, name="camera").sensor
     direction = {} if "elevation_deg" in new else {"elevation_deg": round(-(0.5 - ABOVE) * level.fov_deg[1], 3)}
     return {**raw, **bands, "sensor": {**remaining, **direction, **new}}
+
+
+def assumed_values(scenario: Scenario, chosen: CameraTables) -> list[str]:
+    """Return what a camera's scenario has that no number of the data sheet says, a line of keys and values for each subject.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With the camera in it.
+    chosen : CameraTables
+        The camera as given.
+
+    Examples
+    --------
+    >>> chosen = read_camera("pitch_um=15,pixels=640x512,aperture_m=0.05,f_number=2")
+    >>> assumed_values(parse_scenario(with_camera({}, chosen)), chosen)[1]
+    '[band] min_um = 3.5, max_um = 5'
+    """
+    lines = []
+    for table, keys in _ASSUMED.items():
+        values = [f"{key} = {value}" for key in keys if (value := _assumed(scenario, chosen.tables, f"{table}.{key}")) is not None]
+        if values:
+            lines.append(f"[{table}] {', '.join(values)}")
+    if "noise" not in chosen.tables["sensor"]:
+        lines.append("[sensor.noise] all 0: no fixed pattern, 1/f noise, or noise of rows and columns")
+    return lines
+
+
+def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | None:
+    """Return the value of a key that is not given, as text; None where it is given, or does not count."""
+    value: Any = scenario
+    above: Any = given
+    for part in key.split("."):
+        above = above.get(part) if isinstance(above, Mapping) else None
+        if value is None or not hasattr(value, part):
+            return None
+        value = getattr(value, part)
+    name, sensor = key.rpartition(".")[2], scenario.sensor
+    states_netd = sensor.detector is not None and sensor.detector.netd_k is not None
+    if above is not None or (name.startswith("netd_") and not states_netd):
+        return None
+    if value is None:
+        lens = {
+            "f_number": sensor.focal_length_m / sensor.aperture_m,
+            "aperture_m": sensor.aperture_m,
+            "focal_length_m": sensor.focal_length_m,
+        }
+        if name in lens:
+            return f"{lens[name]:.4g}"
+        return "what the NETD needs" if name == "integration_time_s" and states_netd else _LEFT_OUT.get(name)
+    if isinstance(value, tuple):
+        return f"[{', '.join(f'{one:.4g}' for one in value)}]"
+    return f"{value:g}" if isinstance(value, int | float) else f'"{value}"' if isinstance(value, str) else f"{value}"
 
 
 def _from_file(path: Path) -> dict[str, Any]:

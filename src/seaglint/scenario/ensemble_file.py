@@ -13,12 +13,13 @@ from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.base.free_form import TomlTables
-from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.load import parse_scenario, say_moments
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.scene_presets import PRESETS
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.scenario.records.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
+from seaglint.scenario.records.objects import with_names
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import Record, rule
 
@@ -62,7 +63,9 @@ class Template(Record):
 
     model_config = ConfigDict(extra="allow")
 
-    name: Annotated[str, Field(min_length=1, max_length=90, description="objects are called NAME-1, NAME-2, ...")]
+    name: Annotated[
+        str, Field(min_length=1, max_length=90, description="objects are called NAME-1, NAME-2, ...; default: that of preset or shape")
+    ]
     count: Annotated[Law | Annotated[int, COUNT], Field(description="how many")] = 1
     column: Annotated[Value | None, Field(description="place in the first frame: pixels from its left edge")] = None
     row: Annotated[Value | None, Field(description="place in the first frame: pixels from its upper edge")] = None
@@ -116,6 +119,11 @@ class Ensemble(Record):
     def folder(self) -> Path | None:
         """Folder from which relative paths in the ensemble count."""
         return self._folder
+
+    @model_validator(mode="before")
+    @classmethod
+    def _objects_by_name(cls, raw: Any) -> Any:
+        return {**raw, "objects": with_names(raw["objects"])} if isinstance(raw, dict) and "objects" in raw else raw
 
     @model_validator(mode="after")
     def _keys_once(self) -> Self:
@@ -217,6 +225,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
     if isinstance(given, str):
         path = Path(given) if folder is None else folder / given
         raw, where, beside = read_toml(path, "base scenario"), str(path), path.parent
+        say_moments(raw, where)
     elif isinstance(given, Mapping):
         raw, where, beside = dict(given), f"{name}: base", folder
         preset = raw.pop("preset", None)
@@ -227,6 +236,8 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
     else:
         raise ScenarioError(f"{name}: base = {given!r} must be the path of a scenario file, in quotes, or a table [base]")
     raw = raw if sensor is None else with_sensor(raw, sensor)
+    if "objects" in raw:
+        raw = {**raw, "objects": with_names(raw["objects"])}
     return with_absolute_paths(raw, parse_scenario(raw, name=where, base=beside))
 
 

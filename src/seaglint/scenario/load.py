@@ -18,6 +18,8 @@ from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, kinds_with, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
+from seaglint.scenario.records.objects import with_names
+from seaglint.scenario.records.quantity import meant_in
 from seaglint.scenario.text import display  # noqa: F401 - scenarios show themselves in notebooks
 
 log = logging.getLogger(__name__)
@@ -51,15 +53,20 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
     except RecursionError:
         raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
     scenario = parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
-    for key, given in _without_zone(raw):
-        log.warning(
-            "seaglint: %s: %s = %s has no time zone and is taken as UTC; end it in Z, or in its offset such as -05:00", path, key, given
-        )
+    say_moments(raw, str(path))
     return scenario
 
 
-def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, str]]:
-    """Yield the keys of dates and times without a zone, and their values as text."""
+def say_moments(raw: Mapping[str, Any], name: str) -> None:
+    """Say what is taken for dates and times without a zone, or without an hour, which changes the Sun."""
+    for key, moment, hour in _without_zone(raw):
+        given, lacks = (moment.isoformat(), "") if hour else (f"{moment:%Y-%m-%d}", "no hour and ")
+        text = "seaglint: %s: %s = %s has %sno time zone and is taken as UTC, %sZ; end the time in Z, or in its offset such as -05:00"
+        log.warning(text, name, key, given, lacks, moment.isoformat())
+
+
+def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, datetime, bool]]:
+    """Yield the keys of dates and times without a zone, the time that is taken, and whether an hour is given."""
     if isinstance(raw, Mapping):
         for key, value in raw.items():
             yield from _without_zone(value, f"{above}.{key}" if above else str(key))
@@ -68,11 +75,12 @@ def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, str]]:
             yield from _without_zone(value, f"{above}[{place}]")
     elif above.rpartition(".")[2] in ("utc", "time"):
         try:
-            moment = datetime.fromisoformat(raw) if isinstance(raw, str) else raw
-        except ValueError:
+            given = raw.strip() if isinstance(raw, str) else raw.isoformat()
+            moment = datetime.fromisoformat(given)
+        except (ValueError, AttributeError):
             return
-        if isinstance(moment, datetime) and moment.tzinfo is None:
-            yield above, moment.isoformat()
+        if moment.tzinfo is None:
+            yield above, moment, len(given) > len("2026-06-21")
 
 
 def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:
@@ -92,7 +100,8 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
     location = _without_tags(error["loc"], raw)
     key, kind, context, given = _dotted(location), error["type"], error.get("ctx", {}), error["input"]
     if kind == "rule":
-        return Mistake(context["key"], context["value"], context["allowed"], f"{context['key']} {error['msg']}")
+        meant = _meant_in(context["key"], context["allowed"], raw)
+        return Mistake(context["key"], context["value"], context["allowed"], f"{context['key']} {error['msg']}{meant}")
     if kind == "union_tag_invalid":
         allowed, tag = tags(location), f"{key}.{tag_name(location)}"
         text = f"{tag} = '{context['tag']}' is not one of {_listed(allowed)}{_meant(context['tag'], allowed)}"
@@ -108,11 +117,24 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
     return Mistake(key, value, context.get("allowed"), _sentence(error, location))
 
 
+def _meant_in(key: str, allowed: object, raw: Mapping[str, Any]) -> str:
+    """Return the question whether a number that a rule refuses is in another unit than that of its key."""
+    value: Any = raw
+    for part in key.split("."):
+        value = value.get(part) if isinstance(value, Mapping) else None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isinstance(allowed, tuple):
+        return ""
+    place, (low, high) = key_at(tuple(key.split("."))), allowed
+    unit = next((quantity.unit for quantity in place.quantities), "") if place is not None else ""
+    return meant_in(value, unit, lambda given: low <= given <= high, high)
+
+
 def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, Any]) -> Mistake:
     """Put the name of the object into a mistake of an object."""
     match location:
         case ("objects", int(place), *_):
-            name = raw["objects"][place].get("name") if isinstance(raw["objects"][place], Mapping) else None
+            given = with_names(raw["objects"])[place] if isinstance(raw.get("objects"), Sequence) else None
+            name = given.get("name") if isinstance(given, Mapping) else None
         case _:
             return mistake
     if not isinstance(name, str) or f"'{name}'" in mistake.text:

@@ -26,7 +26,7 @@ from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosp
 from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.mean_table import Mean
-from seaglint.scenario.records.objects import Object, in_degrees
+from seaglint.scenario.records.objects import Object, in_degrees, with_names
 from seaglint.scenario.records.place import Place, Sun, Time
 from seaglint.scenario.records.platform import Platform
 from seaglint.scenario.records.quantity import Quantity
@@ -70,6 +70,11 @@ class Scenario(Record):
         if isinstance(raw, dict) and not any(raw.get(key) is not None for key in ("time", "place", "sun")) and not _places_itself(raw):
             return {**raw, "sun": {}}
         return raw
+
+    @model_validator(mode="before")
+    @classmethod
+    def _objects_by_name(cls, raw: Any) -> Any:
+        return {**raw, "objects": with_names(raw["objects"])} if isinstance(raw, dict) and "objects" in raw else raw
 
     @model_validator(mode="after")
     def _one_sun(self) -> Self:

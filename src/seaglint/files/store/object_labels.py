@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import REPORTS
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.store.store import open_sequence
 from seaglint.files.store.stored_truth import BITS, GROUP
@@ -22,6 +23,9 @@ from seaglint.objects.drawing.truth_names import NUMBERS
 
 if TYPE_CHECKING:
     import xarray as xr
+
+MOST_NAMED: Final = 5
+"""Objects in no frame that are named; more are counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +70,25 @@ class Labels:
         names = tuple(str(name) for name in group.attrs["objects"])
         return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
 
+    def never_seen(self) -> list[str]:
+        """Return what is known of objects of which no frame shows anything, a text each: name, why, and place in the first frame."""
+        if not self.frames or any(name not in self._group for name in ("visible_share", "truncated_share", "bearing_deg", "range_m")):
+            return []  # of an earlier version
+        seen = np.nan_to_num(self._group["visible_share"][:]).max(axis=0) > 0.0
+        cut = np.nan_to_num(self._group["truncated_share"][:])
+        why = ("is hidden behind the horizon, waves or other objects", "is outside the picture", "is outside the picture or hidden")
+        reasons = [
+            why[0] if most <= 0.0 else why[1] if least >= 1.0 else why[2]
+            for least, most in zip(cut.min(axis=0), cut.max(axis=0), strict=True)
+        ]
+        azimuth, arc = self._group["bearing_deg"][0], self._group["range_m"][0]
+        return [
+            f"'{name}' {reasons[n]} (azimuth {round(float(azimuth[n]) % 360.0, 2) % 360.0:.4g} deg, "
+            f"{float(arc[n]) / 1000.0:.3g} km away in frame {self.frames[0]})"
+            for n, name in enumerate(self.names)
+            if not seen[n]
+        ]
+
     def __iter__(self) -> Iterator[Label]:
         """Yield one label for each object of each frame."""
         for index, frame in enumerate(self.frames):
@@ -76,6 +99,15 @@ class Labels:
             for n, name in enumerate(self.names):
                 mask = (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
                 yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
+
+
+def report_never_seen(labels: Labels) -> None:
+    """Say which objects no frame shows, where they are and why."""
+    unseen = labels.never_seen()
+    if unseen:
+        more = f"; and {len(unseen) - MOST_NAMED} more" if len(unseen) > MOST_NAMED else ""
+        text = "%s: no frame shows %d of %d objects: %s%s; turn the sensor (sensor.azimuth_deg, sensor.elevation_deg), or move them"
+        REPORTS.warning(text, labels.path, len(unseen), len(labels.names), "; ".join(unseen[:MOST_NAMED]), more)
 
 
 def label_dataset(labels: Labels) -> xr.Dataset:

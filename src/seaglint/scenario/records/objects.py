@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import ConfigDict, Field, StrictBool, model_validator
 
 from seaglint.scenario.presets.object_presets import OBJECTS
 from seaglint.scenario.records.quantity import Quantity
@@ -32,10 +33,62 @@ class ObjectKeyframe(Record):
     roll_deg: Annotated[_Angle | None, Field(description="starboard side down")] = None
 
 
+def with_names(items: Any) -> Any:
+    """Return tables of objects in which those without a name have that of their preset, or the kind of their shape.
+
+    Repeated names are numbered; names that are given stay as they are.
+
+    Examples
+    --------
+    >>> [item["name"] for item in with_names([{"preset": "buoy"}, {"preset": "buoy"}, {"name": "buoy-2"}])]
+    ['buoy', 'buoy-3', 'buoy-2']
+    """
+    if not isinstance(items, Sequence) or isinstance(items, str):
+        return items
+    taken = {item["name"] for item in items if isinstance(item, Mapping) and isinstance(item.get("name"), str)}
+    out = []
+    for item in items:
+        name = _natural_name(item)
+        if name is not None:
+            numbered, number = name, 1
+            while numbered in taken:
+                number += 1
+                numbered = f"{name}-{number}"
+            taken.add(numbered)
+            item = {"name": numbered, **{key: value for key, value in item.items() if key != "name"}}
+        out.append(item)
+    return out
+
+
+def _natural_name(item: Any) -> str | None:
+    """Return the name that an object without one has; None where it has one."""
+    if not isinstance(item, Mapping) or item.get("name") is not None:
+        return None
+    shape = item.get("shape")
+    name = item.get("preset") or (shape.get("kind") if isinstance(shape, Mapping) else getattr(shape, "kind", None))
+    return name if isinstance(name, str) else "object"
+
+
+def _name_not_required(schema: dict[str, Any]) -> None:
+    """Take the name out of the keys that a file must have: it is filled in."""
+    schema["required"] = [key for key in schema.get("required", []) if key != "name"]
+    if not schema["required"]:
+        del schema["required"]
+
+
 class Object(Record):
     """Something on or above the sea: a shape of a material, a place or a way."""
 
-    name: Annotated[str, Field(min_length=1, max_length=100, description="what labels and errors call it; each name once")]
+    model_config = ConfigDict(json_schema_extra=_name_not_required)
+
+    name: Annotated[
+        str,
+        Field(
+            min_length=1,
+            max_length=100,
+            description="what labels and errors call it; each name once; default: that of its preset or shape, numbered where repeated",
+        ),
+    ]
     preset: Annotated[
         Literal[
             "buoy",
@@ -90,6 +143,7 @@ class Object(Record):
     @model_validator(mode="before")
     @classmethod
     def _from_preset(cls, raw: Any) -> Any:
+        raw = with_names([raw])[0]
         if not isinstance(raw, dict) or not isinstance(raw.get("preset"), str) or raw["preset"] not in OBJECTS:
             return raw
         if raw.get("shape") is not None:
@@ -103,7 +157,7 @@ class Object(Record):
     def _whole(self) -> Self:
         where = f"objects ('{self.name}')"
         if self.shape is None:
-            raise rule(f"{where}.shape", "is missing; give a shape = { kind = ... } or a preset")
+            raise rule(f"{where}.shape", 'is missing; give preset = "small-boat" or another one, or a table shape with its kind')
         moves = {"track": self.track, "keyframes": self.keyframes, "course_deg and speed_m_s": self.course_deg}
         given = [name for name, value in moves.items() if value is not None]
         if len(given) > 1:

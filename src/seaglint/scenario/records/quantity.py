@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, Final
@@ -50,6 +51,24 @@ FACTORS: Final = {
     "urad": {"urad": 1.0, "mrad": 1000.0},
 }
 CELSIUS: Final = ("degC", "°C")
+
+# Units in which data sheets and weather reports give what a key wants in another one: of a number outside its range the first that fits is
+# meant. The numbers are the limits of keys that a unit suits [unit of the key]: lenses are not in feet, differences not in degrees Celsius.
+_ANY: Final = (0.0, math.inf)
+MISTAKEN: Final[dict[str, tuple[tuple[str, tuple[float, float]], ...]]] = {
+    "K": (("mK", (0.0, 100.0)), ("degC", (150.0, math.inf)), ("degF", (150.0, math.inf))),
+    "um": (("nm", _ANY), ("mm", _ANY), ("m", _ANY)),
+    "m": (("mm", (0.0, 100.0)), ("um", (0.0, 1e-3)), ("ft", (100.0, math.inf)), ("km", _ANY)),
+    "km": (("m", _ANY),),
+    "deg": (("mrad", _ANY), ("rad", _ANY)),
+    "m/s": (("kn", _ANY), ("km/h", _ANY)),
+    "s": (("ms", _ANY), ("us", _ANY)),
+    "Hz": (("kHz", _ANY),),
+    "urad": (("mrad", _ANY), ("rad", _ANY)),
+    "h": (("min", _ANY),),
+    "hPa": (("Pa", _ANY), ("kPa", _ANY)),
+}
+"""Units that a number outside its range may be meant in, by the unit of the key."""
 
 
 @cache
@@ -104,6 +123,31 @@ def by_pint(value: float, written: str, unit: str) -> float:
     return float(quantity.to(asked).magnitude)
 
 
+def meant_in(value: float, unit: str, allowed: Callable[[float], bool], limit: float = math.inf) -> str:
+    """Return the question whether a number without a unit is in another unit, as a clause; empty where no usual one makes it allowed.
+
+    Parameters
+    ----------
+    value : float
+        Number outside its range.
+    unit : str
+        Unit of its key.
+    allowed : callable
+        Whether a number in the key's unit is allowed.
+    limit : float
+        Largest number allowed.
+
+    Examples
+    --------
+    >>> meant_in(15.0, "K", lambda kelvin: 260.0 <= kelvin <= 320.0)
+    '; did you mean "15 degC"?'
+    """
+    for other, (least, most) in MISTAKEN.get(unit, ()):
+        if least <= limit <= most and allowed(convert(f"{value:g} {other}", unit)):
+            return f'; did you mean "{value:g} {other}"?'
+    return ""
+
+
 @dataclass(frozen=True)
 class Quantity:
     """Annotation of a scenario number: unit, closed (``ge``, ``le``) or open (``gt``, ``lt``) range, and advice to those outside."""
@@ -149,15 +193,24 @@ class Quantity:
             finite = False
         if not finite:
             raise self._error(f"is not finite (allowed: {self.allowed})")
-        inside = (
+        if not self.holds(value):
+            meant = "" if self.integer or isinstance(raw, str) else self.meant(value)
+            raise self._error(f"is outside the allowed range: {self.allowed}{'; ' if self.advice else ''}{self.advice}{meant}")
+        return value if self.integer else float(value)
+
+    def holds(self, value: float) -> bool:
+        """Return true for a number inside the range."""
+        return (
             (self.gt is None or value > self.gt)
             and (self.ge is None or value >= self.ge)
             and (self.lt is None or value < self.lt)
             and (self.le is None or value <= self.le)
         )
-        if not inside:
-            raise self._error(f"is outside the allowed range: {self.allowed}{'; ' if self.advice else ''}{self.advice}")
-        return value if self.integer else float(value)
+
+    def meant(self, value: float) -> str:
+        """Return the question whether a number outside the range is in another unit; see :func:`meant_in`."""
+        limits = [limit for limit in (self.le, self.lt) if limit is not None]
+        return meant_in(value, self.unit, self.holds, min(limits, default=math.inf))
 
     def _error(self, text: str) -> PydanticCustomError:
         # The text goes in as a value: braces in a user's text must not be read as a template.

@@ -148,6 +148,12 @@ class Sensor(Record):
         scan = raw.get("scan")
         if isinstance(scan, dict) and scan.get("kind") == "panoramic":
             view[0] = 360.0
+        if view[0] > 360.0 or view[1] > 180.0:
+            text = (
+                f"would be {view[0]:.4g} x {view[1]:.4g} deg: {columns} x {rows} pixels of {detector.pitch_um:g} um at a focal length of "
+                f"{focal:.4g} m; allowed: up to 360 x 180 deg: give fewer pixels, a smaller pitch_um or a longer focal length"
+            )
+            raise rule("sensor.fov_deg", text, value=view, allowed="up to 360 x 180 deg")
         return {**raw, "fov_deg": view}
 
     @model_validator(mode="after")

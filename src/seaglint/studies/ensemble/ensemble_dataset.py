@@ -14,6 +14,7 @@ from seaglint.files.dataset.part import Entry
 from seaglint.files.dataset.split import split_of
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble
 from seaglint.studies.ensemble.ensemble_folder import Folder, ensemble_text
+from seaglint.studies.ensemble.label_outlook import report_weak
 from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 
@@ -100,6 +101,8 @@ def ensemble_dataset(
 
     def rendered(place: Path) -> Sequence[Entry]:
         if source.folder is None:
+            if not resume:
+                report_weak(drawn)
             folder = Folder(render_ensemble(ensemble, place, workers=workers, threads=threads, resume=True, progress=progress))
         else:
             folder = Folder(source.folder)

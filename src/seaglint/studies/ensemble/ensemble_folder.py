@@ -14,6 +14,7 @@ from typing import Any, Final
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import TableRow, TomlTables
 from seaglint.files.failures import storage_errors
+from seaglint.files.outputs import ELSEWHERE, require_folder
 from seaglint.files.tables.rows import write_rows
 from seaglint.files.text_file import write_text
 from seaglint.scenario.ensemble_file import Ensemble, read_toml
@@ -71,8 +72,8 @@ class Folder:
         """
         if resume and overwrite:
             raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
-        if not self.path.parent.is_dir():
-            raise DataError(f"{self.path}: the folder {self.path.parent} does not exist; make it first")
+        with storage_errors(self.path, ELSEWHERE):
+            require_folder(self.path)
         if not self.path.exists():
             return
         if not self.path.is_dir():

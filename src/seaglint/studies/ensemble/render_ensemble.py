@@ -26,11 +26,12 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Weather, value_of
 from seaglint.scenario.setting import set_key
 from seaglint.studies.ensemble.ensemble_folder import Folder
+from seaglint.studies.ensemble.label_outlook import report_unseen
 from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, UniformNumbers, WeatherRows, count_key, quantity_of, sea_seed
 from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
 from seaglint.studies.ensemble.object_places import PixelGrid
 from seaglint.studies.prepare.kept import Kept
-from seaglint.studies.prepare.memory import give_back
+from seaglint.studies.prepare.memory import give_back, require_memory_of_all
 from seaglint.studies.prepare.prepare import band
 from seaglint.studies.prepare.sounding_air import report_air
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -164,6 +165,9 @@ def render_ensemble(
     folder = Folder(refuse_file_ending(Path(output), "an ensemble"))
     folder.check(resume=resume, overwrite=overwrite)
     drawn = draw(ensemble)
+    report_unseen(drawn)
+    if not draw_only:
+        require_memory_of_all(scene.scenario for scene in drawn)
     with ExitStack() as held:
         with storage_errors(folder.path, "choose another folder"):
             held.enter_context(exclusive(folder.path))

@@ -30,6 +30,7 @@ from seaglint.scenario.records.sea_slopes import SpectrumSlopes
 from seaglint.scenario.records.sea_spectrum import SpectrumFile
 from seaglint.studies.mean.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.memory import require_mean_memory
 from seaglint.studies.prepare.refraction import bending, require_standard_refraction
 from seaglint.studies.sequence.render_sequence import poses
 
@@ -66,6 +67,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
     """
     import xarray as xr
 
+    require_mean_memory(scenario)
     compile_ahead("mean")
     track, imager = prepare.track(scenario), prepare.imager(scenario)
     pose = track.at(0.0)
@@ -131,6 +133,7 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -
     """
     bent = bending(scenario, view)
     rows, across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
+    require_mean_memory(scenario, rows.elevations.size * camera.columns * across)
     rays = None if bent is None else bent.paths(rows.elevations)
     elevations = rows.elevations if bent is None or rays is None else bent.straight(rays)
     azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()

@@ -92,6 +92,23 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
     return tuple(placed)
 
 
+def unchecked_bodies(scenario: Scenario) -> tuple[Body, ...]:
+    """Return the scenario's objects on a flat sea, each where it is, without holding them against each other and the sensor.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the object whose shape or way cannot be built.
+    """
+    start, placed = prepare.track(scenario).at(0.0), []
+    origin = np.array([start.east, start.north])
+    for item in scenario.objects or ():
+        with _naming(item):
+            parts = tuple(shape_parts(item))
+            placed.append(Body(item.name, parts, _motion(scenario, item, parts, origin)))
+    return tuple(placed)
+
+
 @contextmanager
 def _naming(item: Object) -> Iterator[None]:
     try:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 from seaglint.base.errors import DataError, ScenarioError
@@ -14,6 +16,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.sea.tiles import TILES
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.refraction import bends_by_profile
+from seaglint.studies.prepare.sensor_model import sensor_model
 
 BYTES_PER_PIXEL = 80
 """Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
@@ -26,6 +29,12 @@ BYTES_PER_SENSED_PIXEL = 60
 
 BYTES_PER_LATTICE_POINT = 200
 """Amplitudes, transforms and surface of one wave tile."""
+
+BYTES_PER_MEAN_PIXEL = 90
+"""Maps of a mean: seven of doubles, and what is written."""
+
+BYTES_PER_MEAN_SIGHT = {"spectral": 70, "article": 130}
+"""Components and variance along one line of sight of a mean map, by its mode. 34 to 73 and 118 measured, with all of refraction."""
 
 BASE = 250 << 20
 """Program, atmosphere and tables of facets."""
@@ -104,6 +113,47 @@ def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel
         f"sensor.pixels = [{columns}, {rows}]{drawn} with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
         f"{there / 1e9:.1f} GB are free; give {remedy}"
     )
+
+
+def require_mean_memory(scenario: Scenario, sights: int | None = None) -> None:
+    """Refuse a mean map that cannot fit, of so many lines of sight; of one through each pixel where they are not known yet.
+
+    Raises
+    ------
+    ScenarioError
+        Saying how much is needed and how much there is.
+    """
+    columns, rows = scenario.sensor.pixels
+    lines = columns * rows if sights is None else sights
+    need = BASE + BYTES_PER_MEAN_PIXEL * columns * rows + BYTES_PER_MEAN_SIGHT[scenario.mean.mode] * lines
+    there = memory_available()
+    if there is None or need <= there:
+        return
+    side = math.sqrt((there - BASE) / max(need - BASE, 1)) if there > BASE else 0.0
+    fewer = [2 ** math.floor(math.log2(side * size)) if side * size >= 1.0 else 1 for size in (columns, rows)]
+    raise ScenarioError(
+        f"sensor.pixels = [{columns}, {rows}] needs about {need / 1e9:.1f} GB of memory for a mean map, and {there / 1e9:.1f} GB are free; "
+        f"give fewer pixels, e.g. sensor.pixels = [{fewer[0]}, {fewer[1]}]"
+    )
+
+
+def require_memory_of_all(scenarios: Iterable[Scenario]) -> None:
+    """Refuse scenes of which one cannot fit; scenes with the same sensor are looked at once.
+
+    Raises
+    ------
+    SeaglintError
+        Saying how much is needed and how much there is; a sensor that cannot be.
+    """
+    seen: set[str] = set()
+    for scenario in scenarios:
+        drawn = (scenario.sensor.model_copy(update={"azimuth_deg": 0.0}), scenario.render, scenario.sea.resolve_waves)
+        key = repr((drawn, scenario.platform is None, scenario.atmosphere.source))
+        if key in seen:
+            continue
+        seen.add(key)
+        model = sensor_model(scenario) if scenario.sensor.senses else None
+        require_memory(scenario, 1 if model is None else scenario.render.oversampling or model.oversampling, model)
 
 
 def give_back() -> None:

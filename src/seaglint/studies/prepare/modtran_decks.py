@@ -13,15 +13,14 @@ from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.profile.own_gases import OwnGases
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.base.errors import DataError, DomainError, ScenarioError
+from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
 from seaglint.base.reports import REPORTS
-from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
 from seaglint.files.modtran.json_deck import json_deck
 from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
 from seaglint.files.modtran.tape5 import LOWTRAN7_CO2_PPMV, deck
-from seaglint.files.outputs import ELSEWHERE, refuse_existing
+from seaglint.files.outputs import made_folder, refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
@@ -100,10 +99,7 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     else:
         text = deck(lines, air, solar_deg, modtran=form == "tape5", co2_ppmv=co2)
     manifest = Manifest(tuple(lines), height, solar_deg, OUTPUTS[form])
-    with storage_errors(folder, ELSEWHERE):
-        if folder.exists() and not folder.is_dir():
-            raise DataError(f"{folder}: is a file; give the name of a folder")
-        folder.mkdir(parents=True, exist_ok=True)
+    made_folder(folder)
     contents = {DECKS[form]: text, MANIFEST: manifest.text()} | ({"mod5root.in": f"{NAME}\n"} if form == "tape5" else {})
     for name in contents:
         refuse_existing(folder / name, overwrite=overwrite)

@@ -18,6 +18,7 @@ from seaglint.objects.drawing.truth_names import NUMBERS
 from seaglint.scenario.model import Scenario
 from seaglint.studies.sequence import render_sequence as plain
 from seaglint.studies.sequence import sensed
+from seaglint.studies.sequence.out_of_view import report_out_of_view
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,6 +52,7 @@ def frame_datasets(
         A condition outside the models, frames that there are not, or electrons of a scenario without a detector.
     """
     numbers = require_numbers(frames, scenario.sensor.frames)
+    report_out_of_view(scenario, numbers)
     if scenario.sensor.senses:
         layout, images = sensed.prepared_frames((scenario, numbers, electrons, radiance))
     elif electrons or radiance:

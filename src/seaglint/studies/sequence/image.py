@@ -14,6 +14,7 @@ from seaglint.files.netcdf import plain_attributes
 from seaglint.files.provenance import band_attributes
 from seaglint.imaging.layers import require_layers
 from seaglint.scenario.model import Scenario
+from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.render_sequence import poses, prepare_sequence
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     if not math.isfinite(time):
         raise DomainError(f"time = {time:g} s is not finite; give seconds from the start")
     requested = require_layers([layers] if isinstance(layers, str) else layers)
+    report_out_of_view(scenario, times=np.array([time]))
     settings = scenario.render.model_copy(update={"layers": requested, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
     layer_values = run.at(time)

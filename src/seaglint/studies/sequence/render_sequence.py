@@ -42,6 +42,7 @@ from seaglint.studies.prepare.memory import require_memory
 from seaglint.studies.prepare.refraction import bending, require_standard_refraction
 from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.studies.sequence.moving_labels import motion_numbers
+from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.studies.sequence.spread import over
 
@@ -93,6 +94,7 @@ def render(
         See :func:`seaglint.files.store.store.write_sequence` and :mod:`seaglint.studies.prepare.prepare`.
     """
     check_output(output, resume=resume, overwrite=overwrite, share=share)
+    report_out_of_view(scenario, frames)
     with thread_limit(threads):
         layout, images = prepared_frames((scenario, frames))
         spread = over(workers, prepared_frames, (scenario, frames))

@@ -311,6 +311,10 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
     from seaglint.base.schema import VARIABLES
     from seaglint.files.netcdf import plain_attributes
 
+    pixels = len(layout.frames) * layout.elevation_deg.shape[0] * layout.azimuth_deg.shape[-1]
+    each = sum(np.dtype(VARIABLES[name].dtype).itemsize for name in layout.variables)
+    what = f"{len(layout.frames)} frames of {layout.azimuth_deg.shape[-1]} x {layout.elevation_deg.shape[0]} pixels in memory"
+    require_room(BASE + 2 * each * pixels, what, "give output, a store on the disk, or fewer frames")  # single frames and all together
     images: list[Mapping[str, Any]] = [frames.images(number, layout.variables) for number in layout.frames]
     data: dict[str, Any] = {
         name: (("time", "y", "x"), np.stack([f[name] for f in images]), {**VARIABLES[name].attributes, **layout.details.get(name, {})})

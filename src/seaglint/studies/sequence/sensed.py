@@ -32,6 +32,7 @@ from seaglint.studies.prepare.sensor_model import line_of_sight_rates, scan, sen
 from seaglint.studies.sequence import render_sequence as plain
 from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLight
 from seaglint.studies.sequence.moving_labels import count_numbers, motion_numbers
+from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.scene_objects import Drawn
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
@@ -81,6 +82,7 @@ def render(
             share=share, workers=workers,
         )  # fmt: skip
     check_output(output, resume=resume, overwrite=overwrite, share=share)
+    report_out_of_view(scenario, frames)
     with thread_limit(threads):
         settings = (scenario, frames, electrons, radiance)
         layout, images = prepared_frames(settings)

@@ -17,8 +17,9 @@ from seaglint.files.texture_file import StoredTexture
 from seaglint.scenario.model import Scenario
 from seaglint.studies.mean.mean_map import mean as mean_map
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.memory import require_room
 from seaglint.studies.texture.texture_requests import PlaceRequest
-from seaglint.studies.texture.texture_sequences import latent_model
+from seaglint.studies.texture.texture_sequences import BYTES_PER_PIXEL, latent_model
 from seaglint.textures.placement import Footprints, PeriodicField, fluctuation
 from seaglint.textures.synthesis import latent
 
@@ -75,6 +76,8 @@ def place(
         feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
         metres = feet.finest() if request.cell is None else request.cell
         deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
+        need, what = BYTES_PER_PIXEL * deep * int(np.prod(request.size)), f"a field of {deep} x {request.size[0]} x {request.size[1]} cells"
+        require_room(need, what, "give a smaller size, or fewer sensor.frames")
         plane = PeriodicField(latent(field, (deep, *request.size[::-1]), seed, texture.modulation), metres, feet)
         total = means["radiance"].to_numpy().astype(np.float64)
         glint = request.contrast == "glint" or (request.contrast == "auto" and float(means["glint_std"].max()) > 0.0)

@@ -1,0 +1,157 @@
+"""Outlook on the labels of an ensemble before its scenes are rendered: objects out of view, and labels too weak to be seen."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.ndimage import binary_dilation
+
+from seaglint.base.errors import SeaglintError
+from seaglint.base.reports import REPORTS
+from seaglint.base.threads import thread_limit
+from seaglint.files.dataset.convert import BLUR, local_contrast
+from seaglint.files.store.stored_truth import BITS
+from seaglint.scenario.model import Scenario
+from seaglint.studies.ensemble.law_draws import EnsembleScene
+from seaglint.studies.prepare.kept import Kept
+from seaglint.studies.sequence.out_of_view import out_of_view, times_of
+from seaglint.studies.sequence.render_sequence import prepare_sequence
+from seaglint.studies.sequence.sensed import prepare_sensed
+
+MOST_SCENES: Final = 500
+"""Scenes whose objects are looked for; a data set of more is judged by its first."""
+
+MOST_NAMED: Final = 3
+"""Objects out of view that are named; more are counted."""
+
+MOST_FRAMES: Final = 6
+"""Frames that are drawn for an estimate at most."""
+
+SHARE: Final = 8
+"""Frames of an ensemble for each one that is drawn for the estimate: it adds an eighth to the work at most."""
+
+PATIENCE: Final = 15.0
+"""Time after which no further frame is drawn for the estimate [s]."""
+
+WEAK: Final = 1.0
+"""Signal-to-noise ratio below which a label is counted as weak: nobody sees such an object in a single picture."""
+
+
+def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
+    """Say how many objects of an ensemble are in no frame of their scene, with the first of them."""
+    looked, objects, count = scenes[:MOST_SCENES], 0, 0
+    named: list[str] = []
+    for scene in looked:
+        scenario = scene.scenario
+        if not scenario.objects:
+            continue
+        objects += len(scenario.objects)
+        for one in out_of_view(scenario, times_of(scenario)):
+            count += 1
+            if len(named) < MOST_NAMED:
+                named.append(f"'{one.name}' of scene {scene.label}, {one.place}" + (", behind the horizon" if one.seen_to else ""))
+    if not count:
+        return
+    first = f" of the first {len(looked)} scenes" if len(looked) < len(scenes) else ""
+    more = f"; and {count - len(named)} more" if count > len(named) else ""
+    REPORTS.warning(
+        "%d of %d objects%s never enter the view and get no label: %s%s; point the sensor there, or place objects by column and row",
+        count, objects, first, "; ".join(named), more,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class WeakLabels:
+    """Estimate of how many labels are weak, from the first frames of some scenes.
+
+    Attributes
+    ----------
+    weak, seen : int
+        Labels with a ratio below :data:`WEAK`, and all labels with a ratio, in the frames drawn.
+    frames : int
+        Frames drawn.
+    labels : int
+        Labels expected in all frames of all scenes.
+    noise : bool
+        True where a detector adds noise; without one the ratio is to clutter alone.
+    """
+
+    weak: int
+    seen: int
+    frames: int
+    labels: int
+    noise: bool
+
+    @property
+    def line(self) -> str:
+        """Return the estimate as a sentence."""
+        about = f"some {round(self.labels * self.weak / self.seen)} of about {self.labels} labels" if self.seen else "no label"
+        noise = "" if self.noise else " (to clutter alone: the scenes have no detector, and so no noise)"
+        return (
+            f"estimate: {about} will have a signal-to-noise ratio below {WEAK:g}{noise}, judged by {self.weak} of {self.seen} in the first "
+            f"{'frame of one scene' if self.frames == 1 else f'frames of {self.frames} scenes'}; nearer or warmer objects, a narrower "
+            "field of view or less noise raise it; truth.csv says it of each label (snr)"
+        )
+
+
+def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, patience: float = PATIENCE) -> WeakLabels | None:
+    """Estimate how many labels will be weak; None where there are no objects, or too few frames to draw one for an estimate.
+
+    First frames of scenes spread over the ensemble are drawn as they will be, and their ratios are taken as a data set takes them.
+
+    Raises
+    ------
+    SeaglintError
+        A scene that cannot be drawn.
+    """
+    with_objects = [scene.scenario for scene in scenes if scene.scenario.objects]
+    frames = sum(scene.scenario.sensor.frames for scene in scenes)
+    count = min(len(with_objects), frames // SHARE, most)
+    if not count:
+        return None
+    begin, cached = time.monotonic(), Kept()
+    ratios: list[float] = []
+    drawn = objects = 0
+    for place in np.unique(np.linspace(0, len(with_objects) - 1, count).round().astype(int)):
+        if drawn and time.monotonic() - begin > patience:
+            break
+        scenario = with_objects[int(place)]
+        ratios += _ratios(scenario, cached)
+        drawn, objects = drawn + 1, objects + len(scenario.objects or ())
+    known = sum(len(scenario.objects or ()) * scenario.sensor.frames for scenario in with_objects)
+    labels = round(known * len(ratios) / objects)
+    weak = sum(ratio < WEAK for ratio in ratios)
+    return WeakLabels(weak, len(ratios), drawn, labels, all(scenario.sensor.senses for scenario in with_objects))
+
+
+def _ratios(scenario: Scenario, cached: Kept) -> list[float]:
+    """Return the signal-to-noise ratios of the labels in the first frame of a scene."""
+    with thread_limit():
+        run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
+        images = run.images(run.layout.frames[0])
+    values = np.asarray(images["signal" if "signal" in images else "radiance"], np.float64)
+    masks = [mask for mask in _masks(images["object_mask"], len(scenario.objects or ())) if mask.any()]
+    if not masks:
+        return []
+    spread = binary_dilation(np.logical_or.reduce(masks), iterations=BLUR)
+    measured = (local_contrast(values, mask, spread) for mask in masks)
+    return [one[1] for one in measured if one is not None]
+
+
+def _masks(planes: np.ndarray, count: int) -> Iterator[np.ndarray]:
+    for n in range(count):
+        yield (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
+
+
+def report_weak(scenes: Sequence[EnsembleScene]) -> None:
+    """Say how many labels will be weak, where some will; what cannot be drawn is reported when it is rendered."""
+    try:
+        estimate = weak_labels(scenes)
+    except SeaglintError:
+        return
+    if estimate is not None and estimate.weak:
+        REPORTS.warning("%s", estimate.line)
