@@ -7,17 +7,23 @@ J. Geophys. Res. 111, C06005 (2006): eight million observations of POLDER, winds
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from seaglint.base.limits import BREON_HENRIOT_WIND
+from seaglint.sea.slopes.light_winds import joined_in_calm
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.wind_profile import require_wind, u10_of_wind
+
+_CROSSING: Final = 0.002 / (0.00316 - 0.00185)
+"""Wind at 10 m where the fits along and across the wind cross [m/s]: 1.53."""
 
 
 def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
     """Slope statistics of the open ocean, with skewness (steep lee faces above 4 m/s) and peakedness.
 
     ``mss_up = 0.001 + 0.00316 W``, ``mss_cross = 0.003 + 0.00185 W``, ``c21 = -9.1e-4 W^2``, ``c03 = -0.45/(1 + exp(7 - W))``,
-    ``c40 = 0.3``, ``c22 = 0.12``, ``c04 = 0.4``, ``W`` the wind at 10 m.
+    ``c40 = 0.3``, ``c22 = 0.12``, ``c04 = 0.4``, ``W`` the wind at 10 m. Below 1.53 m/s, where the fit has more variance across the
+    wind than along it, both have half of the total and the coefficients fall to 0, :mod:`seaglint.sea.slopes.light_winds`.
 
     Parameters
     ----------
@@ -56,4 +62,5 @@ def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 
     require_wind(wind_speed)
     wind = wind_speed if height == 10.0 else u10_of_wind(wind_speed, height)
     skewness = -0.45 / (1.0 + math.exp(7.0 - wind))
-    return SlopeStatistics(0.001 + 0.00316 * wind, 0.003 + 0.00185 * wind, wind_to_azimuth, -9.1e-4 * wind**2, skewness, 0.3, 0.12, 0.4)
+    variances = (0.001 + 0.00316 * wind, 0.003 + 0.00185 * wind)
+    return joined_in_calm(variances, (-9.1e-4 * wind**2, skewness, 0.3, 0.12, 0.4), wind_to_azimuth, wind, _CROSSING)

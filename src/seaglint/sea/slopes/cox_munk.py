@@ -6,15 +6,24 @@ Their wind was measured at 41 ft (12.5 m), from 0.7 to 14 m/s; the straight line
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 from seaglint.base.limits import COX_MUNK_SLICK_WIND, COX_MUNK_WIND
+from seaglint.sea.slopes.light_winds import joined_in_calm
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.wind_profile import require_wind, u10_of_wind, wind_at_height
 
 WIND_HEIGHT: Final = 12.5
 """Height of Cox and Munk's wind measurement [m]."""
+
+_CROSSING: Final = 0.003 / (0.00316 - 0.00192)
+"""Wind at 12.5 m where the fits along and across the wind cross [m/s]: 2.42."""
+
+_SLICK_JOIN: Final = (0.005 - 0.0015) / (0.5 * (0.00316 + 0.00192) - 0.00078)
+"""Wind at 12.5 m below which the slick fit has more variance along the wind than a clean sea [m/s]: 1.99."""
+
+
+_GAUSSIAN: Final = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def _fit_wind(
@@ -27,6 +36,11 @@ def _fit_wind(
         require_wind(wind_speed)
         return wind_speed
     return wind_at_height(u10_of_wind(wind_speed, height), WIND_HEIGHT)
+
+
+def _clean(wind: float) -> tuple[float, float]:
+    """Variances of the fits of a clean sea along and across a wind at 12.5 m [1]."""
+    return 0.00316 * wind, 0.003 + 0.00192 * wind
 
 
 def cox_munk_isotropic(wind_speed: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
@@ -71,7 +85,8 @@ def cox_munk_anisotropic(wind_speed: float, wind_to_azimuth: float, *, height: f
 
     ``mss_up = 0.00316 W + 0.000``, ``mss_cross = 0.003 + 0.00192 W``, ``W`` the wind at 12.5 m.
 
-    Below 2.4 m/s the fit has more variance across the wind than along it, and none along it at 0 m/s: as printed.
+    Below 2.42 m/s the fit has more variance across the wind than along it, and none along it at 0 m/s. There both have half of its total,
+    ``0.0015 + 0.00254 W``, :mod:`seaglint.sea.slopes.light_winds`.
 
     Parameters
     ----------
@@ -102,7 +117,7 @@ def cox_munk_anisotropic(wind_speed: float, wind_to_azimuth: float, *, height: f
     (0.0316, 0.0222)
     """
     wind = _fit_wind(wind_speed, height, extrapolate)
-    return SlopeStatistics(0.00316 * wind, 0.003 + 0.00192 * wind, wind_to_azimuth)
+    return joined_in_calm(_clean(wind), _GAUSSIAN, wind_to_azimuth, wind, _CROSSING)
 
 
 def cox_munk_gram_charlier(
@@ -111,7 +126,7 @@ def cox_munk_gram_charlier(
     """Slope statistics of a clean sea with skewness (steep lee faces) and peakedness.
 
     Variances of :func:`cox_munk_anisotropic`; ``c21 = 0.01 - 0.0086 W``, ``c03 = 0.04 - 0.033 W``, ``c40 = 0.40``, ``c22 = 0.12``,
-    ``c04 = 0.23``, ``W`` the wind at 12.5 m.
+    ``c04 = 0.23``, ``W`` the wind at 12.5 m. Below 2.42 m/s the coefficients are multiplied with ``W / 2.42``: Gaussian at 0 m/s.
 
     Parameters
     ----------
@@ -121,7 +136,6 @@ def cox_munk_gram_charlier(
     Returns
     -------
     SlopeStatistics
-        Gaussian at 0 m/s, where the fit has no variance along the wind for a series to stand on.
 
     Raises
     ------
@@ -143,18 +157,17 @@ def cox_munk_gram_charlier(
     >>> round(slopes.c21, 3), round(slopes.c03, 2)
     (-0.076, -0.29)
     """
-    gaussian = cox_munk_anisotropic(wind_speed, wind_to_azimuth, height=height, extrapolate=extrapolate)
-    if gaussian.mss_up == 0.0:
-        return gaussian
     wind = _fit_wind(wind_speed, height, extrapolate)
-    return replace(gaussian, c21=0.01 - 0.0086 * wind, c03=0.04 - 0.033 * wind, c40=0.40, c22=0.12, c04=0.23)
+    coefficients = (0.01 - 0.0086 * wind, 0.04 - 0.033 * wind, 0.40, 0.12, 0.23)
+    return joined_in_calm(_clean(wind), coefficients, wind_to_azimuth, wind, _CROSSING)
 
 
 def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
     """Slope statistics of a sea under an oil slick, which damps waves shorter than about 0.3 m.
 
     ``mss_up = 0.005 + 0.00078 W``, ``mss_cross = 0.003 + 0.00084 W``, ``c21 = 0``, ``c03 = 0.02``, ``c40 = 0.36``, ``c22 = 0.10``,
-    ``c04 = 0.26``, ``W`` the wind at 12.5 m.
+    ``c04 = 0.26``, ``W`` the wind at 12.5 m. Below 1.99 m/s, where the fit has more variance along the wind than a clean sea, each
+    variance is the smaller one of both seas and the coefficients fall to 0, :mod:`seaglint.sea.slopes.light_winds`.
 
     Parameters
     ----------
@@ -183,4 +196,8 @@ def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float =
     (0.0128, 0.0114)
     """
     wind = _fit_wind(wind_speed, height, extrapolate, COX_MUNK_SLICK_WIND, "the Cox-Munk fit of a slick sea")
-    return SlopeStatistics(0.005 + 0.00078 * wind, 0.003 + 0.00084 * wind, wind_to_azimuth, 0.0, 0.02, 0.36, 0.10, 0.26)
+    up, cross = 0.005 + 0.00078 * wind, 0.003 + 0.00084 * wind
+    if wind < _SLICK_JOIN:
+        clean = 0.5 * sum(_clean(wind))
+        up, cross = min(up, clean), min(cross, clean)
+    return joined_in_calm((up, cross), (0.0, 0.02, 0.36, 0.10, 0.26), wind_to_azimuth, wind, _SLICK_JOIN)

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from seaglint.base.conventions import FloatArray
 from seaglint.sea.slopes.slope_statistics import SHORTEST, SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import resolve_limit
@@ -56,7 +57,7 @@ def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:
     return SlopeStatistics(up, cross, spectrum.wind_to_azimuth)
 
 
-def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeStatistics:
+def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, calm: DirectionalSpectrum | None = None) -> SlopeStatistics:
     """Return slopes with the covariances of a spectrum's longer waves.
 
     They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`: of the spectrum up to where they reach 0.8
@@ -64,26 +65,47 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     shorter waves go; what no wave of the spectrum accounts for, swell alone being given, is even over the logarithm of the wavenumber, as
     broad as seas of these slopes are (:data:`_BREADTH`).
 
+    In light winds, where slopes are :attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.directed` in part, that part has these
+    covariances and the rest has what is left without the wind sea, so that the sea passes to a calm without a step.
+
     Parameters
     ----------
     slopes : SlopeStatistics
         Slopes of all waves, by any law.
-    spectrum : DirectionalSpectrum
-        Waves of the same sea.
+    spectrum : DirectionalSpectrum, optional
+        Waves of the same sea; None without waves.
+    calm : DirectionalSpectrum, optional
+        Those of them that do not depend on the wind, a swell; None where there are none.
 
     Returns
     -------
     SlopeStatistics
         The same slopes; flat ones as they are.
     """
-    limit = resolve_limit(spectrum, slopes)
-    low = spectrum.wavenumber_range[0]
-    if limit <= low or slopes.is_flat:
+    if min(slopes.mss_up, slopes.mss_cross) <= 0.0:
         return slopes
+    directed = 1.0 if slopes.directed is None else slopes.directed
+    grown = _grown(slopes, spectrum)
+    if directed < 1.0:
+        still = _grown(slopes, calm)
+        k = np.unique(np.concatenate([grown[:, 0], still[:, 0]]))
+        both = [np.stack([np.interp(np.log(k), np.log(part[:, 0]), column) for column in part.T[1:]], axis=1) for part in (grown, still)]
+        grown = np.column_stack([k, directed * both[0] + (1.0 - directed) * both[1]])
+    rows = ((float(k), float(up), float(cross), float(both)) for k, up, cross, both in grown)
+    return replace(slopes, nesting=tuple(rows))
+
+
+def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> FloatArray:
+    """Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1, (n, 4)]."""
+    width = _BREADTH[0] + _BREADTH[1] * min(slopes.mss, _BREADTH[2])
+    if spectrum is None:
+        share = np.linspace(0.0, 1.0, _LENGTHS)
+        return np.column_stack([SHORTEST * np.exp(width * (share - 1.0)), np.outer(share, [slopes.mss_up, slopes.mss_cross, 0.0])])
+    # light winds have less slope than the residual variance: all waves are long ones then, to the shortest that carry slopes
+    low, limit = spectrum.wavenumber_range[0], min(resolve_limit(spectrum, slopes), SHORTEST)
     turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
     c, s = float(np.cos(turn)), float(np.sin(turn))
     top = max(SHORTEST, 2.0 * limit)
-    width = _BREADTH[0] + _BREADTH[1] * min(slopes.mss, _BREADTH[2])
     first = min(low, top * float(np.exp(-width)))
     edges = np.concatenate(
         [
@@ -110,5 +132,4 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum) -> SlopeSt
     even = np.clip(1.0 + np.log(edges / top) / width, 0.0, 1.0)
     ripples = given * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - given) * even
     grown += np.outer(ripples, left)
-    rows = ((float(k), float(up), float(cross), float(both)) for k, (up, cross, both) in zip(edges, grown, strict=True))
-    return replace(slopes, nesting=tuple(rows))
+    return np.column_stack([edges, grown])

@@ -34,6 +34,9 @@ class SlopeStatistics:
     nesting : tuple of (float, float, float, float)
         Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1], from none to all waves; see
         :meth:`growth`.
+    directed : float, optional
+        Share of their direction that long waves have in a light wind, from 0 without wind to 1 [1]; where nothing is given they have
+        all of it, or none on an isotropic sea.
     """
 
     mss_up: float
@@ -45,6 +48,7 @@ class SlopeStatistics:
     c22: float = 0.0
     c04: float = 0.0
     nesting: tuple[tuple[float, float, float, float], ...] = ()
+    directed: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse variances that are negative or not finite, and a series about a Gaussian of zero width."""
@@ -76,7 +80,7 @@ class SlopeStatistics:
 
     def gaussian(self) -> SlopeStatistics:
         """Gaussian statistics with the same variances and wind direction."""
-        return SlopeStatistics(self.mss_up, self.mss_cross, self.wind_to_azimuth, nesting=self.nesting)
+        return SlopeStatistics(self.mss_up, self.mss_cross, self.wind_to_azimuth, nesting=self.nesting, directed=self.directed)
 
     @property
     def mss(self) -> float:
@@ -111,13 +115,15 @@ class SlopeStatistics:
         .. math:: \frac{a(x)}{x} = a(1) + n(x) - n(1), \qquad n(x) = \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
         fitted within 0.05 to Elfouhaily's spectrum from 2 to 18 m/s: its longest waves have three quarters of their variance along the
-        wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths.
+        wind, whatever the wind, and make up a slope variance of about 0.01. Isotropic slopes are so at all lengths, and n is multiplied
+        with :attr:`directed` in light winds.
         """
         if self.nesting:
             return np.array(self.nesting)
         x, total = np.linspace(0.0, 1.0, 41), self.mss
         share = (self.mss_up - self.mss_cross) / total if total > 0.0 else 0.0
-        narrow = 0.0 * x if self.is_isotropic else max(0.5 - abs(share), 0.0) / (1.0 + (x * total / 0.0108) ** 2.2)
+        directed = self.directed if self.directed is not None else float(not self.is_isotropic)
+        narrow = directed * max(0.5 - abs(share), 0.0) / (1.0 + (x * total / 0.0108) ** 2.2)
         apart = x * (share + narrow - narrow[-1])
         k = SHORTEST * np.exp(8.5 * (x - 1.0))
         return np.stack([k, 0.5 * total * (x + apart), 0.5 * total * (x - apart), 0.0 * x], axis=1)

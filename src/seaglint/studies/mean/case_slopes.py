@@ -41,7 +41,7 @@ def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
 def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
     """Slopes of a wind at 10 m towards an azimuth [rad], over the waves of Elfouhaily's spectrum as a scenario has them by default."""
     made = _law(kind, speed, towards, extrapolate)
-    return made if made.is_isotropic else replace(made, nesting=_nesting(kind, speed, extrapolate))
+    return made if kind == SLOPE_KINDS[0] else replace(made, nesting=_nesting(kind, speed, extrapolate))
 
 
 def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
@@ -57,7 +57,5 @@ def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeSta
 @lru_cache(maxsize=4096)
 def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float, float], ...]:
     """Covariances of the longer waves along and across the wind, whatever its direction."""
-    if speed <= 0.0:
-        return ()
     made = _law(kind, speed, 0.0, extrapolate)
-    return nested_in(made, elfouhaily(speed, made.wind_to_azimuth)).nesting
+    return nested_in(made, elfouhaily(speed, made.wind_to_azimuth) if speed > 0.0 else None).nesting

@@ -11,11 +11,14 @@ import numpy as np
 from seaglint.base.conventions import travel_azimuth
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_slopes as wanted_slopes
+from seaglint.scenario.records.sea_spectrum import FlatSea
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
+from seaglint.sea.slopes.light_winds import at_least_residual
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
-from seaglint.studies.prepare.wave_spectra import spectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.studies.prepare.wave_spectra import has_wind_sea, spectrum
 
 log = logging.getLogger(__name__)
 
@@ -25,12 +28,18 @@ FEW_SLOPES: Final = 0.6
 
 def slopes(scenario: Scenario) -> SlopeStatistics:
     """Slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction at all."""
-    made, waves = _law(scenario), spectrum(scenario)
-    return made if waves is None or made.is_isotropic else nested_in(made, waves)
+    sea = spectrum(scenario)
+    made = _law(scenario, sea)
+    if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
+        return made
+    if made.directed is None:
+        return nested_in(made, sea) if sea is not None else made
+    without_wind = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
+    return nested_in(made, sea, spectrum(without_wind))
 
 
-def _law(scenario: Scenario) -> SlopeStatistics:
-    """Slope statistics by the scenario's slope law."""
+def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics:
+    """Slope statistics by the scenario's slope law, which may be that of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.slopes:
         case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
@@ -44,10 +53,11 @@ def _law(scenario: Scenario) -> SlopeStatistics:
         case wanted_slopes.BreonHenriot(extrapolate=extrapolate):
             return breon_henriot(speed, to, extrapolate=extrapolate)
         case wanted_slopes.SpectrumSlopes():
-            spectral = spectrum(scenario)
-            if spectral is None:
-                return flat()
-            made = spectrum_slopes(spectral)
+            made = SlopeStatistics(0.0, 0.0, to) if sea is None else spectrum_slopes(sea)
+            if has_wind_sea(scenario):
+                made = at_least_residual(made)
+            if made.is_flat:
+                return made
             _warn_of_few_slopes(made.mss, speed)
             return made
         case wanted_slopes.FlatSlopes():

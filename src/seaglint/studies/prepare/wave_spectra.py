@@ -61,6 +61,13 @@ def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
     return waves(scenario).spectrum
 
 
+def has_wind_sea(scenario: Scenario) -> bool:
+    """Return true where waves come from a model of the wind sea, alone or with other systems."""
+    table = scenario.sea.spectrum
+    systems = table.systems if isinstance(table, wanted.WaveSystems) else (table,)
+    return any(isinstance(system, wanted.Elfouhaily | wanted.PiersonMoskowitz) for system in systems)
+
+
 def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
     """One system; its table stands at ``key``."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
