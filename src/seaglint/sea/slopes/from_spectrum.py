@@ -101,8 +101,10 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
     if spectrum is None:
         share = np.linspace(0.0, 1.0, _LENGTHS)
         return np.column_stack([SHORTEST * np.exp(width * (share - 1.0)), np.outer(share, [slopes.mss_up, slopes.mss_cross, 0.0])])
-    # light winds have less slope than the residual variance: all waves are long ones then, to the shortest that carry slopes
-    low, limit = spectrum.wavenumber_range[0], min(resolve_limit(spectrum, slopes), SHORTEST)
+    low, limit = spectrum.wavenumber_range[0], resolve_limit(spectrum, slopes)
+    if slopes.directed is not None:
+        # all waves of a vanishing wind sea are below the limit: without this, ripples of its residual variance would be those above 1e4
+        limit = min(limit, SHORTEST)
     turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
     c, s = float(np.cos(turn)), float(np.sin(turn))
     top = max(SHORTEST, 2.0 * limit)

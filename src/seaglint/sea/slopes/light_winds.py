@@ -9,6 +9,8 @@ slopes follow from what was measured, and no further number is needed:
   half of the fit's total: 0.003 in all at 0 m/s, which Cox and Munk's isotropic law has too.
 - A film damps waves and never makes them. In no direction has a slick sea more slope variance than a clean one.
 - Skewness and peakedness are the wind's. They fall in proportion to the wind below the same speed, to a Gaussian sea in a calm.
+- Wind seas of the models end at 0.5 m/s. From there to 0 the direction of long waves, which the law of shadowing takes into account,
+  falls in proportion to the wind (:attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.directed`).
 
 At most 0.0015 is so moved from one direction to the other, at 0 m/s; Cox and Munk state 0.002 (across) and 0.004 (along) as the standard
 deviations of their observations from the lines. Above the joining wind a fit is used as published.
@@ -27,6 +29,9 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 RESIDUAL: Final = 0.003
 """Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s."""
+
+LIGHTEST: Final = 0.5
+"""Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind."""
 
 
 def joined_in_calm(
@@ -56,8 +61,8 @@ def joined_in_calm(
     up, cross = variances
     if cross > up:
         up = cross = 0.5 * (up + cross)
-    share = wind / join
-    return SlopeStatistics(up, cross, wind_to_azimuth, *(share * coefficient for coefficient in coefficients), directed=share)
+    series = (wind / join * coefficient for coefficient in coefficients)
+    return SlopeStatistics(up, cross, wind_to_azimuth, *series, directed=min(wind / LIGHTEST, 1.0))
 
 
 def at_least_residual(slopes: SlopeStatistics) -> SlopeStatistics:

@@ -32,8 +32,8 @@ def slopes(scenario: Scenario) -> SlopeStatistics:
     made = _law(scenario, sea)
     if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
         return made
-    if made.directed is None:
-        return nested_in(made, sea) if sea is not None else made
+    if made.directed is None or made.directed >= 1.0:
+        return made if sea is None else nested_in(made, sea)
     without_wind = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
     return nested_in(made, sea, spectrum(without_wind))
 

@@ -13,15 +13,13 @@ from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_spectrum as wanted
+from seaglint.sea.slopes.light_winds import LIGHTEST
 from seaglint.sea.spectra.calm import CalmSpectrum
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.spectra.systems import CombinedSpectrum
-
-_LIGHTEST: Final = 0.5
-"""Lightest wind at 10 m that the models of wind seas allow [m/s]."""
 
 _ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
 
@@ -93,7 +91,7 @@ def elfouhaily(speed: float, to: float) -> DirectionalSpectrum:
 
 def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
     """Sea of a model at a wind [m/s]; of winds too light for it, that of the lightest with less energy."""
-    return model(speed) if speed >= _LIGHTEST else CalmSpectrum(model(_LIGHTEST), speed / _LIGHTEST)
+    return model(speed) if speed >= LIGHTEST else CalmSpectrum(model(LIGHTEST), speed / LIGHTEST)
 
 
 def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
