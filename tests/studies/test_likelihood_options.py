@@ -162,9 +162,13 @@ def test_figure_5_has_its_cases_thresholds_and_azimuths():
 
 def test_glint_of_a_calm_does_not_depend_on_where_no_wind_comes_from(run):
     """The same draws of Suns and looks in a calm whatever the direction, and next to them in the lightest wind."""
-    wanted = 'depression_deg = [2, 30]\nthreshold_w_m2_sr = [1.0, 20.0]'
+    wanted = "depression_deg = [2, 30]\nthreshold_w_m2_sr = [1.0, 20.0]"
     found = [
-        run(wanted, f"wind_speed_m_s,wind_from_deg,cloud_cover,weight\n{wind},{wind_from},0,1\n", '[sea.slopes]\nkind = "cox-munk-anisotropic"')
+        run(
+            wanted,
+            f"wind_speed_m_s,wind_from_deg,cloud_cover,weight\n{wind},{wind_from},0,1\n",
+            '[sea.slopes]\nkind = "cox-munk-anisotropic"',
+        )
         for wind, wind_from in ((0, 90), (0, 230), (0.01, 230))
     ]
     assert found[0] == pytest.approx(found[1], rel=1e-9)

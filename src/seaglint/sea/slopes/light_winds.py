@@ -61,8 +61,8 @@ def joined_in_calm(
     up, cross = variances
     if cross > up:
         up = cross = 0.5 * (up + cross)
-    series = (wind / join * coefficient for coefficient in coefficients)
-    return SlopeStatistics(up, cross, wind_to_azimuth, *series, directed=min(wind / LIGHTEST, 1.0))
+    c21, c03, c40, c22, c04 = (wind / join * coefficient for coefficient in coefficients)
+    return SlopeStatistics(up, cross, wind_to_azimuth, c21, c03, c40, c22, c04, directed=min(wind / LIGHTEST, 1.0))
 
 
 def at_least_residual(slopes: SlopeStatistics) -> SlopeStatistics:
