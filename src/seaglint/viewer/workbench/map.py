@@ -26,7 +26,9 @@ _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
     """Return the picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and a colour bar."""
     values = picture.radiance if quantity == "radiance" else picture.temperature
-    scale = scale_of(values, depression=picture.depression)
+    whole, own = scale_of(picture.radiance), scale_of(picture.radiance, depression=picture.depression)
+    # Radiance decides for both pictures whether the sky goes beyond the scale.
+    scale = scale_of(values, depression=picture.depression if (own.low, own.high) != (whole.low, whole.high) else None)
     rows, columns = values.shape
     width = _WIDTH - _LEFT - _RIGHT
     x, y, names = _axes(picture)
