@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs import recording_of, request_of
+from seaglint.api.judged_study import judged_record, numbers_of, quiet
 from seaglint.api.result_record import ResultRecord
 from seaglint.base.parameters import documented
 from seaglint.studies.detect.requests import DesignRequest, RecordingRequest
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
     from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import Recording
     from seaglint.base.conventions import Progress
     from seaglint.files.recording import RawLayout
     from seaglint.scenario.model import Scenario
-    from seaglint.studies.detect.study import Study
 
 
 @documented(RecordingRequest)
@@ -168,13 +165,6 @@ def detect(
     return function(source, **{name: given[name] for name in names})
 
 
-def numbers_of(values: float | Sequence[float] | None) -> tuple[float, ...] | None:
-    """Return one number or several as a tuple."""
-    import numpy as np
-
-    return None if values is None else tuple(float(value) for value in np.atleast_1d(np.asarray(values, float)))
-
-
 def _angle(pixel_mrad: float) -> tuple[float, float]:
     """Return the angle of a pixel [mrad] between rows and between columns [deg]."""
     from math import degrees
@@ -184,28 +174,3 @@ def _angle(pixel_mrad: float) -> tuple[float, float]:
     if not 0 < pixel_mrad < 1000:
         raise DataError(f"pixel_mrad = {pixel_mrad:g}: give an angle above 0 and below 1000 mrad")
     return (degrees(1e-3 * pixel_mrad),) * 2
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Leave out NumPy's warnings of numbers that do not exist: the result says what is absent and why."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        yield
-
-
-def judged_record(study: Study, values: Mapping[str, Any], unit: str) -> ResultRecord:
-    """Return the results of a study as a record."""
-
-    def draw() -> Figure:
-        from seaglint.plot.detection_study import draw_characteristic
-
-        first = study.good[0].done
-        return draw_characteristic(first.roc, first.rows, unit)
-
-    def html() -> str:
-        from seaglint.studies.detect.performance import shown
-
-        return shown(values, values["notes"]) if "sweep" in values else study._repr_html_()
-
-    return ResultRecord(values, draw=draw, html=html, title="study of detection")

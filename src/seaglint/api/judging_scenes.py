@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs import request_of, scenario_of, team_of
-from seaglint.api.judging import judged_record, numbers_of, quiet
+from seaglint.api.judged_study import judged_record, numbers_of, quiet
 from seaglint.api.result_record import ResultRecord
 from seaglint.base.parameters import documented
 from seaglint.studies.detect.requests import DesignRequest, RangeRequest, SceneRequest
