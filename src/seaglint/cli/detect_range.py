@@ -60,7 +60,8 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         say = log if run.show is not ProgressMode.NONE else (lambda text: None)
         for case in cases:
             for bearing in bearings:
-                one = detection_range(case.scenario, with_case(wanted, case), asked, parts, bearing_deg=bearing, say=say)
+                own = replace(asked, detectors=()) if "detector" in case.parameters else asked
+                one = detection_range(case.scenario, with_case(wanted, case), own, parts, bearing_deg=bearing, say=say)
                 found.append(replace(one, parameters=case.parameters))
         _show(found, results, files)
         if kept:
@@ -74,6 +75,7 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
     from seaglint.files.tables.rows import write_rows
     from seaglint.files.text_file import write_json
     from seaglint.plot.detection_study import draw_ranges
+    from seaglint.studies.detect.detector_choice import told_choice
 
     result = {"ranges": [one.as_dict() for one in found]}
     if files is not None:
@@ -89,6 +91,9 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
         place = "" if one.bearing_deg is None else f"{one.bearing_deg:g} deg from the Sun: "
         low, high = one.range_interval_m
         reached = one.note if one.range_m is None else f"detected with P_d {one.p_d:g} to {one.range_m:.0f} m ({low:.0f} to {high:.0f})"
-        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}")
+        by = f" by {one.detector}" if one.range_m is not None and "detector" not in one.parameters else ""
+        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}{by}")
+        if one.tried:
+            typer.echo(f"  {told_choice([entry for entry in one.tried if entry.range_m == one.tried[-1].range_m], one.p_d)}")
         for warning in one.warnings:
             typer.echo(f"  note: {warning}")
