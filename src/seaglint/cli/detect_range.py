@@ -28,7 +28,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
 
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.messages import files_read, log
+    from seaglint.cli.terminal.messages import files_read, log, say_air
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.detection_parts import parts_folder
     from seaglint.files.outputs import refuse_existing
@@ -36,6 +36,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     from seaglint.studies.detect.range_search import detection_range
     from seaglint.studies.detect.study import with_case
     from seaglint.studies.detect.varied_cases import cases_of
+    from seaglint.studies.prepare.air_contrast import RANGES
 
     path, wanted = Path(request.source), request.scene_options()
     show_logs(quiet=run.show is ProgressMode.NONE)
@@ -49,6 +50,8 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     if base is not None:
         refuse_existing(base.with_name(f"{base.name}_range.png"), overwrite=replace_all, inputs=inputs)
     asked = request.range_options([item.name for item in cases[0].scenario.objects or ()])
+    near, far = asked.limits
+    say_air(cases[0].scenario, [at for at in RANGES if near <= at <= far] or asked.limits)
     bearings: list[float | None] = [None] if request.bearings is None else list(request.bearings)
     found: list[DetectionRange] = []
     with (
