@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.designer import Design
     from seaglint.studies.detect.performance import DetectionOptions
 
-TRIED: Final = ("matched", "matched-global", "ca-cfar", "top-hat")
+TRIED: Final = ("matched", "matched-global", "matched-local", "ca-cfar", "top-hat")
 """Detectors that are tried where none is stated; each looks at one frame, so that all of them share the frames."""
 
 INJECTIONS: Final = 120

@@ -76,7 +76,7 @@ class AirContrast:
 
         Examples
         --------
-        >>> print(AirContrast(294.15, 288.15, 6.0, (5000.0,), (0.4,), "boat", False, True).line)
+        >>> print(AirContrast(294.2, 288.15, 6.05, (5000.0,), (0.4,), "boat", False, True).line)
         air at 10 m 294.2 K, 6.0 K above the water; it leaves 40 % of a contrast at 5 km (boat); to state it: atmosphere.air_minus_sea_k
         """
         unstated = [
