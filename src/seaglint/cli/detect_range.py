@@ -28,7 +28,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
 
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.messages import files_read, log
+    from seaglint.cli.terminal.messages import files_read, log, say_air
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.detection_parts import parts_folder
     from seaglint.files.outputs import refuse_existing
@@ -36,6 +36,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     from seaglint.studies.detect.range_search import detection_range
     from seaglint.studies.detect.study import with_case
     from seaglint.studies.detect.varied_cases import cases_of
+    from seaglint.studies.prepare.air_contrast import RANGES
 
     path, wanted = Path(request.source), request.scene_options()
     show_logs(quiet=run.show is ProgressMode.NONE)
@@ -49,6 +50,8 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     if base is not None:
         refuse_existing(base.with_name(f"{base.name}_range.png"), overwrite=replace_all, inputs=inputs)
     asked = request.range_options([item.name for item in cases[0].scenario.objects or ()])
+    near, far = asked.limits
+    say_air(cases[0].scenario, [at for at in RANGES if near <= at <= far] or asked.limits)
     bearings: list[float | None] = [None] if request.bearings is None else list(request.bearings)
     found: list[DetectionRange] = []
     with (
@@ -60,7 +63,8 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         say = log if run.show is not ProgressMode.NONE else (lambda text: None)
         for case in cases:
             for bearing in bearings:
-                one = detection_range(case.scenario, with_case(wanted, case), asked, parts, bearing_deg=bearing, say=say)
+                own = replace(asked, detectors=()) if "detector" in case.parameters else asked
+                one = detection_range(case.scenario, with_case(wanted, case), own, parts, bearing_deg=bearing, say=say)
                 found.append(replace(one, parameters=case.parameters))
         _show(found, results, files)
         if kept:
@@ -74,6 +78,7 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
     from seaglint.files.tables.rows import write_rows
     from seaglint.files.text_file import write_json
     from seaglint.plot.detection_study import draw_ranges
+    from seaglint.studies.detect.detector_choice import told_choice
 
     result = {"ranges": [one.as_dict() for one in found]}
     if files is not None:
@@ -89,6 +94,9 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
         place = "" if one.bearing_deg is None else f"{one.bearing_deg:g} deg from the Sun: "
         low, high = one.range_interval_m
         reached = one.note if one.range_m is None else f"detected with P_d {one.p_d:g} to {one.range_m:.0f} m ({low:.0f} to {high:.0f})"
-        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}")
+        by = f" by {one.detector}" if one.range_m is not None and "detector" not in one.parameters else ""
+        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}{by}")
+        if one.tried:
+            typer.echo(f"  {told_choice([entry for entry in one.tried if entry.range_m == one.tried[-1].range_m], one.p_d)}")
         for warning in one.warnings:
             typer.echo(f"  note: {warning}")

@@ -44,6 +44,8 @@ def mean(
 
     with naming_file(request.scenario, loaded):
         dataset = mean_map(loaded)
+    if "air_note" in dataset.attrs:
+        log(dataset.attrs["air_note"])
     write_netcdf(dataset, output, overwrite=request.overwrite)
     log(f"{output} written")
     if preview:

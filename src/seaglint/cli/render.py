@@ -13,7 +13,7 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import remedy
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.sensor import line as counts_line
-from seaglint.cli.terminal.messages import files_read, log, naming_file
+from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air
 from seaglint.cli.terminal.options import PreviewScale, ShardOption, place_given
 from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
 from seaglint.cli.terminal.progress import ProgressMode
@@ -92,6 +92,8 @@ def render(
         from seaglint.studies.sequence.render_sequence import render as render_radiance
 
         render_sequence = render_radiance
+    if run.show is not ProgressMode.NONE:
+        say_air(loaded)
     with naming_file(file, loaded), run.chosen() as others, progress(run.show, "frames") as report:
         more: dict[str, Any] = {"share": share} if share is not None else {}
         more |= {"workers": others} if others is not None else {}

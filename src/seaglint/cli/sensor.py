@@ -137,6 +137,8 @@ def sensor(
         refuse_existing(plot, overwrite=overwrite, inputs=files_read(scenario, loaded))
     with naming_file(scenario, loaded):
         described = describe_sensor(loaded, frequency or ())
+    if described.air is not None and described.air.line is not None:
+        log(described.air.line)
     if plot is not None:
         from seaglint.plot.sensor_figure import write_sensor_plot
 

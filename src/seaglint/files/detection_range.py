@@ -33,7 +33,14 @@ class RangePoint:
     background_sigma : float or None
         Standard deviation of the statistic without objects; None where nothing was judged.
     background : str or None
-        What the object is seen against: sea, horizon or sky, whose rows nearby give the statistics; None where nothing was judged.
+        Rows whose statistics are taken: sea, sky, or those about the horizon; None where nothing was judged.
+    horizon_rows : int or None
+        Rows from the object up to the horizon, below 0 down to it; 0 where it lies behind the object, None where it is not among the
+        rows drawn, or nothing was judged [px].
+    window_rows : int or None
+        Rows above and below a pixel at which the detector looks [px]; None for whole frames, or where nothing was judged.
+    detector : str or None
+        Detector judged; None where nothing was judged.
     """
 
     range_m: float
@@ -46,16 +53,42 @@ class RangePoint:
     believed: bool | None = None
     background_sigma: float | None = None
     background: str | None = None
+    horizon_rows: int | None = None
+    window_rows: int | None = None
+    detector: str | None = None
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text; of a range at which nothing was judged without what judging gives."""
-        judged = ("believed", "background_sigma", "background")
+        judged = ("believed", "background_sigma", "background", "horizon_rows", "window_rows", "detector")
         return {name: value for name, value in asdict(self).items() if name not in judged or value is not None}
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
         """Return the point that :meth:`as_dict` wrote."""
         return cls(**stored)
+
+
+@dataclass(frozen=True)
+class TriedDetector:
+    """Detector that was tried at one range, before the search.
+
+    Attributes
+    ----------
+    detector : str
+        Name of the detector.
+    range_m : float
+        Range [m].
+    contrast_margin : float or None
+        Contrast of the object, at the mean share that waves leave in view, over that which the detector needs for the wanted P_d at the
+        wanted rate of false alarms [1]; None where it cannot be judged.
+    note : str or None
+        Why it cannot be judged.
+    """
+
+    detector: str
+    range_m: float
+    contrast_margin: float | None
+    note: str | None = None
 
 
 @dataclass(frozen=True)
@@ -84,6 +117,10 @@ class DetectionRange:
         Why the range is to be doubted.
     first_estimate_m : float or None
         Range by the Gaussian law, before any frame was searched [m].
+    detector : str or None
+        Detector of this range.
+    tried : list of TriedDetector
+        Detectors among which it was chosen, in the order in which they were tried; empty where it was stated.
     """
 
     object: str
@@ -96,6 +133,8 @@ class DetectionRange:
     parameters: TableRow = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     first_estimate_m: float | None = None
+    detector: str | None = None
+    tried: list[TriedDetector] = field(default_factory=list)
 
     @property
     def named(self) -> str:
@@ -106,7 +145,8 @@ class DetectionRange:
         """Return the row of a tidy table: what was varied first."""
         low, high = self.range_interval_m
         found = {"object": self.object, "bearing_deg": self.bearing_deg, "p_d": self.p_d, "range_m": self.range_m}
-        return {**self.parameters, **found, "range_low_m": low, "range_high_m": high, "note": self.note}
+        named = {} if "detector" in self.parameters else {"detector": self.detector}
+        return {**self.parameters, **found, "range_low_m": low, "range_high_m": high, "note": self.note, **named}
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""

@@ -111,6 +111,15 @@ def log_notes(path: object, recording: Recording) -> None:
         log(f"{path}: {note}")
 
 
+def say_air(scenario: Scenario, ranges: Sequence[float] | None = None) -> None:
+    """Print how warm the air is over the water and what it leaves of a contrast, where the scenario does not state both temperatures."""
+    from seaglint.studies.prepare.air_contrast import air_line
+
+    line = air_line(scenario, ranges)
+    if line is not None:
+        log(line)
+
+
 def tell(lines: Iterable[str]) -> None:
     """Print lines of a result for people, on stdout."""
     typer.echo(printable("\n".join(lines)))

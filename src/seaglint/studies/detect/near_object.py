@@ -14,6 +14,7 @@ from seaglint.detection.sources import FrameSource, PlainFrames
 if TYPE_CHECKING:
     from seaglint.detection.counting import Counting
     from seaglint.detection.interface import Frames
+    from seaglint.detection.spot import SpotShape
     from seaglint.studies.detect.scene_frames import IndependentSeas
 
 Background = Literal["sea", "horizon", "sky"]
@@ -88,6 +89,45 @@ def less_row_means(frames: Frames) -> Frames:
     return np.asarray(wide - np.nanmean(wide, axis=2, keepdims=True), np.float32)
 
 
+def rows_to_horizon(seas: IndependentSeas, row: int, extent: int) -> int | None:
+    """Return the rows from an object up to the horizon, below 0 down to it [px].
+
+    Parameters
+    ----------
+    seas : IndependentSeas
+        Scene whose rows are known.
+    row, extent : int
+        Row of the object, and rows above and below it that the object fills [px].
+
+    Returns
+    -------
+    int or None
+        0 where a row of the object is neither sea nor sky alone; None where all rows are like the object's.
+    """
+    rows = seas.size[0]
+    high, low, dip = _elevations(seas)
+    at = min(max(row, 0), rows - 1)
+    for like, sign in ((high < -dip, 1), (low > -dip, -1)):
+        if like[max(at - extent, 0) : at + extent + 1].all():
+            others = np.flatnonzero(~like)
+            return sign * int(np.abs(others - at).min()) if others.size else None
+    return 0
+
+
+def half_height(shape: SpotShape) -> int:
+    """Return the rows above and below its middle in which an object has a tenth of its peak or more [px]."""
+    stamp = np.abs(np.asarray(shape.stamps(np.zeros((1, 2)))[0], np.float64))
+    rows = np.flatnonzero(stamp.max(axis=1) >= 0.1 * stamp.max())
+    return int(np.abs(rows - stamp.shape[0] // 2).max())
+
+
+def _elevations(seas: IndependentSeas) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return the highest and the lowest elevation in each row, and the dip of the horizon [deg]."""
+    elevation = np.asarray(seas.directions[1])
+    high, low = (elevation, elevation) if elevation.ndim == 1 else (elevation.max(axis=1), elevation.min(axis=1))
+    return high, low, math.degrees(math.sqrt(2.0 * max(seas.scenario.sensor.height_m, 0.0) / EFFECTIVE_EARTH_RADIUS))
+
+
 def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Background, int, int]:
     """Return what lies around a row of the picture, and the first and end of the rows that are like it.
 
@@ -96,9 +136,7 @@ def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Backgroun
     it, and where fewer than :data:`FEWEST` rows are alike.
     """
     rows = seas.size[0]
-    elevation = np.asarray(seas.directions[1])
-    high, low = (elevation, elevation) if elevation.ndim == 1 else (elevation.max(axis=1), elevation.min(axis=1))
-    dip = math.degrees(math.sqrt(2.0 * max(seas.scenario.sensor.height_m, 0.0) / EFFECTIVE_EARTH_RADIUS))
+    high, low, dip = _elevations(seas)
     apart = MARGIN * seas.pixel_deg[0]
     at = min(max(row, 0), rows - 1)
     window = np.zeros(rows, dtype=bool)

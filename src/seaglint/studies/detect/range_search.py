@@ -3,31 +3,33 @@
 from __future__ import annotations
 
 import hashlib
-import itertools
 import math
 import pickle
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.filters import Unfiltered
 from seaglint.detection.design import by_windows
 from seaglint.detection.level import Rescaled
+from seaglint.detection.sources import FrameSource
 from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import DetectionRange, RangePoint
+from seaglint.files.detection_range import DetectionRange, RangePoint, TriedDetector
 from seaglint.scenario.middle import middle_of
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.sun import sun_position
 from seaglint.studies.detect.designer import Design, rate_threshold
+from seaglint.studies.detect.detector_choice import LARGEST, best_of, told_choice, tried_detectors
 from seaglint.studies.detect.first_estimate import COLUMNS, estimated_p_d
 from seaglint.studies.detect.injected import Seen, seen_object
-from seaglint.studies.detect.near_object import AROUND, NearRows, background_of
-from seaglint.studies.detect.performance import detect
+from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, rows_to_horizon
+from seaglint.studies.detect.performance import DetectionOptions, detect
+from seaglint.studies.detect.placed_object import placed_at
+from seaglint.studies.detect.range_doubts import doubts
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
@@ -36,6 +38,12 @@ PRECISION: Final = 0.04
 
 ESTIMATED: Final = 0.12
 """Share of the range at which its first estimate ends."""
+
+ALIKE: Final = 1.6
+"""Margin of contrast, or its inverse, up to which a list of detectors is not tried again: 1.2 in range."""
+
+ROUNDS: Final = 3
+"""Ranges at which a list of detectors is tried at most."""
 
 STEP: Final = 1.25
 """Factor by which the frames look to either side of the first estimate."""
@@ -61,12 +69,15 @@ class RangeOptions:
         P_d at which the object counts as detected, and at which rate of false alarms.
     precision : float
         Share of the range at which the bisection ends [1].
+    detectors : tuple of str
+        Detectors among which the best is chosen at the first estimate; where there is none, the one of the options is taken.
     """
 
     name: str
     limits: tuple[float, float] = (500.0, 40_000.0)
     design: Design = field(default_factory=Design)
     precision: float = PRECISION
+    detectors: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         near, far = self.limits
@@ -76,46 +87,67 @@ class RangeOptions:
             raise DomainError(f"precision = {self.precision:g} is not between 0 and 1; it is a share of the range, e.g. 0.04")
 
 
-def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float | None) -> Scenario:
-    """The scenario with the object at a range along the line of sight, in the middle of the picture.
+@dataclass(frozen=True)
+class _Placed:
+    """An object at one range, and the frames of the rows near it.
 
-    Parameters
+    Attributes
     ----------
-    scenario : Scenario
-        With a sensor that stands.
-    name : str
-        Of the object; it stays there, whatever its course.
-    range_m : float
-        Along the sea [m].
-    bearing_deg : float, optional
-        Of object and line of sight from the Sun's azimuth, clockwise [deg]; the sensor's own azimuth where nothing is said.
+    near : FrameSource
+        Frames without the object, with their sign turned where it is dark.
+    options : DetectionOptions
+        With the object's shape, in its rows.
+    seen : Seen
+        The object.
+    shares : ndarray
+        Share of it that each sea leaves in view [1].
+    background : {"sea", "horizon", "sky"}
+        Rows whose statistics are taken.
+    horizon_rows : int or None
+        Rows from the object to the horizon [px].
+    frames : str
+        Name of the kept frames.
+    """
+
+    near: FrameSource
+    options: DetectionOptions
+    seen: Seen
+    shares: FloatArray
+    background: Background
+    horizon_rows: int | None
+    frames: str
+
+
+def _placed(whole: Scenario, wanted: SceneOptions, name: str, parts: Parts) -> _Placed:
+    """Draw the object, and the seas about it unless they are kept.
 
     Raises
     ------
     DataError
-        No such object, or a sensor that moves.
+        Nothing of it is seen, or it is hidden in all seas.
     """
-    if scenario.platform is not None:
-        raise DataError("the range of detection is that of a sensor that stands; leave [platform] out")
-    found = [item for item in scenario.objects or () if item.name == name]
-    if not found:
-        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
-        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
-    sensor = scenario.sensor
-    azimuth = sensor.azimuth_deg
-    if bearing_deg is not None:
-        azimuth = (math.degrees(sun_position(scenario).azimuth) + bearing_deg) % 360.0
-    towards = math.radians(azimuth)
-    item = found[0]
-    height = item.height_m if item.height_m is not None else 0.0
-    drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
-    elevation = math.degrees(math.atan2(height - sensor.height_m - drop, range_m))
-    rest = {"track": None, "keyframes": None, "course_deg": None, "speed_m_s": None, "latitude_deg": None, "longitude_deg": None}
-    heading = item.heading_deg if item.heading_deg is not None else item.course_deg
-    place = {"east_m": range_m * math.sin(towards), "north_m": range_m * math.cos(towards), "heading_deg": heading}
-    moved = item.model_copy(update={**rest, **place})
-    looking = sensor.model_copy(update={"azimuth_deg": azimuth, "elevation_deg": elevation})
-    return scenario.model_copy(update={"objects": (moved,), "sensor": looking})
+    scene, seen = seen_nearby(whole, name)
+    seas = IndependentSeas.of(scene)
+    shares = seen.visible_shares(wanted.seas, seas)
+    if not shares.any():
+        raise DataError(f"object '{name}' is hidden behind waves in all of {wanted.seas} seas")
+    length = lead_of(wanted.options, seen.shape) + 1
+    kept = frames_key(scene, length)
+    source = SceneFrames(seas, parts.frames(kept), length)
+    source.grow(wanted.seas)
+    background, first, end = background_of(seas, round(seen.row), seen.shape.half)
+    near = NearRows(source, first, end)
+    row = round(seen.row) - first
+    objects = replace(wanted.options.objects, shape=seen.shape, only_rows=(row - ROWS, row + ROWS + 1))
+    options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
+    horizon = rows_to_horizon(seas, round(seen.row), half_height(seen.shape))
+    return _Placed(Rescaled(near, -1.0) if seen.contrast < 0 else near, options, seen, shares, background, horizon, kept)
+
+
+def _key(kind: str, whole: Scenario, wanted: SceneOptions, asked: RangeOptions) -> str:
+    """Return the name of a kept part: what it is of, and a digest of all that it depends on."""
+    content = (whole.model_dump_json(), wanted, asked.design, *([asked.detectors] if kind == "choice" else []))
+    return f"{kind}-{hashlib.sha256(pickle.dumps(content, protocol=5)).hexdigest()[:16]}"
 
 
 def p_d_at(
@@ -127,52 +159,64 @@ def p_d_at(
     them of that at the share's part of the contrast.
     """
     whole = placed_at(scenario, asked.name, range_m, bearing)
-    key = hashlib.sha256(pickle.dumps((whole.model_dump_json(), wanted, asked.design), protocol=5)).hexdigest()[:16]
-    kept = parts.case(f"range-{key}")
+    key = _key("range", whole, wanted, asked)
+    kept = parts.case(key)
     if kept is not None:
         return RangePoint.of(kept)
     try:
-        scene, seen = seen_nearby(whole, asked.name)
+        placed = _placed(whole, wanted, asked.name, parts)
     except DataError as error:
         point = RangePoint(range_m, note=str(error))
     else:
-        seas = IndependentSeas.of(scene)
-        shares = seen.visible_shares(wanted.seas, seas)
-        if not shares.any():
-            point = RangePoint(range_m, note=f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas")
-            parts.keep_case(f"range-{key}", point.as_dict())
-            return point
-        length = lead_of(wanted.options, seen.shape) + 1
-        name = frames_key(scene, length)
-        source = SceneFrames(seas, parts.frames(name), length)
-        source.grow(wanted.seas)
-        background, first, end = background_of(seas, round(seen.row), seen.shape.half)
-        near = NearRows(source, first, end)
-        row = round(seen.row) - first
-        levels, weights = levels_of(shares)
-        contrasts = tuple(float(abs(seen.contrast) * level) for level in levels)
-        objects = replace(wanted.options.objects, shape=seen.shape, contrasts=contrasts, only_rows=(row - ROWS, row + ROWS + 1))
-        options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
-        found = detect(Rescaled(near, -1.0) if seen.contrast < 0 else near, options, name=asked.name)
+        levels, weights = levels_of(placed.shares)
+        contrasts = tuple(float(abs(placed.seen.contrast) * level) for level in levels)
+        options = replace(placed.options, objects=replace(placed.options.objects, contrasts=contrasts))
+        found = detect(placed.near, options, name=asked.name, locate=False)
         at = rate_threshold(found, asked.design)
         rates = [by_windows(scores, at.sigma, options.level) for scores in found.trials.scores]
-        p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, shares.size)
+        p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, placed.shares.size)
         dark = "darker than what is behind it: the detector looks for dark objects"
         point = RangePoint(
             range_m,
             p_d,
             ends,
-            visible_share=float(shares.mean()),
-            contrast_pixel=seen.contrast,
+            visible_share=float(placed.shares.mean()),
+            contrast_pixel=placed.seen.contrast,
             threshold_sigma=at.sigma,
-            note=dark if seen.contrast < 0 else None,
+            note=dark if placed.seen.contrast < 0 else None,
             believed=at.believed,
             background_sigma=found.background[1],
-            background=background,
+            background=placed.background,
+            horizon_rows=placed.horizon_rows,
+            window_rows=found.detector.reach,
+            detector=options.detector,
         )
-        parts.forget_frames(name)
-    parts.keep_case(f"range-{key}", point.as_dict())
+        parts.forget_frames(placed.frames)
+    parts.keep_case(key, point.as_dict())
     return point
+
+
+def tried_at(
+    scenario: Scenario, wanted: SceneOptions, asked: RangeOptions, range_m: float, bearing: float | None, parts: Parts
+) -> list[TriedDetector]:
+    """Margins of the detectors among which one is chosen, at one range; the frames are kept for its P_d.
+
+    Raises
+    ------
+    DataError
+        Nothing of the object is seen.
+    """
+    whole = placed_at(scenario, asked.name, range_m, bearing)
+    key = _key("choice", whole, wanted, asked)
+    kept = parts.case(key)
+    if kept is not None:
+        return [TriedDetector(**one) for one in kept["tried"]]
+    placed = _placed(whole, with_detector(wanted, asked.detectors[0], keep_filter=True), asked.name, parts)
+    visible = float(placed.shares[placed.shares > 0.0].mean())
+    contrast = abs(placed.seen.contrast) * visible
+    tried = tried_detectors(asked.detectors, placed.near, placed.options, contrast, asked.design, range_m)
+    parts.keep_case(key, {"tried": [asdict(one) for one in tried]})
+    return tried
 
 
 def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
@@ -243,6 +287,50 @@ def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | Non
     return math.sqrt(near * far)
 
 
+@dataclass(frozen=True)
+class Choice:
+    """Detector that was chosen, the range at which it was tried last [m], and all that were tried."""
+
+    detector: str
+    range_m: float
+    tried: list[TriedDetector]
+
+
+def choose(
+    scenario: Scenario,
+    wanted: SceneOptions,
+    asked: RangeOptions,
+    estimate: float,
+    bearing: float | None,
+    parts: Parts,
+    say: Callable[[str], None],
+) -> Choice:
+    """Choose a detector by its margin of contrast at an estimate of the range.
+
+    Where even the best has a margin beyond :data:`ALIKE`, its range is elsewhere and others may be better there: the contrast is taken to
+    fall with the 2.5th power of the range, and the list is tried again at the range that follows, twice at most. Where nothing of the
+    object is seen, at half the range.
+    """
+    near, far = asked.limits
+    at, tried = estimate, []
+    best = TriedDetector(asked.detectors[0], at, None)
+    for _ in range(ROUNDS):
+        try:
+            now = tried_at(scenario, wanted, asked, at, bearing, parts)
+        except DataError:
+            now, margin = [], 1.0 / LARGEST
+        else:
+            say(f"{asked.name}: {told_choice(now, asked.design.p_d)}")
+            tried += now
+            best = best_of(now)
+            margin = best.contrast_margin or 1.0 / LARGEST
+        following = min(max(at * min(max(margin**0.4, 0.5), 2.0), near), far)
+        if 1.0 / ALIKE <= margin <= ALIKE or following == at:
+            break
+        at = following
+    return Choice(best.detector, best.range_m, tried)
+
+
 def detection_range(
     scenario: Scenario,
     wanted: SceneOptions,
@@ -255,7 +343,8 @@ def detection_range(
     """Range up to which an object is detected.
 
     P_d is taken to fall with the range. A first estimate, by the Gaussian law, says where frames begin to look; from there they go out
-    until P_d is above and below what is wanted, and bisect the logarithm of the range between. The ends are the interval told.
+    until P_d is above and below what is wanted, and bisect the logarithm of the range between. The ends are the interval told. Where
+    ``asked`` names several detectors, the best of them at the estimate is taken, and frames look out from where it was chosen.
 
     Returns
     -------
@@ -280,9 +369,14 @@ def detection_range(
         "frames refine it"
     )
     low, high = max(near, estimate / STEP), min(far, estimate * STEP)
+    tried_first: list[TriedDetector] = []
+    if asked.detectors:
+        chosen = choose(scenario, wanted, asked, estimate, bearing_deg, parts, say)
+        wanted, tried_first, low = with_detector(wanted, chosen.detector, keep_filter=True), chosen.tried, chosen.range_m
+        high = min(far, low * STEP)
     try:
         while rate(low) < goal and low > near:
-            low, high = max(near, low / STEP**2), low
+            low, high = max(near, low / (STEP if tried_first else STEP**2)), low
         if points[-1].p_d < goal:
             ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m{_why(points[-1])}"
         else:
@@ -303,13 +397,25 @@ def detection_range(
         ends, note = [low, high], f"between {low:.0f} and {high:.0f} m: {error}"
     tried = sorted(points, key=lambda point: point.range_m)
     doubtful = doubts(tried, ends)
-    if middle_of_ends is not None and 2.0 * middle_of_ends <= asked.limits[1]:
+    if not tried_first and middle_of_ends is not None and 2.0 * middle_of_ends <= asked.limits[1]:
         other = "top-hat" if wanted.options.detector != "top-hat" else "matched"
         twice = p_d_at(scenario, with_detector(wanted, other), asked, 2.0 * middle_of_ends, bearing_deg, parts)
         say(f"{asked.name} at {twice.range_m:.0f} m, {other}: P_d {twice.p_d:.3g}")
         if twice.p_d >= goal:
             doubtful.append(f"{other} still detects it with P_d {twice.p_d:.3g} at twice that range, {twice.range_m:.0f} m")
-    return DetectionRange(asked.name, bearing_deg, goal, middle_of_ends, note, ends, tried, warnings=doubtful, first_estimate_m=estimate)
+    return DetectionRange(
+        asked.name,
+        bearing_deg,
+        goal,
+        middle_of_ends,
+        note,
+        ends,
+        tried,
+        warnings=doubtful,
+        first_estimate_m=estimate,
+        detector=wanted.options.detector,
+        tried=tried_first,
+    )
 
 
 def _why(point: RangePoint) -> str:
@@ -319,33 +425,7 @@ def _why(point: RangePoint) -> str:
     return f", where its contrast is {abs(point.contrast_pixel) / point.background_sigma:.2g} standard deviations of the background"
 
 
-def with_detector(wanted: SceneOptions, name: str) -> SceneOptions:
-    """Return the settings with another detector, and no filter before it."""
-    return replace(wanted, options=replace(wanted.options, detector=name, filter=Unfiltered()))
-
-
-def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
-    """Return why a range is to be doubted: P_d that rises with the range, thresholds beyond belief, what lies behind the object.
-
-    Examples
-    --------
-    >>> near, far = RangePoint(500.0, 0.2, [0.1, 0.3]), RangePoint(900.0, 0.8, [0.7, 0.9])
-    >>> doubts([near, far], [0.0, 500.0])
-    ['P_d is 0.2 at 500 m and 0.8 at 900 m: it rises with the range, and the range found is one of several']
-    """
-    out = []
-    for near, far in itertools.pairwise(tried):
-        if near.p_d_interval is not None and far.p_d_interval is not None and near.p_d_interval[1] < far.p_d_interval[0]:
-            where = f"P_d is {near.p_d:.3g} at {near.range_m:.0f} m and {far.p_d:.3g} at {far.range_m:.0f} m"
-            out.append(f"{where}: it rises with the range, and the range found is one of several")
-            break
-    last = [point for point in tried if point.range_m in ends]
-    if any(point.believed is False for point in last):
-        out.append("the threshold is extrapolated from too few false alarms, and the range with it; give more frames")
-    behind = sorted({point.background for point in last if point.background in ("sky", "horizon")})
-    if behind:
-        before = " and the ".join(map(str, behind))
-        out.append(
-            f"at this range the {before} lies behind the object; the mean of each row was removed, so expect less of a camera that rolls"
-        )
-    return out
+def with_detector(wanted: SceneOptions, name: str, *, keep_filter: bool = False) -> SceneOptions:
+    """Return the settings with another detector, and no filter before it unless it is kept."""
+    before = wanted.options.filter if keep_filter else Unfiltered()
+    return replace(wanted, options=replace(wanted.options, detector=name, filter=before))

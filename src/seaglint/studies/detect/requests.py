@@ -49,7 +49,8 @@ class DetectorRequest:
             python="Detector: threshold, matched, matched-global, matched-local, log, top-hat, max-mean, max-median, patch-image, ca-cfar, "
             "os-cfar, os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or "
             "package.module:function.",
-            detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local; of a range matched.",
+            detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local; of a range the best of "
+            "matched, matched-global, matched-local, ca-cfar and top-hat.",
         ),
     ] = None
     filter: Annotated[
@@ -355,7 +356,7 @@ class RangeRequest(RateRequest, CasesRequest):
 
     @property
     def usual_detector(self) -> str:
-        """Detector where none is named: the matched filter, as the means of the rows near the object are taken off its frames."""
+        """Detector where none is named, of a first estimate: the matched filter; the range itself is that of the best of a short list."""
         return "matched"
 
     def range_options(self, names: list[str]) -> RangeOptions:
@@ -367,6 +368,7 @@ class RangeRequest(RateRequest, CasesRequest):
             No name, and not a single object.
         """
         from seaglint.base.errors import DataError
+        from seaglint.studies.detect.detector_choice import TRIED
         from seaglint.studies.detect.range_search import RangeOptions
 
         name = self.object or (names[0] if len(names) == 1 else None)
@@ -377,4 +379,5 @@ class RangeRequest(RateRequest, CasesRequest):
         if name is None:
             raise DataError(f"a range is that of one object; name it with object=NAME: {', '.join(names)}")
         precision = RangeOptions.precision if self.precision is None else self.precision
-        return RangeOptions(name, self.range_limits or RangeOptions.limits, self.design(), precision)
+        detectors = TRIED if self.detector is None else ()
+        return RangeOptions(name, self.range_limits or RangeOptions.limits, self.design(), precision, detectors)

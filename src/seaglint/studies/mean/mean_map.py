@@ -30,6 +30,7 @@ from seaglint.scenario.records.sea_slopes import SpectrumSlopes
 from seaglint.scenario.records.sea_spectrum import SpectrumFile
 from seaglint.studies.mean.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
 from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.air_contrast import air_line
 from seaglint.studies.prepare.memory import require_mean_memory
 from seaglint.studies.prepare.refraction import bending, require_standard_refraction
 from seaglint.studies.sequence.render_sequence import poses
@@ -109,9 +110,16 @@ def mean(scenario: Scenario) -> xr.Dataset:
             solar_azimuth_deg=math.degrees(view.solar_azimuth),
             atmosphere_table=json.dumps(prepare.atmosphere_provenance(view.atmosphere)),
             **_wave_file(scenario),
+            **_air_note(scenario),
             **band_attributes(view.band),
         ),
     )
+
+
+def _air_note(scenario: Scenario) -> dict[str, str]:
+    """Attribute that says what the air leaves of a contrast, where the scenario does not state air and water."""
+    line = air_line(scenario)
+    return {} if line is None else {"air_note": line}
 
 
 def _wave_file(scenario: Scenario) -> dict[str, str | int]:

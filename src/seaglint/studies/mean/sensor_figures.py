@@ -17,6 +17,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import TABLES
 from seaglint.scenario.records.sensor_detector import PhotonDetector
 from seaglint.studies.mean.mean_map import mean
+from seaglint.studies.prepare.air_contrast import AirContrast, air_contrast
 from seaglint.studies.prepare.sensor_model import platform_rates, sensor_model
 
 MEAN_PIXELS = (24, 12)
@@ -37,16 +38,20 @@ class SensorDescription:
         Scenario as one table.
     from_netd : dict of float
         Key of the detector that follows from the stated NETD, with its value; empty where none does.
+    air : AirContrast or None
+        Air over the water, and what it leaves of a contrast; None where the air's temperature is not known.
     """
 
     seed: int
     sheet: SensorDataSheet
     scenario: JsonObject
     from_netd: dict[str, float] = field(default_factory=dict)
+    air: AirContrast | None = None
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text, as ``seaglint sensor --json`` prints them."""
-        return {"seed": self.seed, **self.sheet.as_dict(), "from_netd": self.from_netd, "scenario": self.scenario}
+        air = None if self.air is None else self.air.as_dict()
+        return {"seed": self.seed, **self.sheet.as_dict(), "from_netd": self.from_netd, "air": air, "scenario": self.scenario}
 
 
 def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> SensorDescription:
@@ -68,7 +73,13 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> Se
     model = sensor_model(scenario)
     rates = platform_rates(scenario, model.exposure_time)
     sheet = figures(model, mean_radiance(scenario), rates, [1e3 * frequency for frequency in frequencies])
-    return SensorDescription(model.seed, sheet, json.loads(scenario.model_dump_json(exclude_none=True)), _from_netd(scenario, model))
+    return SensorDescription(
+        seed=model.seed,
+        sheet=sheet,
+        scenario=json.loads(scenario.model_dump_json(exclude_none=True)),
+        from_netd=_from_netd(scenario, model),
+        air=air_contrast(scenario),
+    )
 
 
 def _from_netd(scenario: Scenario, model: SensorModel) -> dict[str, float]:
