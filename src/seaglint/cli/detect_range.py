@@ -24,7 +24,6 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         What the study refuses.
     """
     import warnings
-    from dataclasses import replace
 
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
@@ -33,12 +32,11 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     from seaglint.files.detection_parts import parts_folder
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.tables.detection_tables import DetectionFiles
-    from seaglint.studies.detect.range_search import detection_range
-    from seaglint.studies.detect.study import with_case
+    from seaglint.studies.detect.range_cases import ranges_of
     from seaglint.studies.detect.varied_cases import cases_of
     from seaglint.studies.prepare.air_contrast import RANGES
 
-    path, wanted = Path(request.source), request.scene_options()
+    path = Path(request.source)
     show_logs(quiet=run.show is ProgressMode.NONE)
     cases = cases_of(path, vary=request.vary or (), table=request.cases, sensor=request.sensor)
     replace_all = run.overwrite or run.resume
@@ -52,8 +50,6 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     asked = request.range_options([item.name for item in cases[0].scenario.objects or ()])
     near, far = asked.limits
     say_air(cases[0].scenario, [at for at in RANGES if near <= at <= far] or asked.limits)
-    bearings: list[float | None] = [None] if request.bearings is None else list(request.bearings)
-    found: list[DetectionRange] = []
     with (
         parts_folder(base, resume=run.resume, overwrite=run.overwrite) as (parts, kept),
         warnings.catch_warnings(),
@@ -61,11 +57,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     ):
         warnings.simplefilter("ignore", RuntimeWarning)
         say = log if run.show is not ProgressMode.NONE else (lambda text: None)
-        for case in cases:
-            for bearing in bearings:
-                own = replace(asked, detectors=()) if "detector" in case.parameters else asked
-                one = detection_range(case.scenario, with_case(wanted, case), own, parts, bearing_deg=bearing, say=say)
-                found.append(replace(one, parameters=case.parameters))
+        found = ranges_of(cases, request, parts, say=say)
         _show(found, results, files)
         if kept:
             parts.remove()

@@ -40,7 +40,8 @@ def ranges_of(
     found = []
     for case in cases:
         judged = with_case(options, case)
+        tried = replace(searched, detectors=()) if "detector" in case.parameters else searched
         for bearing in bearings:
-            one = detection_range(case.scenario, judged, searched, parts, bearing_deg=bearing, say=say)
+            one = detection_range(case.scenario, judged, tried, parts, bearing_deg=bearing, say=say)
             found.append(replace(one, parameters=case.parameters))
     return found
