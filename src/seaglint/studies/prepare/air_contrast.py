@@ -87,7 +87,7 @@ class AirContrast:
         difference = self.air_minus_water_k
         above = f"{abs(difference):.1f} K {'above' if difference >= 0.0 else 'below'} the water"
         shares = ", ".join(f"{100.0 * share:.2g} %" for share in self.contrast_left)
-        ranges = ", ".join(f"{1e-3 * at:.3g}" for at in self.ranges_m)
+        ranges = ", ".join(f"{1e-3 * at:.2g}" for at in self.ranges_m)
         place = f" ({self.place})" if self.place else ""
         it = "it" if len(unstated) == 1 else "them"
         return (
