@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         render,
         sense,
         sensor,
+        sweep,
     )
     from seaglint.version import __version__
 
@@ -43,6 +44,7 @@ __all__ = [
     "render",
     "sense",
     "sensor",
+    "sweep",
 ]
 
 

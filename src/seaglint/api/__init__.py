@@ -21,6 +21,7 @@ from seaglint.api.many import dataset, ensemble
 from seaglint.api.runs import export, render, sense, sensor
 from seaglint.api.scenes import image, load, mean
 from seaglint.api.statistics import analyze, apparent_temperature
+from seaglint.api.sweeps import sweep
 
 __all__ = [
     "analyze",
@@ -37,4 +38,5 @@ __all__ = [
     "render",
     "sense",
     "sensor",
+    "sweep",
 ]

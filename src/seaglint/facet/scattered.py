@@ -323,6 +323,8 @@ class ScatteredSun:
 
     def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Scattered sunlight of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
+        if elevation.size == 0:  # the table takes longer than all that a view of the sea alone needs
+            return np.zeros((0, azimuth.size))
         return self.view.sun_distance_factor * sky_map(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)
 
     def above_along(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:

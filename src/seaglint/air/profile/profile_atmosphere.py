@@ -134,6 +134,7 @@ class ProfileAtmosphere(ClearAir):
         self._paths: dict[float, _Paths] = {}
         self._skies: dict[float, CubicSpline[np.float64]] = {}
         self._suns: dict[float, CubicSpline[np.float64]] = {}
+        self._scatterers: dict[tuple[int | None, int | None, int | None], ScatteringAir] = {}
 
     def _ray(self, height: float, zenith: float) -> RaySpectra:
         return (self.sums.along if self.levels == "continuous" else self.sums.in_layers)(height, zenith)
@@ -144,8 +145,13 @@ class ProfileAtmosphere(ClearAir):
         return self.sums.index
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the channels."""
-        return None if self._scattering is None else self._scattering(grid)
+        """Scatterers on part of the channels; the same object for the same part."""
+        if self._scattering is None:
+            return None
+        part = (grid.start, grid.stop, grid.step)
+        if part not in self._scatterers:
+            self._scatterers[part] = self._scattering(grid)
+        return self._scatterers[part]
 
     def _sea_paths(self, height: float) -> _Paths:
         """Spline of encoded depth and air temperature, side by side, of the paths from the sea to a height."""
