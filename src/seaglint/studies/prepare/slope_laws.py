@@ -15,6 +15,7 @@ from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.studies.prepare.wave_spectra import spectrum
 
 log = logging.getLogger(__name__)
@@ -26,7 +27,12 @@ FEW_SLOPES: Final = 0.6
 def slopes(scenario: Scenario) -> SlopeStatistics:
     """Slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction at all."""
     made, waves = _law(scenario), spectrum(scenario)
-    return made if waves is None or made.is_isotropic else nested_in(made, waves)
+    return made if waves is None or made.is_isotropic else _nested(made, waves)
+
+
+@lru_cache(maxsize=256)
+def _nested(made: SlopeStatistics, waves: DirectionalSpectrum) -> SlopeStatistics:
+    return nested_in(made, waves)
 
 
 def _law(scenario: Scenario) -> SlopeStatistics:

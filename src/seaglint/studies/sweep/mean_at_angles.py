@@ -7,11 +7,9 @@ import numpy as np
 from seaglint.air.protocol import Atmosphere
 from seaglint.base.conventions import FloatArray, horizon_depression, surface_range, view_zenith
 from seaglint.base.errors import DataError
-from seaglint.base.threads import single_threaded_algebra
 from seaglint.files.provenance import band_attributes
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
@@ -19,10 +17,10 @@ from seaglint.studies.mean.mean_pixels import MAPS
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.refraction import require_standard_refraction
 from seaglint.studies.sweep.case_results import CaseResult, NamedArray
+from seaglint.studies.sweep.shared_views import shared_view
 from seaglint.studies.sweep.view_angles import ATTRIBUTES, AZIMUTH, ZENITH, ViewAngles
 
 
-@single_threaded_algebra()
 def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     """Return mean radiance, its components and apparent temperature at view angles.
 
@@ -36,13 +34,14 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     """
     require_standard_refraction(scenario)
     pose, imager = prepare.track(scenario).at(0.0), prepare.imager(scenario)
-    view = prepare.standing_view(scenario, pose.height)
+    shared = shared_view(scenario, pose.height)
+    view = shared.under(sun_position(scenario))
     elevation, azimuth = at.elevations(pose.height), _azimuths(at, pose.attitude.azimuth)
     if scenario.mean.mode == "article":
         view = prepare.article_view(scenario, view)
         seen = article_radiance(view, elevation, azimuth)
     else:
-        seen = mean_radiance(view, elevation, azimuth)
+        seen = shared.lines(view, elevation, azimuth).under(view)
     pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
     variance = sea_variance(view, seen, elevation, np.full(elevation.size, pixel), prepare.glint_length(scenario))
     temperature = apparent_temperature(seen.total, view.band, view.atmosphere.wavenumber_cm)
@@ -69,7 +68,6 @@ def _coordinates(at: ViewAngles) -> dict[str, NamedArray]:
     return {name: NamedArray((name,), np.array(v), dict(ATTRIBUTES[name])) for name, v in angles.items() if v is not None}
 
 
-@single_threaded_algebra()
 def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     """Return transmittance and thermal radiance of the paths to the sea at view angles, with the sky and sunlight over it.
 
@@ -85,7 +83,6 @@ def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     return _air(scenario, height, at.elevations(height), zenith, (ZENITH,), _coordinates(at))
 
 
-@single_threaded_algebra()
 def air_of_rows(scenario: Scenario) -> CaseResult:
     """Return the same for the rows of an upright picture; NaN where they see no sea.
 
@@ -104,7 +101,7 @@ def _air(
     scenario: Scenario, height: float, elevation: FloatArray, zenith: FloatArray, dims: tuple[str, ...], coordinates: dict[str, NamedArray]
 ) -> CaseResult:
     over: Band = prepare.band(scenario)
-    air: Atmosphere = prepare.standing_view(scenario, height).atmosphere
+    air: Atmosphere = shared_view(scenario, height).view.atmosphere
     weights = over.weights(air.wavenumber_cm)
     sea = (-elevation > horizon_depression(height)) & np.isfinite(zenith)
     tau, path, sky = (np.full(elevation.size, np.nan) for _ in range(3))

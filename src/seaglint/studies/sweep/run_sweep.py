@@ -156,7 +156,10 @@ def sweep(
     SeaglintError
         A key that does not exist, too many cases, too little memory, or a case that fails.
     """
-    settings = SweepSettings(SweepPlan.of(source, vary), what, ViewAngles.of(at), keep_going, threads)
+    angles = ViewAngles.of(at)
+    if threads is None and angles is not None:
+        threads = 1  # lines of sight are few: threads that wait for each other take more time than they save
+    settings = SweepSettings(SweepPlan.of(source, vary), what, angles, keep_going, threads)
     compute = computer(what, settings.at)
     with thread_limit(threads):
         if not keep_going:
