@@ -65,7 +65,7 @@ def draw_sweep(dataset: xr.Dataset) -> Figure:
     values = values.squeeze([dim for dim in values.dims if values.sizes[dim] == 1])
     numbers = [dim for dim in wide if _is_numeric(dataset, dim)]
     flat = len(wide) == 2 and len(numbers) == 2 and min(values.sizes[dim] for dim in wide) > 3
-    across = [] if flat else wide[2:] if len(wide) > 2 else []
+    across = [] if flat else wide[:-2]  # view angles come last, and stay on the axes
     panels = _places(values, across)
     figure = Figure(figsize=(6.5 * min(len(panels), 2), 4.6 * ((len(panels) + 1) // 2)), layout="constrained")
     FigureCanvasAgg(figure)

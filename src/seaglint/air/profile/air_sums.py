@@ -190,13 +190,13 @@ class AirSums:
 
     def passed(self, height: float, zenith: float) -> FloatArray:
         """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
-        return self.passed_each(height, [zenith])[0]
+        return np.asarray(self.passed_each(height, [zenith])[0])
 
     def passed_each(self, height: float, zenith: Sequence[float]) -> FloatArray:
         """Transmittance [1, (rays, n)] of several whole rays, as :meth:`passed`."""
         ways = [self._rays.get(("passed", height, z), partial(self._passed_ray, height, z)) for z in zenith]
         hazes = self._haze_of_rays(ways)
-        return np.array([np.exp(-way.depth - self.haze_depth(haze.sum(axis=0))) for way, haze in zip(ways, hazes, strict=True)])
+        return np.stack([np.exp(-way.depth - self.haze_depth(haze.sum(axis=0))) for way, haze in zip(ways, hazes, strict=True)])
 
     def _passed_ray(self, height: float, zenith: float) -> GasRay:
         ray = self.air.ray(height, zenith)

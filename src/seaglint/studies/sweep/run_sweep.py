@@ -357,7 +357,8 @@ def _dataset(
     if failures:
         some = "; ".join(list(failures.values())[:_MOST_NAMED])
         attributes |= {"failed_cases": len(failures), "failures": some}
-    return labelled(xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes)))
+    dataset = xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes))
+    return dataset if callable(settings.what) else labelled(dataset)  # names of a user's function are its own
 
 
 def _coordinate(plan: SweepPlan, array_name: str, array: NamedArray, values: Any, failures: Mapping[int, str]) -> Any:

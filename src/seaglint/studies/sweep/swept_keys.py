@@ -106,9 +106,9 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
     if name == "band":
         values = tuple(_band_table(value) for value in values)
     coordinate = _coordinate(name, key, values)
-    twice = [place for place, value in enumerate(coordinate) if value in coordinate[:place]]
-    if twice:
-        said = SweptKey(name, values, coordinate, {}).said(twice[0])
+    _, first, counts = np.unique(coordinate, return_index=True, return_counts=True)
+    if (counts > 1).any():
+        said = SweptKey(name, values, coordinate, {}).said(int(first[counts > 1][0]))
         raise DataError(f"vary: {said} is given twice; give each value of a key once")
     return SweptKey(name, values, coordinate, _attributes(key, coordinate))
 
