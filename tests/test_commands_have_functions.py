@@ -67,7 +67,7 @@ PYTHON = {"progress", "workers", "output", "overwrite"}
 """Parameters of Python: reports of progress, a cluster, and a file where a command always writes or prints."""
 
 ALLOWED = {
-    "sweep": {"scene"},  # `scenario` of the command
+    "sweep": {"lazy"},
     "sense": {"radiance", "units", "raw"},
 }
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         schema,
         sense,
         sensor,
+        sweep,
         texture,
         weather,
     )
@@ -75,6 +76,7 @@ __all__ = [
     "schema",
     "sense",
     "sensor",
+    "sweep",
     "texture",
     "weather",
 ]

@@ -15,7 +15,7 @@ from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.cli import app as commands
 from seaglint.cli.doctor import data_files, examine, read_checksums
 from seaglint.cli.terminal.frame_numbers import parse_frames
-from seaglint.cli.terminal.progress import LOG_INTERVAL, ProgressMode, log_lines, progress
+from seaglint.cli.terminal.progress import LOG_INTERVAL, Pace, ProgressMode, log_lines, progress
 
 
 def one_line(text: str) -> bool:
@@ -260,6 +260,25 @@ def test_log_lines_are_rare_and_tell_rate_and_time_left():
     assert lines[0] == "frames: 90 to do, 10 of 100 there already"
     assert "20/100, 1 per s, 80 s left" in lines[1]
     assert lines[-1].startswith("frames: 100/100 in 90 s")
+
+
+@pytest.mark.parametrize(("first", "each"), [(37.0, 0.5), (0.5, 2.0), (20.0, 12.0)])
+def test_time_left_leaves_out_the_first_piece(first, each):
+    now, lines = [0.0], []
+    pace = Pace(lambda: now[0])
+    report = log_lines("cases", lines.append, lambda: now[0], pace)
+    report(0, 60)
+    now[0] += first  # compilation and preparation
+    report(1, 60)
+    assert pace.left is None
+    assert not any("left" in line for line in lines)
+    for done in range(2, 61):
+        now[0] += each
+        report(done, 60)
+        assert pace.left == pytest.approx((60 - done) * each, abs=1e-9)  # pieces of one length: the estimate is right at once
+    said = [float(line.split(", ")[-1].removesuffix(" s left")) for line in lines if line.endswith(" s left")]
+    assert all(left <= 60 * each for left in said)
+    assert lines[-1].startswith("cases: 60/60 in ")
 
 
 @pytest.mark.parametrize("mode", [ProgressMode.BAR, ProgressMode.LOG, ProgressMode.AUTO, ProgressMode.NONE])

@@ -35,6 +35,7 @@ from seaglint.api.many import dataset, ensemble
 from seaglint.api.runs import frames, render, sense, sensor
 from seaglint.api.scenes import image, load, mean
 from seaglint.api.statistics import analyze, apparent_temperature
+from seaglint.api.sweeps import sweep
 
 __all__ = [
     "analyze",
@@ -66,6 +67,7 @@ __all__ = [
     "schema",
     "sense",
     "sensor",
+    "sweep",
     "texture",
     "weather",
 ]

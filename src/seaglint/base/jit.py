@@ -187,5 +187,8 @@ def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
     size = max(-(-count // (threads * SHARES_PER_THREAD)), 1)
     parts = [(first, min(first + size, count)) for first in range(0, count, size)]
     work((0, 0))  # compiles, if need be, in one thread
+    if threads == 1:
+        work((0, count))
+        return
     with ThreadPoolExecutor(threads) as pool:
         list(pool.map(work, parts))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -62,9 +63,9 @@ def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
     count = loaded.ensemble.scenes
     if count < MANY or run.show is ProgressMode.NONE or run.dask is not None or run.dask_slurm is not None:
         return
-    first = next(scenes(loaded)).scenario
+    first, second = (scene.scenario for scene in islice(scenes(loaded), 2))
     columns, rows = first.sensor.pixels
-    cost = expected_cost(first, count)
+    cost = expected_cost(first, second, count)
     size = f"{cost.size / 1e9:.2g} GB" if cost.size >= 1e9 else f"{cost.size / 1e6:.0f} MB"
     log(
         f"{count} scenes of {first.sensor.frames} x {columns} x {rows} pixels: about {duration(cost.seconds)} on this machine and at most "

@@ -23,7 +23,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from seaglint.air.scattering.scattered_light import ScatteredTable, path_map, scattered_shares, share_at, sky_map, sky_row
+from seaglint.air.scattering.scattered_light import ScatteredTable, path_map, scattered_shares, shares_at, sky_map, sky_row
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
@@ -85,8 +85,7 @@ def _fill_sky(table: ScatteredTable, suns: np.ndarray, out: np.ndarray) -> None:
             elevation = 0.5 * math.pi * (e / (out.shape[1] - 1)) ** 2
             row = sky_row(elevation, table)
             for a in range(out.shape[2]):
-                for r in range(out.shape[3]):
-                    out[t, e, a, r] = share_at(row, elevation, math.pi * a / (out.shape[2] - 1), suns[t], table, r)
+                shares_at(row, elevation, math.pi * a / (out.shape[2] - 1), suns[t], table, out[t, e, a])
 
 
 @kernel
@@ -323,6 +322,8 @@ class ScatteredSun:
 
     def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Scattered sunlight of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
+        if elevation.size == 0:  # the table takes longer than all that a view of the sea alone needs
+            return np.zeros((0, azimuth.size))
         return self.view.sun_distance_factor * sky_map(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)
 
     def above_along(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:

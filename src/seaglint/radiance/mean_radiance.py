@@ -113,30 +113,58 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     ----------
     Source article Eqs. 1-8 and Fig. 1.
     """
-    rows, columns = _lines(elevation, azimuth)
-    gamma = _sea_elevation(view.sensor_height, rows)
-    sea = np.isfinite(gamma)
-    if np.count_nonzero(sea) > NODES:
-        return MeanModel.prepare(view, surface).map(rows, columns)
-    azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
-    if columns.size < azimuths.size:
-        azimuths, weights = columns + np.pi, np.eye(columns.size)
-    terms = _sea_rows(view, gamma[sea], azimuths, surface)
-    out = _assembled(view, rows, columns, gamma, terms, weights, _glint_model(view))
-    where = SeaRows.of(view, gamma[sea])
-    light = _scattered(view, surface, float(where.turn.max(initial=0.0)))
-    if light is None:
-        return out
-    if columns.size <= _FEW:
-        scattered = light.path(where, columns), light.mirrored(where, columns)
-    else:
-        beside, around = Around.path(), Around.mirrored()
-        from_sun = columns - view.solar_azimuth
-        scattered = (
-            light.path(where, view.solar_azimuth + beside.azimuth) @ beside.weights(from_sun),
-            light.mirrored(where, view.solar_azimuth + around.azimuth) @ around.weights(from_sun),
-        )
-    return _with_scattered(out, sea, scattered, light.above(rows[~sea], columns))
+    return SeaLines.prepare(view, elevation, azimuth, surface).under(view)
+
+
+@dataclass(frozen=True, eq=False)
+class SeaLines:
+    """Lines of sight over one sea and air, with all that does not depend on the Sun. Make it with :meth:`prepare`.
+
+    Attributes
+    ----------
+    surface : SeaSurface or None
+        Water, sky and sea temperature.
+    """
+
+    surface: SeaSurface | None
+    _rows: FloatArray
+    _columns: FloatArray
+    _gamma: FloatArray
+    _weights: FloatArray
+    _thermal: ThermalRows | None
+
+    @classmethod
+    def prepare(cls, view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surface: SeaSurface | None = None) -> SeaLines:
+        """Prepare elevations and azimuths of a view; arguments as for :func:`mean_radiance`."""
+        rows, columns = _lines(elevation, azimuth)
+        gamma = _sea_elevation(view.sensor_height, rows)
+        sea = np.isfinite(gamma)
+        azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
+        if columns.size < azimuths.size:
+            azimuths, weights = columns + np.pi, np.eye(columns.size)
+        thermal = None if np.count_nonzero(sea) > NODES else ThermalRows.of(view, gamma[sea], azimuths, surface)
+        return cls(surface, rows, columns, gamma, weights, thermal)
+
+    def under(self, view: SeaView) -> SeaRadiance:
+        """Mean radiance under the Sun of a view that is otherwise the one prepared, with as many bands of nested shadowing."""
+        if self._thermal is None:
+            return MeanModel.prepare(view, self.surface).map(self._rows, self._columns)
+        rows, columns, sea = self._rows, self._columns, np.isfinite(self._gamma)
+        out = _assembled(view, rows, columns, self._gamma, self._thermal.under(view), self._weights, _glint_model(view))
+        where = SeaRows.of(view, self._gamma[sea])
+        light = _scattered(view, self.surface, float(where.turn.max(initial=0.0)))
+        if light is None:
+            return out
+        if columns.size <= _FEW:
+            scattered = light.path(where, columns), light.mirrored(where, columns)
+        else:
+            beside, around = Around.path(), Around.mirrored()
+            from_sun = columns - view.solar_azimuth
+            scattered = (
+                light.path(where, view.solar_azimuth + beside.azimuth) @ beside.weights(from_sun),
+                light.mirrored(where, view.solar_azimuth + around.azimuth) @ around.weights(from_sun),
+            )
+        return _with_scattered(out, sea, scattered, light.above(rows[~sea], columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +205,13 @@ class MeanModel:
         gamma = np.minimum(scale * np.sinh(x), 0.5 * np.pi)
         light = _scattered(view, surface)
         scattered = None if light is None else ScatteredMap.prepare(light, scale, x)
-        return cls(view, scale, CubicSpline(x, _sea_rows(view, gamma, wind_azimuths(view.slopes), surface)), _glint_model(view), scattered)
+        return cls(
+            view,
+            scale,
+            CubicSpline(x, ThermalRows.of(view, gamma, wind_azimuths(view.slopes), surface).under(view)),
+            _glint_model(view),
+            scattered,
+        )
 
     def map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
@@ -261,24 +295,37 @@ def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[F
     return replace(out, path=path, sky=sky)
 
 
-def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> FloatArray:
-    """Terms of sea rows [W m-2 sr-1, (rows, 1 + 2 k + terms)]: path, emission and sky at k view azimuths, terms of the mirrored Sun."""
-    over, nu = view.in_band, view.in_band.wavenumber_cm
-    arc = sea_arc(view.sensor_height, gamma)
-    seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., over.grid] * over.weights
-    path = over(view.atmosphere.path_radiance(view.sensor_height, arc))[:, None]
-    if view.background == "blackbody":
-        emission = np.repeat((seen @ planck_wavenumber(nu, view.sea_temperature))[:, None], azimuths.size, axis=1)
-        sky = np.zeros_like(emission)
-        series = ReflectanceSeries.of(view.water.index(nu)) if surface is None else surface.reflectance
-    else:
-        if surface is None:
-            surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, over.grid)
-        leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, view.hiding.law_bands(view.slopes))
-        emission, sky, series = leaving.emission, leaving.sky, surface.reflectance
-    # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
-    per_term = (seen * view.irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
-    return np.concatenate([path, emission, sky, per_term], axis=1)
+@dataclass(frozen=True, eq=False)
+class ThermalRows:
+    """Path, emission and sky of sea rows [W m-2 sr-1, (rows, 1 + 2 k)], and what the mirrored Sun passes. Make it with :meth:`of`."""
+
+    terms: FloatArray
+    seen: FloatArray
+    coefficients: FloatArray
+
+    @classmethod
+    def of(cls, view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> ThermalRows:
+        """Rows at elevations of the viewer and k view azimuths [rad]."""
+        over, nu = view.in_band, view.in_band.wavenumber_cm
+        arc = sea_arc(view.sensor_height, gamma)
+        seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., over.grid] * over.weights
+        path = over(view.atmosphere.path_radiance(view.sensor_height, arc))[:, None]
+        if view.background == "blackbody":
+            emission = np.repeat((seen @ planck_wavenumber(nu, view.sea_temperature))[:, None], azimuths.size, axis=1)
+            sky = np.zeros_like(emission)
+            series = ReflectanceSeries.of(view.water.index(nu)) if surface is None else surface.reflectance
+        else:
+            if surface is None:
+                surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, over.grid)
+            leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, view.hiding.law_bands(view.slopes))
+            emission, sky, series = leaving.emission, leaving.sky, surface.reflectance
+        return cls(np.concatenate([path, emission, sky], axis=1), seen, series.coefficients)
+
+    def under(self, view: SeaView) -> FloatArray:
+        """Terms with those of the mirrored Sun of a view [W m-2 sr-1, (rows, 1 + 2 k + terms)]."""
+        # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
+        per_term = (self.seen * view.irradiance) @ self.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+        return np.concatenate([self.terms, per_term], axis=1)
 
 
 def _assembled(

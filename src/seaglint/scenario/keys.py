@@ -98,6 +98,29 @@ def key_at(location: tuple[str | int, ...]) -> Key | None:
     return next((key for record in _at(tuple(above)) for key in fields_of(record, tuple(above)) if key.path[-1] == name), None)
 
 
+def named_key(dotted: str) -> Key | None:
+    """Return the key of a dotted name as :func:`seaglint.scenario.setting.set_key` takes it; None where no such key exists.
+
+    >>> named_key("objects.ferry.course_deg").path, named_key("sensor.fov_deg.0").path, named_key("wind.speed")
+    (('objects', 'course_deg'), ('sensor', 'fov_deg'), None)
+    """
+    parts = dotted.split(".")
+    if parts[0] == "objects" and len(parts) > 1:
+        parts.pop(1)
+    return _key_at(tuple(part for part in parts if not part.isdecimal()))
+
+
+@cache
+def _key_at(location: tuple[str, ...]) -> Key | None:
+    return key_at(location) if location else None
+
+
+def quantity_of(dotted: str) -> Quantity | None:
+    """Return unit and range of a key of the scenario; None where it is no number, or no key."""
+    key = named_key(dotted)
+    return next(iter(key.quantities), None) if key is not None else None
+
+
 def choices_at(location: tuple[str | int, ...]) -> tuple[str, ...]:
     """Return the choices at a location as text; empty where any value is allowed."""
     key = key_at(location)

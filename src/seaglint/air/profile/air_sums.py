@@ -10,8 +10,10 @@ exact vertical sums times the ray's mean slope, so that a profile may have any n
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from functools import partial
+from typing import Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,7 @@ from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.band_laws import BandLaws
 from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.bent_ray import BentRay, RefractingAir
+from seaglint.air.profile.gas_rays import GasRay, GasRays
 from seaglint.air.profile.hazes import HUMID_TABLES, HazeWeather, aerosols
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray
@@ -78,6 +81,8 @@ class AirSums:
         Wavenumber of the refractivity [cm-1], by default the middle of the channels, as in LOWTRAN7.
     spectroscopy : str
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
+    rays : GasRays, optional
+        Rays shared with the same profile, channels and numbers in another haze.
 
     Examples
     --------
@@ -96,8 +101,10 @@ class AirSums:
         refracted_cm: float | None = None,
         *,
         spectroscopy: Spectroscopy = "lblrtm",
+        rays: GasRays | None = None,
     ) -> None:
         self.profile, self.haze, self.spectroscopy = profile, haze, spectroscopy
+        self._rays = GasRays() if rays is None else rays
         self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64), spectroscopy)
         middle = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
         self.index = LayeredIndex(profile.height, refractivity(profile, middle), profile.earth_radius)
@@ -158,14 +165,42 @@ class AirSums:
 
     def along(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:
         """Spectra along a ray from a height [m] at a zenith angle [rad], continuous; ``end`` as :meth:`RefractingAir.ray`."""
+        return self.along_each(height, [zenith], end)[0]
+
+    def along_each(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[RaySpectra]:
+        """Spectra along several rays, as :meth:`along`."""
+        ways = [self._rays.get(("along", height, z, end), partial(self._gas_ray, height, z, end)) for z in zenith]
+        hazes = self._haze_of_rays(ways)
+        return [RaySpectra(cast(BentRay, way.ray), *self._emitting(way, haze)) for way, haze in zip(ways, hazes, strict=True)]
+
+    def _gas_ray(self, height: float, zenith: float, end: float | None) -> GasRay:
         ray = self.air.ray(height, zenith, end)
-        return RaySpectra(ray, *self._continuous(ray.height, *self.ray_amounts(ray)))
+        amounts, mean = self.ray_amounts(ray)
+        return self._gases(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
+
+    def _haze_of_rays(self, ways: Sequence[GasRay]) -> list[FloatArray]:
+        """Amounts of the aerosols in the pieces of each ray [(pieces, aerosols)]: sums of all of them in one go are much quicker."""
+        rows = slice(0, self._aerosol_rows)
+        every = _sums_to(self._height, self._density[rows], self._sums[rows], 1e-3 * np.concatenate([way.height for way in ways]))
+        out = []
+        for way, sums in zip(ways, np.split(every, np.cumsum([way.height.size for way in ways])[:-1]), strict=True):
+            vertical = np.diff(sums, axis=0) * (way.length / np.diff(way.height))[:, None]
+            out.append(vertical.reshape(-1, CUTS, vertical.shape[1]).sum(axis=1))
+        return out
 
     def passed(self, height: float, zenith: float) -> FloatArray:
         """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
+        return np.asarray(self.passed_each(height, [zenith])[0])
+
+    def passed_each(self, height: float, zenith: Sequence[float]) -> FloatArray:
+        """Transmittance [1, (rays, n)] of several whole rays, as :meth:`passed`."""
+        ways = [self._rays.get(("passed", height, z), partial(self._passed_ray, height, z)) for z in zenith]
+        hazes = self._haze_of_rays(ways)
+        return np.stack([np.exp(-way.depth - self.haze_depth(haze.sum(axis=0))) for way, haze in zip(ways, hazes, strict=True)])
+
+    def _passed_ray(self, height: float, zenith: float) -> GasRay:
         ray = self.air.ray(height, zenith)
-        amounts, mean = self.ray_amounts(ray)
-        return np.asarray(np.exp(-self.gas_depth(amounts, mean) - self.haze_depth(amounts[:, : self._aerosol_rows].sum(axis=0))))
+        return GasRay(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), self.gas_depth(*self.ray_amounts(ray)))
 
     def gas_depth(self, amounts: FloatArray, mean: FloatArray) -> FloatArray:
         """Optical depth of the gases [1, (n,)] from the amounts of pieces [(pieces, rows)] and their temperatures [K, (pieces,)]."""
@@ -191,21 +226,32 @@ class AirSums:
         The path is a line over the Earth of the radius that makes this air's rays straight between the heights that it passes; air
         below the sea is that at it.
         """
-        z, step = self.cut_line(height, target, length)
-        amounts, mean = self.line_amounts(z, step)
-        passed, emitted = self._continuous(z[::CUTS], amounts, mean)
+
+        def made() -> GasRay:
+            z, step = self.cut_line(height, target, length)
+            return self._gases(None, z, step, z[::CUTS], *self.line_amounts(z, step))
+
+        gases = self._rays.get(("between", height, target, length), made)
+        passed, emitted = self._emitting(gases, self.haze_amounts(gases.height, gases.length))
         return passed[-1], emitted
 
-    def _continuous(self, node: FloatArray, amounts: FloatArray, mean: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Transmittance to the nodes [1, (nodes, n)] and emission [W m-2 sr-1 per cm-1, (n,)] from the amounts between them."""
+    def _gases(
+        self, ray: BentRay | None, cuts: FloatArray, length: FloatArray, node: FloatArray, amounts: FloatArray, mean: FloatArray
+    ) -> GasRay:
+        """Gases of a way cut at heights [m], from the amounts [(pieces, rows)] between its nodes [m] and their temperatures [K]."""
         gases = amounts[:, self._aerosol_rows : -4]
         gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.cold_kelvin)
-        depth = self.laws.optical_depth(np.cumsum(gases, axis=0)) + np.cumsum(amounts[:, : self._aerosol_rows], axis=0) @ self._extinction
-        passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
         nu = self.laws.wavenumber_cm
         at_node = planck_wavenumber(nu, np.interp(node, self.profile.height, self.profile.temperature)[:, None])
         glow = (at_node[:-1] + 4.0 * planck_wavenumber(nu, mean[:, None]) + at_node[1:]) / 6.0
-        return passed, np.sum(glow * (passed[:-1] - passed[1:]), axis=0)
+        return GasRay(ray, cuts, length, self.laws.optical_depth(np.cumsum(gases, axis=0)), glow)
+
+    def _emitting(self, gases: GasRay, haze: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance to the nodes [1, (nodes, n)] and emission [W m-2 sr-1 per cm-1, (n,)] with a haze [(pieces, aerosols)]."""
+        assert gases.glow is not None
+        depth = gases.depth + np.cumsum(haze, axis=0) @ self._extinction
+        passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
+        return passed, np.sum(gases.glow * (passed[:-1] - passed[1:]), axis=0)
 
     def line_amounts(self, z: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Amounts [(pieces, rows)] and mean temperatures [K, (pieces,)] along a line cut at heights [m], ``CUTS`` to a piece.

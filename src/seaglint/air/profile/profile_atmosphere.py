@@ -16,8 +16,9 @@ from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import decode_optical_depth, encode_optical_depth, straight_sea_cosine, straight_slant
 from seaglint.air.profile.air_profile import AirProfile
-from seaglint.air.profile.air_sums import AirSums, RaySpectra
+from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.band_numbers import Spectroscopy
+from seaglint.air.profile.gas_rays import GasRays
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.air.profile.refined_nodes import LIMIT, refined_nodes
@@ -103,6 +104,8 @@ class ProfileAtmosphere(ClearAir):
         serves a whole track.
     spectroscopy : str
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
+    rays : GasRays, optional
+        Rays shared with the same air in another haze.
 
     Notes
     -----
@@ -122,9 +125,10 @@ class ProfileAtmosphere(ClearAir):
         provenance: JsonObject | None = None,
         moving: bool = False,
         spectroscopy: Spectroscopy = "lblrtm",
+        rays: GasRays | None = None,
     ) -> None:
         self.wavenumber_cm = np.asarray(wavenumber_cm, dtype=np.float64)
-        self.sums = AirSums(profile, haze, self.wavenumber_cm, spectroscopy=spectroscopy)
+        self.sums = AirSums(profile, haze, self.wavenumber_cm, spectroscopy=spectroscopy, rays=rays)
         self.levels = levels
         self.name = profile.name
         self.provenance: JsonObject = {"table": profile.name, **self.sums.laws.numbers.provenance, "levels": levels, **(provenance or {})}
@@ -134,9 +138,7 @@ class ProfileAtmosphere(ClearAir):
         self._paths: dict[float, _Paths] = {}
         self._skies: dict[float, CubicSpline[np.float64]] = {}
         self._suns: dict[float, CubicSpline[np.float64]] = {}
-
-    def _ray(self, height: float, zenith: float) -> RaySpectra:
-        return (self.sums.along if self.levels == "continuous" else self.sums.in_layers)(height, zenith)
+        self._scatterers: dict[tuple[int | None, int | None, int | None], ScatteringAir] = {}
 
     @property
     def index(self) -> LayeredIndex:
@@ -144,8 +146,13 @@ class ProfileAtmosphere(ClearAir):
         return self.sums.index
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the channels."""
-        return None if self._scattering is None else self._scattering(grid)
+        """Scatterers on part of the channels; the same object for the same part."""
+        if self._scattering is None:
+            return None
+        part = (grid.start, grid.stop, grid.step)
+        if part not in self._scatterers:
+            self._scatterers[part] = self._scattering(grid)
+        return self._scatterers[part]
 
     def _sea_paths(self, height: float) -> _Paths:
         """Spline of encoded depth and air temperature, side by side, of the paths from the sea to a height."""
@@ -283,7 +290,7 @@ class ProfileAtmosphere(ClearAir):
         elevation = np.minimum(_sky_elevation(y), 0.5 * np.pi)
         elevation = np.where(elevation < 0.0, elevation * bent * (1.0 - 1e-9), elevation)
         if self.levels == "continuous":
-            passed = [self.sums.passed(height, 0.5 * np.pi - float(e)) for e in elevation]
+            passed = list(self.sums.passed_each(height, [0.5 * np.pi - float(e) for e in elevation]))
         else:
             passed = [self.sums.in_layers(height, 0.5 * np.pi - float(e)).transmittance[-1] for e in elevation]
         return self._suns.setdefault(height, CubicSpline(y, encode_optical_depth(-np.log(np.maximum(passed, 1e-300))), axis=0))
@@ -354,7 +361,9 @@ class ProfileAtmosphere(ClearAir):
             elevation = np.where(elevation < 0.0, elevation * bent, elevation)
             if dip > 0.0 and place[0] == x[0]:
                 elevation[0] *= 1.0 - 1e-9  # the ray that grazes the sea sees sky
-            light = np.array([self._ray(height, 0.5 * np.pi - float(e)).emitted for e in elevation])
+            zenith = [0.5 * np.pi - float(e) for e in elevation]
+            rays = self.sums.along_each(height, zenith) if self.levels == "continuous" else [self.sums.in_layers(height, z) for z in zenith]
+            light = np.array([ray.emitted for ray in rays])
             return brightness_temperature(self.wavenumber_cm, light)
 
         if self.levels == "lowtran":

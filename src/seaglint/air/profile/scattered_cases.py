@@ -12,7 +12,7 @@ import numpy as np
 
 from seaglint.air.profile.lowtran_numbers import lowtran_numbers
 from seaglint.air.profile.profile_scattering import Scatterers, maritime, model_scatterers
-from seaglint.air.scattering.scattered_line import KINDS, many_amplitudes
+from seaglint.air.scattering.scattered_line import KINDS, NO_SUNS, many_amplitudes
 from seaglint.air.scattering.scattering_laws import scattering_angle
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.conventions import FloatArray
@@ -66,6 +66,6 @@ def _line(table: Scatterers, line: FloatArray) -> FloatArray:
         return np.zeros(air.source.size)
     view = 0.5 * math.pi - elevation
     amplitude, arc = np.empty((1, KINDS, air.source.size)), np.empty(1)
-    many_amplitudes(air.laws, 1e-3 * height, np.array([[view, azimuth, zenith]]), (0, 1), amplitude, arc)
+    many_amplitudes(air.laws, 1e-3 * height, np.array([[view, azimuth, zenith]]), (0, 1), NO_SUNS, amplitude, arc)
     phase = air.phase(scattering_angle(view, azimuth, air.apparent_zenith(zenith, height)))
     return np.asarray(share * air.source * (phase * amplitude[0]).sum(axis=0))

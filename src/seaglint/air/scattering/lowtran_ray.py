@@ -145,10 +145,18 @@ def tangent_height(laws: Laws, invariant: float, z: float) -> float:
 
 
 @njit
-def _level_values(laws: Laws, z: float, layer: int, out: np.ndarray) -> None:
-    part = (z - laws.height[layer]) / (laws.height[layer + 1] - laws.height[layer])
-    for k in range(out.size):
-        out[k] = _interpolated(laws.density[k, layer], laws.density[k, layer + 1], part)
+def _between_levels(laws: Laws, layer: int, part: tuple[float, float], low: np.ndarray, high: np.ndarray, growth: np.ndarray) -> None:
+    """Compute densities at two parts of a layer, and the logarithm of their ratio, 0 where one of them is 0."""
+    for k in range(low.size):
+        a, b = laws.density[k, layer], laws.density[k, layer + 1]
+        if a > 0.0 and b > 0.0:
+            whole = math.log(b / a)
+            growth[k] = (part[1] - part[0]) * whole
+            low[k] = a * math.exp(part[0] * whole)
+            high[k] = low[k] * math.exp(growth[k])
+        else:
+            low[k], high[k] = a + (b - a) * part[0], a + (b - a) * part[1]
+            growth[k] = math.log(high[k] / low[k]) if low[k] > 0.0 and high[k] > 0.0 else 0.0
 
 
 @njit
@@ -184,9 +192,8 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     layer = layer_of(laws, 0.5 * (z1 + z2))
     columns = out.size
     low, high = work[0, :columns], work[1, :columns]
-    _level_values(laws, z1, layer, low)
-    _level_values(laws, z2, layer, high)
     thick = laws.height[layer + 1] - laws.height[layer]
+    _between_levels(laws, layer, ((z1 - laws.height[layer]) / thick, (z2 - laws.height[layer]) / thick), low, high, work[3])
     n_low, n_high = laws.refractivity[layer] + 1e-20, laws.refractivity[layer + 1] + 1e-20
     fall = math.log(n_low / n_high) / thick
     n1 = n_low * math.exp(-fall * (z1 - laws.height[layer]))
@@ -202,9 +209,6 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     bending = 0.0
     sums = work[2]
     _clear(sums)
-    for k in range(columns):
-        a, b = low[k], high[k]
-        work[3, k] = math.log(b / a) if a > 0.0 and b > 0.0 else 0.0
     for g in range(_NODES.size):
         s = length * _NODES[g]
         z = min(z1 + cos1 * s + 0.5 * curved * s * s, z2)

@@ -133,6 +133,35 @@ def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, 
 
 
 @kernel
+def shares_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, out: np.ndarray) -> None:
+    """Compute :func:`share_at` of all spectral shapes ``out[r]``: the nodes around are looked up once."""
+    suns, rows, columns = table.amplitude.shape[0], table.amplitude.shape[1], table.amplitude.shape[2]
+    i, f = angle_node(elevation, azimuth, solar_zenith, table)
+    half = math.sin(0.5 * azimuth)
+    column = half * half * (columns - 1)
+    e, a = min(int(row), rows - 2), min(int(column), columns - 2)
+    fe, fa = row - e, column - a
+    x = min(max((solar_zenith - table.suns[0]) * table.suns[1], 0.0), suns - 1.0)
+    t = min(int(x), max(suns - 2, 0))
+    ft = x - t
+    up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
+    for r in range(out.shape[0]):
+        out[r] = 0.0
+    for k in range(table.angular.shape[1]):
+        phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
+        for r in range(out.shape[0]):
+            value = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
+            value += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
+            if ft > 0.0:
+                later = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t + 1, e, a, k, r] + fa * table.amplitude[t + 1, e, a + 1, k, r])
+                later += fe * ((1.0 - fa) * table.amplitude[t + 1, e + 1, a, k, r] + fa * table.amplitude[t + 1, e + 1, a + 1, k, r])
+                value += ft * (later - value)
+            out[r] += phase * value
+    for r in range(out.shape[0]):
+        out[r] *= up
+
+
+@kernel
 def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) -> float:
     """Scattered sky radiance in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], under the Sun at the sensor."""
     return max(share_at(sky_row(elevation, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)

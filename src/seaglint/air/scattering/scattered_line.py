@@ -19,7 +19,7 @@ LOWTRAN7's subroutines SSGEO and SSRAD; Kneizys, F. X., et al. (1988), Users Gui
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -49,6 +49,23 @@ _GRAZING: Final = 1e-7
 """Tolerance within which rays count as touching the sea [rad]."""
 
 
+class SunTable(NamedTuple):
+    """Amounts of absorbers from some heights to the Sun.
+
+    ``coefficient[j, m, k]``: Chebyshev coefficients over the Sun's zenith angle, without refraction, between ``first`` and ``last`` [rad],
+    of the amounts of the columns k times the cosine of that angle, at ``height[j]`` [km]. The whole disc is above the horizon there.
+    """
+
+    height: np.ndarray
+    first: float
+    last: float
+    coefficient: np.ndarray
+
+
+NO_SUNS: Final = SunTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))
+"""Table without heights: every amount is summed for itself."""
+
+
 @njit
 def horizon_zenith(laws: Laws, z: float) -> float:
     """Zenith angle [rad] of the refracted sea horizon seen from a height [km]."""
@@ -74,6 +91,45 @@ def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndar
     if share > 0.0 and sun_amounts(laws, z, min(apparent, horizon - _GRAZING), work, out) < 0.0:
         return 0.0
     return float(share)
+
+
+@njit
+def sun_by_table(laws: Laws, table: SunTable, j: int, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
+    """Compute :func:`sun_seen`, from the table where it has the j-th point's height and the Sun's zenith angle."""
+    if j >= table.height.size or table.height[j] != z or zenith < table.first or zenith > table.last:
+        return sun_seen(laws, z, zenith, work, out)
+    x = (2.0 * zenith - table.first - table.last) / (table.last - table.first)
+    for k in range(out.size):
+        out[k] = 0.0
+    now, after = 1.0 / math.cos(zenith), x / math.cos(zenith)
+    for m in range(table.coefficient.shape[1]):
+        for k in range(out.size):
+            out[k] += now * table.coefficient[j, m, k]
+        now, after = after, 2.0 * x * after - now
+    return 1.0
+
+
+@njit
+def fill_suns(laws: Laws, height: np.ndarray, zenith: np.ndarray, out: np.ndarray) -> None:
+    """Compute amounts to the Sun times the cosine of its zenith angle, at heights [km] (heights, zeniths, columns).
+
+    Zenith angles [rad] are those without refraction.
+    """
+    work = np.zeros((WORK_ROWS, out.shape[2]))
+    for j in range(height.size):
+        for m in range(zenith.size):
+            sun_seen(laws, height[j], zenith[m], work, out[j, m])
+            for k in range(out.shape[2]):
+                out[j, m, k] *= math.cos(zenith[m])
+
+
+@njit
+def line_points(laws: Laws, z: float, zenith: float) -> tuple[np.ndarray, np.ndarray]:
+    """Heights [km] and arcs [rad] of the points of a line of sight from a height [km] at a zenith angle [rad]."""
+    columns = laws.density.shape[0]
+    line = _empty_line(columns)
+    points = trace(laws, z, zenith, line, np.zeros((WORK_ROWS, columns)))
+    return line.height[:points], line.arc[:points]
 
 
 @njit
@@ -183,16 +239,14 @@ def _log_mean(a: float, b: float, x: float) -> float:
 
 
 @njit
-def line_sums(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out: np.ndarray) -> float:
-    """Compute amplitudes as :func:`line_amplitudes`, of continuous air: ``J_c`` is the integral of ``beta_c T`` over the line.
+def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, float], table: SunTable, out: np.ndarray) -> float:
+    """Compute amplitudes as :func:`line_amplitudes`, of continuous air, along a traced line: ``J_c`` is the integral of ``beta_c T``.
 
     T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its own
     kind where it is.
     """
     columns, channels = laws.density.shape[0], laws.linear.shape[1]
     work = np.zeros((WORK_ROWS, columns))
-    line = _empty_line(columns)
-    points = trace(laws, z, zenith, line, work)
     for c in range(KINDS):
         for i in range(channels):
             out[c, i] = 0.0
@@ -201,7 +255,7 @@ def line_sums(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out
     seen, up_before = np.zeros(channels), 0.0
     for j in range(points):
         here, before = j % 2, 1 - j % 2
-        up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
+        up = sun_by_table(laws, table, j, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         for i in range(channels):
             light[here, i] = 0.0
         if up > 0.0:
@@ -249,13 +303,19 @@ def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
 
 
 @njit
-def many_amplitudes(laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], out: np.ndarray, arc: np.ndarray) -> None:
+def many_amplitudes(
+    laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], table: SunTable, out: np.ndarray, arc: np.ndarray
+) -> None:
     """Amplitudes by :func:`line_amplitudes` or :func:`line_sums` of part of the lines from one height.
 
-    ``lines`` [rad, (lines, 3)]: zenith, azimuth, solar zenith.
+    ``lines`` [rad, (lines, 3)]: zenith, azimuth, solar zenith. Lines that follow each other at one zenith angle are traced once.
     """
+    columns = laws.density.shape[0]
+    line, work, points = _empty_line(columns), np.zeros((WORK_ROWS, columns)), 0
     for i in range(part[0], part[1]):
         if laws.finest > 0.0:
-            arc[i] = line_sums(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])
+            if points == 0 or lines[i, 0] != lines[i - 1, 0]:
+                points = trace(laws, z, lines[i, 0], line, work)
+            arc[i] = line_sums(laws, line, points, (lines[i, 1], lines[i, 2]), table, out[i])
         else:
             arc[i] = line_amplitudes(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])

@@ -322,7 +322,7 @@ def _table(
 ) -> ScatteredTable:
     """Table of lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
     grid = np.stack(np.meshgrid(suns, zenith, azimuths, indexing="ij"), axis=-1).reshape(-1, 3)
-    amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]])[0] * air.source
+    amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]], tabulated=True)[0] * air.source
     spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes)
     sums = weights if weights is not None else spectral
     angular, kinds = _angular_shapes(air, amplitudes, sums)
@@ -352,8 +352,8 @@ def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray
     """Shapes over scattering angle [(ANGLES, k)] and their share in each kind and channel [(k, KINDS, n)]."""
     matter = np.sqrt((np.abs(sums).sum(axis=0) * amplitudes.mean(axis=0)).ravel() + _LEAST)
     matter /= matter.max()
-    angles = np.linspace(0.0, math.pi, ANGLES)
-    coarse = air.phase(angles[::4]).reshape(-1, matter.size)
+    phase = air.even_phase(ANGLES)
+    coarse = phase[::4].reshape(-1, matter.size)
     typical = (coarse @ matter**2) / np.sum(matter**2)
     scaled = coarse / typical[:, None] * matter
     energy, vectors = np.linalg.eigh(scaled @ scaled.T)
@@ -362,7 +362,7 @@ def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray
     kinds = (vectors[:, ::-1][:, :count].T @ scaled) / matter  # of the scaled phase functions
     # Least squares over kinds and channels, as they count, gives the shapes at all angles.
     basis = kinds * matter
-    fine = air.phase(angles).reshape(ANGLES, -1) * matter
+    fine = phase.reshape(ANGLES, -1) * matter
     shapes = np.linalg.solve(basis @ basis.T, basis @ fine.T).T
     return np.ascontiguousarray(shapes), kinds.reshape(count, KINDS, -1)
 

@@ -7,6 +7,8 @@ for any profile and haze, :mod:`seaglint.files.lowtran.laws_of_run` of a run of 
 
 from __future__ import annotations
 
+import threading
+from collections import deque
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple
@@ -16,7 +18,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.air.scattering.gas_bands import CONTINUA, GasBands
 from seaglint.air.scattering.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, LayerGrid, layer_grid, layers_cold_share
-from seaglint.air.scattering.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
+from seaglint.air.scattering.scattered_line import (
+    KINDS,
+    NO_SUNS,
+    SunTable,
+    apparent_zenith,
+    fill_suns,
+    line_arc,
+    line_points,
+    many_amplitudes,
+)
 from seaglint.base.conventions import FloatArray
 
 AEROSOL_COLUMNS: Final = (7, 12, 13, 14)
@@ -25,8 +36,25 @@ AEROSOL_COLUMNS: Final = (7, 12, 13, 14)
 NO_BAND: Final = -20.0
 """Value that LOWTRAN7 uses as the logarithm of a band's coefficient where there is no band."""
 
+SUN_NODES: Final = (6, 10)
+"""Numbers of zenith angles of the Sun between which amounts towards it are interpolated, up to :data:`HIGH_SUN` and beyond."""
+
+HIGH_SUN: Final = float(np.radians(66.0))
+"""Zenith angle [rad]."""
+
+LOWEST_SUN: Final = float(np.radians(88.0))
+"""Zenith angle of the Sun up to which they are [rad]."""
+
+NEARER: Final = 0.35
+"""Part of the Sun's elevation by which it may be lower at a place in the table, and half that by which it may be higher; beyond, rays are
+followed one by one."""
+
 _PER_MOLECULE: Final = 1e-20
 """Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2."""
+
+
+_EVEN: Final[deque[tuple[FloatArray, FloatArray]]] = deque(maxlen=2)
+_LOCK: Final = threading.Lock()
 
 
 class Segments(NamedTuple):
@@ -231,17 +259,60 @@ class ScatteringAir:
         out[..., KINDS - 1, :] = molecular_phase(theta)[..., None]
         return out
 
-    def amplitudes(self, height: float, lines: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def even_phase(self, count: int) -> FloatArray:
+        """Phase functions [sr-1, (count, KINDS, n)] at even steps of the scattering angle from 0 to pi, which no one may change.
+
+        Winds share them: their haze scatters with the same phase functions, in other shares.
+        """
+        with _LOCK:
+            for log_phase, table in _EVEN:
+                if log_phase is self._aerosol.log_phase and len(table) == count:
+                    return table
+        table = self.phase(np.linspace(0.0, np.pi, count))
+        table.flags.writeable = False
+        with _LOCK:
+            _EVEN.appendleft((self._aerosol.log_phase, table))
+        return table
+
+    def amplitudes(self, height: float, lines: FloatArray, *, tabulated: bool = False) -> tuple[FloatArray, FloatArray]:
         """Amplitudes ``J_c`` of lines of sight from a height [m]: [1, (lines, KINDS, n)], and the arcs to their ends [rad, (lines,)].
 
-        ``lines`` [rad, (lines, 3)]: zenith angle, azimuth from the Sun, and the Sun's zenith angle without refraction, at the sensor.
+        Parameters
+        ----------
+        height : float
+            Height of the sensor [m].
+        lines : ndarray
+            Zenith angle, azimuth from the Sun, and the Sun's zenith angle without refraction, at the sensor [rad, (lines, 3)].
+        tabulated : bool
+            In continuous air interpolate the amounts towards the Sun over its zenith angle, within 4e-6 of the amplitudes: most of the
+            time is spent on them, and many lines from one height pass the same heights.
         """
         from seaglint.base.jit import in_threads
 
         out, arc = np.empty((len(lines), KINDS, self.wavenumber_cm.size)), np.empty(len(lines))
-        where = np.ascontiguousarray(lines, dtype=np.float64)
-        in_threads(lambda part: many_amplitudes(self.laws, 1e-3 * height, where, part, out, arc), len(lines))
-        return out, arc
+        order = np.argsort(lines[:, 0], kind="stable")  # lines at one zenith angle are traced once
+        where = np.ascontiguousarray(lines[order], dtype=np.float64)
+        table = self._suns(1e-3 * height, where) if tabulated and self.laws.finest > 0.0 else NO_SUNS
+        in_threads(lambda part: many_amplitudes(self.laws, 1e-3 * height, where, part, table, out, arc), len(lines))
+        back = np.argsort(order)
+        return out[back], arc[back]
+
+    def _suns(self, z: float, lines: FloatArray) -> SunTable:
+        """Table of the amounts towards the Sun at the points of the lines from a height [km]; empty for a Sun that is too low."""
+        grazing = lines[np.argmin(np.abs(lines[:, 0] - 0.5 * np.pi)), 0]
+        heights, arcs = line_points(self.laws, z, float(grazing))
+        reach = float(arcs.max())
+        least, most = float(lines[:, 2].min()), float(lines[:, 2].max())
+        if most > LOWEST_SUN:
+            return NO_SUNS
+        near = NEARER * (0.5 * np.pi - most)
+        first, last = max(least - min(reach, 2.0 * near), 0.0), most + min(reach, near)
+        count = SUN_NODES[last > HIGH_SUN]
+        x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+        values = np.empty((heights.size, count, self.laws.density.shape[0]))
+        fill_suns(self.laws, np.array(heights), 0.5 * (first + last) + 0.5 * (last - first) * x, values)
+        inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, count - 1))
+        return SunTable(np.array(heights), first, last, np.ascontiguousarray(np.einsum("mn,jnk->jmk", inverse, values)))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:

@@ -85,6 +85,11 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
         "seaglint sense aperture.zarr camera.toml --sensor mwir-insb-640 --oversampling 1 -o counts.zarr",
     ),
     "sensor": (_SCENE, "seaglint sensor example.toml --sensor mwir-insb-640"),
+    "sweep": (
+        _SCENE,
+        "seaglint sweep example.toml --vary wind.speed_m_s=2:10:4 --vary sun.zenith_deg=20,60 \\",
+        "    --at view_zenith_deg=0:80:20 -o sweep.nc --preview",
+    ),
     "evaluate": (_ANGLES, "seaglint evaluate emissivity angles.csv -o angles-out.csv"),
     "evaluate atmosphere": (*_AIR, "seaglint evaluate atmosphere air.csv --band 3.5-5.0 -o air-out.csv"),
     "evaluate emissivity": (_ANGLES, "seaglint evaluate emissivity angles.csv -o emissivity.csv"),

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from seaglint.cli.terminal.messages import log
 
@@ -24,11 +24,49 @@ class ProgressMode(StrEnum):
     NONE = "none"
 
 
-class Began(NamedTuple):
-    """When the work of this run began, by the clock [s], and how much was done then."""
+class Pace:
+    """Pace of a piece of work, by the clock [s].
 
-    time: float
-    done: int
+    The first piece counts for nothing: kernels are compiled and tables prepared in it. Before there is a second one there is no rate.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self.began = clock()
+        self.before: int | None = None
+        self.done = 0
+        self.total = 0
+        self._first: tuple[float, int] | None = None
+        self._latest = self.began
+
+    def report(self, done: int, total: int) -> None:
+        """Note how much is done; the first time that is the work of an earlier run."""
+        now = self._clock()
+        if self.before is None:
+            self.before = done
+        if done > self.done or self.done == 0:
+            self._latest = now
+        if self._first is None and done > self.before:
+            self._first = now, done
+        self.done, self.total = done, total
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the work began."""
+        return self._clock() - self.began
+
+    @property
+    def rate(self) -> float | None:
+        """Pieces per second after the first one; None while that is not known."""
+        if self._first is None or self.done <= self._first[1] or self._latest <= self._first[0]:
+            return None
+        return (self.done - self._first[1]) / (self._latest - self._first[0])
+
+    @property
+    def left(self) -> float | None:
+        """Seconds that the rest takes at this rate; None while that is not known."""
+        rate = self.rate
+        return None if rate is None else max((self.total - self.done) / rate - (self._clock() - self._latest), 0.0)
 
 
 LOG_INTERVAL = 10.0
@@ -36,18 +74,18 @@ LOG_INTERVAL = 10.0
 
 
 @contextmanager
-def progress(mode: ProgressMode, what: str, began: Began | None = None, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
+def progress(mode: ProgressMode, what: str, pace: Pace | None = None, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
     """Function to call with (done, total): once at the start, then after each piece of work.
 
-    ``began`` tells of work that had begun before the first call; without it, what is done then counts as done by an earlier run.
+    ``pace`` is that of work that had begun before the first call; without it, what is done then counts as done by an earlier run.
     """
     if mode is ProgressMode.AUTO:
         mode = ProgressMode.BAR if sys.stderr.isatty() else ProgressMode.LOG
     if mode is ProgressMode.BAR:
-        with _bar(what) as report:
+        with _bar(what, pace or Pace(clock)) as report:
             yield report
     elif mode is ProgressMode.LOG:
-        yield log_lines(what, log, clock, began)
+        yield log_lines(what, log, clock, pace)
     else:
         yield lambda done, total: None
 
@@ -59,18 +97,17 @@ PATIENCE = 2.0
 @contextmanager
 def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
     """:func:`progress` that appears only when the work has lasted :data:`PATIENCE` seconds."""
-    start = clock()
-    began: list[Began] = []
+    pace = Pace(clock)
     shown: list[Progress] = []
     with ExitStack() as stack:
 
         def report(done: int, total: int) -> None:
-            if not began:
-                began.append(Began(start, done))
-            if not shown and clock() - start >= PATIENCE and done < total:
-                shown.append(stack.enter_context(progress(mode, what, began[0], clock)))
+            if not shown and pace.before is not None and pace.elapsed >= PATIENCE and done < total:
+                shown.append(stack.enter_context(progress(mode, what, pace, clock)))
             if shown:
                 shown[0](done, total)
+            else:
+                pace.report(done, total)
 
         yield report
 
@@ -87,68 +124,52 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
 
 
-def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, began: Began | None = None) -> Progress:
+def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, pace: Pace | None = None) -> Progress:
     """Report that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
-    start: list[Began] = []
-    last = [0.0]
+    known = pace or Pace(clock)
+    last: list[float] = []
 
     def report(done: int, total: int) -> None:
-        now = clock()
-        if not start:
-            start.append(began or Began(now, done))
-            last[0] = now
-            before = start[0].done
-            if done == before:
-                write(f"{what}: {total - done} to do" + (f", {done} of {total} there already" if done else ""))
-                return
-        elif done < total and now - last[0] < LOG_INTERVAL:
+        now, fresh = clock(), known.before is None
+        known.report(done, total)
+        if fresh:
+            last.append(now)
+            write(f"{what}: {total - done} to do" + (f", {done} of {total} there already" if done else ""))
             return
-        last[0] = now
-        then, before = start[0]
-        rate = (done - before) / max(now - then, 1e-9)
+        if last and done < total and now - last[-1] < LOG_INTERVAL:
+            return
+        last.append(now)
         if done < total:
-            write(f"{what}: {done}/{total}, {rate:.3g} per s, {duration((total - done) / max(rate, 1e-9))} left")
+            left, rate = known.left, known.rate
+            write(f"{what}: {done}/{total}" + ("" if left is None or rate is None else f", {rate:.3g} per s, {duration(left)} left"))
         else:
-            write(f"{what}: {done}/{total} in {duration(now - then)}, {rate:.3g} per s")
+            made = (done - (known.before or 0)) / max(known.elapsed, 1e-9)
+            write(f"{what}: {done}/{total} in {duration(known.elapsed)}, {made:.3g} per s")
 
     return report
 
 
 @contextmanager
-def _bar(what: str) -> Iterator[Progress]:
+def _bar(what: str, pace: Pace) -> Iterator[Progress]:
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        ProgressColumn,
-        Task,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-    from rich.progress import (
-        Progress as Bar,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, Task, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
     from rich.text import Text
 
     class Rate(ProgressColumn):
-        """Pieces per second since this run began."""
+        """Pieces per second after the first one, and the time left; nothing while they are not known."""
 
         def render(self, task: Task) -> Text:
             """Rate as text."""
-            before = int(task.fields.get("before", 0))
-            elapsed = task.finished_time if task.finished_time is not None else task.elapsed
-            return Text(f"{(task.completed - before) / elapsed:.3g}/s" if elapsed and task.completed > before else "-/s")
+            rate, left = pace.rate, pace.left
+            return Text("" if rate is None or left is None or task.finished else f"{rate:.3g}/s, {duration(left)} left")
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Rate(), TimeElapsedColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), Rate())
     with Bar(*columns, console=Console(stderr=True)) as shown:
         task = shown.add_task(what, total=None)
-        seen: list[int] = []
 
         def report(done: int, total: int) -> None:
-            if not seen:
-                seen.append(done)
-                shown.update(task, before=done)
+            pace.report(done, total)
             shown.update(task, completed=done, total=total)
 
         yield report

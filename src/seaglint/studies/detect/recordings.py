@@ -14,10 +14,11 @@ from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.free_form import TomlTables
 from seaglint.files.detection_case import DetectionCase, Judged
+from seaglint.scenario.text.vary_text import parse_vary
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
 from seaglint.studies.detect.study import Study, with_settings
-from seaglint.studies.detect.varied_cases import STUDY_KEYS, parse_vary
+from seaglint.studies.detect.varied_cases import STUDY_KEYS
 
 
 def settings_of(vary: Sequence[str] | Mapping[str, Sequence[Any]]) -> list[TomlTables]:

@@ -225,9 +225,9 @@ class RecordingRequest(ReadingRequest, SpotRequest):
         ),
     ]
     pixel_mrad: Annotated[float | None, Parameter("angle of a pixel, where the file does not say [mrad]", "Recording")] = None
-    vary: Annotated[list[str] | None, Parameter("values of detector, filter or threshold; repeatable", "Detector", metavar="KEY=A,B,C")] = (
-        None
-    )
+    vary: Annotated[
+        list[str] | None, Parameter("values of detector, filter or threshold; repeatable", "Detector", metavar="KEY=A,B,C|A:B:STEP")
+    ] = None
 
     @property
     def files(self) -> list[Path]:
@@ -243,7 +243,7 @@ class CasesRequest(DetectorRequest):
     frames: Annotated[int | None, Parameter("independent seas at most; default: 32", "Scenes", least=1)] = None
     vary: Annotated[
         list[str] | None,
-        Parameter("values of a scenario's key, of detector, filter or threshold; repeatable", "Scenes", metavar="KEY=A,B,C"),
+        Parameter("values of a scenario's key, of detector, filter or threshold; repeatable", "Scenes", metavar="KEY=A,B,C|A:B:STEP"),
     ] = None
     cases: Annotated[Path | None, Parameter("a case a row, keys as headings", "Scenes", metavar="F.csv")] = None
     sensor: Annotated[

@@ -18,6 +18,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.scenario.setting import set_key
+from seaglint.scenario.text.vary_text import parse_vary, plain_value
 
 MOST_CASES: Final = 1000
 """Cases of one study at most."""
@@ -45,62 +46,6 @@ class StudyCase:
     study: TomlTables
 
 
-def parse_vary(texts: Sequence[str]) -> list[tuple[str, list[Any]]]:
-    """``key=a,b,c`` as keys and values.
-
-    Raises
-    ------
-    DataError
-        No key, no values, or a key twice.
-
-    Examples
-    --------
-    >>> parse_vary(["wind.speed_m_s=2,5", "detector=matched,log"])
-    [('wind.speed_m_s', [2, 5]), ('detector', ['matched', 'log'])]
-    """
-    out: list[tuple[str, list[Any]]] = []
-    for text in texts:
-        key, sign, values = text.partition("=")
-        key = key.strip()
-        if not sign or not key or not values.strip():
-            raise DataError(f"vary = {text}: give key=value,value,..., e.g. wind.speed_m_s=2,5,10")
-        if any(key == known for known, _ in out):
-            raise DataError(f"vary = {text}: {key} is varied twice; give all its values at once")
-        out.append((key, [plain_value(part) for part in _parts(values)]))
-    return out
-
-
-def _parts(text: str) -> list[str]:
-    """Split at commas that stand in no brackets or quotes."""
-    found, depth, quote, part = [], 0, "", ""
-    for letter in text:
-        if quote:
-            quote = "" if letter == quote else quote
-        elif letter in "\"'":
-            quote = letter
-        depth += (letter in "[{") - (letter in "]}") if not quote else 0
-        if letter == "," and depth == 0 and not quote:
-            found.append(part)
-            part = ""
-        else:
-            part += letter
-    return [*found, part]
-
-
-def plain_value(text: str) -> Any:
-    """A value as a TOML file has it; text without quotes is text.
-
-    Examples
-    --------
-    >>> plain_value("2"), plain_value(" 14 kn"), plain_value("[4, 2]"), plain_value("true")
-    (2, '14 kn', [4, 2], True)
-    """
-    try:
-        return tomllib.loads(f"v = {text.strip()}")["v"]
-    except (tomllib.TOMLDecodeError, ValueError):
-        return text.strip()
-
-
 def cases_of(
     source: Path | Scenario,
     *,
@@ -115,7 +60,7 @@ def cases_of(
     source : Path or Scenario
         TOML file, or a scenario that is loaded.
     vary : sequence of str, or mapping
-        ``key=value,value``, or values by key; several are combined.
+        ``key=value,value`` or ``key=START:STOP:STEP``, or values by key; several are combined.
     table : Path, optional
         CSV file with keys as headings and a case a row; empty cells leave the scenario as it is.
     sensor : str, optional

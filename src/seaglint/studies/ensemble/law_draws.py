@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -18,7 +18,7 @@ from seaglint.base.random import stream
 from seaglint.climate.weather_table import TEXTS, WeatherTable
 from seaglint.files.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
-from seaglint.scenario.keys import key_at
+from seaglint.scenario.keys import quantity_of
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
 from seaglint.scenario.records.quantity import Quantity
@@ -82,20 +82,6 @@ class EnsembleScene:
 def sea_seed(seed: int, number: int) -> int:
     """Seed of a scene's sea."""
     return int(stream(seed, "ensemble sea", number).integers(2**_SEED_BITS))
-
-
-def quantity_of(key: str) -> Quantity | None:
-    """Unit and range of a key of the scenario; None where it is no number, or no key."""
-    parts = key.split(".")
-    if parts[0] == "objects" and len(parts) > 1:
-        parts.pop(1)
-    return _quantity_at(tuple(part for part in parts if not part.isdecimal()))
-
-
-@cache
-def _quantity_at(location: tuple[str, ...]) -> Quantity | None:
-    key = key_at(location)
-    return next(iter(key.quantities), None) if key is not None else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,13 +21,14 @@ from seaglint.files.store.claim import exclusive
 from seaglint.files.store.store import Interrupted, check_output, write_sequence
 from seaglint.files.text_file import write_text
 from seaglint.scenario.ensemble_file import Ensemble, with_absolute_paths
+from seaglint.scenario.keys import quantity_of
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Weather, value_of
 from seaglint.scenario.setting import set_key
 from seaglint.studies.ensemble.ensemble_folder import Folder
 from seaglint.studies.ensemble.label_outlook import report_unseen
-from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, UniformNumbers, WeatherRows, count_key, quantity_of, sea_seed
+from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, UniformNumbers, WeatherRows, count_key, sea_seed
 from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
 from seaglint.studies.ensemble.object_places import PixelGrid
 from seaglint.studies.prepare.kept import Kept

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
+from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -13,11 +13,13 @@ from seaglint.air.profile.absorber_densities import refractivity
 from seaglint.air.profile.air_profile import AirProfile, model_profile
 from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.bent_ray import trapping_layers
+from seaglint.air.profile.gas_rays import GasRays
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.marine_layer import with_marine_layer
 from seaglint.air.profile.own_gases import OwnGases, with_gases
 from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
 from seaglint.air.protocol import wavenumber_grid
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import ScenarioError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.limits import NAVY_AEROSOL_WIND, PROFILE_BAND_UM, TABLE_BANDS_UM
@@ -37,6 +39,7 @@ INFRARED_CM: Final = 2500.0
 """Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um."""
 
 if TYPE_CHECKING:
+    from seaglint.air.profile.profile_scattering import Scatterers
     from seaglint.air.scattering.scattering_laws import ScatteringAir
 
 
@@ -126,38 +129,67 @@ class _Choice:
     gases: OwnGases = OWN_OF_THE_PROFILE
 
 
-@lru_cache(maxsize=16)
+@dataclass(eq=False)
+class _HazelessAir:
+    """Air of a profile over a band without its haze, which hazes of all winds share."""
+
+    profile: AirProfile
+    grid: FloatArray
+    levels: Levels
+    spectroscopy: Spectroscopy
+    noted: JsonObject
+    rays: GasRays = field(default_factory=GasRays)
+    _scatterers: dict[tuple[int | None, int | None, int | None], Scatterers] = field(default_factory=dict)
+
+    def scattering(self, haze: HazeWeather, part: slice) -> ScatteringAir:
+        """Scatterers of a haze on part of the channels."""
+        # Numba comes with it: thermal bands do without.
+        from seaglint.air.profile.profile_scattering import Scatterers
+
+        key = (part.start, part.stop, part.step)
+        if key not in self._scatterers:
+            middle = 0.5 * float(self.grid[0] + self.grid[-1])
+            self._scatterers[key] = Scatterers(
+                self.profile, self.grid[part], middle, continuous=self.levels == "continuous", spectroscopy=self.spectroscopy
+            )
+        return self._scatterers[key].with_haze(haze)
+
+
+@lru_cache(maxsize=64)
 def _kept(model: str, choice: _Choice) -> ProfileAtmosphere:
-    return _made(model_profile(model), choice, {})
+    return _with_haze(_kept_hazeless(model, replace(choice, haze=HazeWeather(), moving=False)), choice)
+
+
+@lru_cache(maxsize=4)
+def _kept_hazeless(model: str, choice: _Choice) -> _HazelessAir:
+    return _hazeless(model_profile(model), choice, {})
 
 
 def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> ProfileAtmosphere:
-    grid = wavenumber_grid(*choice.edges)
-    middle = 0.5 * float(grid[0] + grid[-1])
+    return _with_haze(_hazeless(profile, choice, noted), choice)
+
+
+def _hazeless(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> _HazelessAir:
     provenance: JsonObject = {**noted}
     if choice.lowest is not None:
         profile = with_marine_layer(profile, *choice.lowest)
         provenance["air_minus_sea_k"] = choice.lowest[2]
     profile = with_gases(profile, choice.gases)
     provenance |= {name: value for name, value in asdict(choice.gases).items() if value is not None}
+    return _HazelessAir(profile, wavenumber_grid(*choice.edges), choice.levels, choice.spectroscopy, provenance)
 
-    def scatterers(part: slice) -> ScatteringAir:
-        # Numba comes with it: thermal bands do without.
-        from seaglint.air.profile.profile_scattering import scattering_air
 
-        continuous = choice.levels == "continuous"
-        return scattering_air(profile, choice.haze, grid[part], middle, continuous=continuous, spectroscopy=choice.spectroscopy)
-
-    scatters = choice.edges[0] < THERMAL_UM
+def _with_haze(air: _HazelessAir, choice: _Choice) -> ProfileAtmosphere:
     return ProfileAtmosphere(
-        profile,
+        air.profile,
         choice.haze,
-        grid,
+        air.grid,
         levels=choice.levels,
-        scattering=scatterers if scatters else None,
-        provenance=provenance,
+        scattering=partial(air.scattering, choice.haze) if choice.edges[0] < THERMAL_UM else None,
+        provenance=air.noted,
         moving=choice.moving,
         spectroscopy=choice.spectroscopy,
+        rays=air.rays,
     )
 
 

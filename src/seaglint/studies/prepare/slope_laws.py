@@ -33,9 +33,14 @@ def slopes(scenario: Scenario) -> SlopeStatistics:
     if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
         return made
     if made.directed is None or made.directed >= 1.0:
-        return made if sea is None else nested_in(made, sea)
+        return made if sea is None else _nested(made, sea)
     without_wind = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
-    return nested_in(made, sea, spectrum(without_wind))
+    return _nested(made, sea, spectrum(without_wind))
+
+
+@lru_cache(maxsize=256)
+def _nested(made: SlopeStatistics, waves: DirectionalSpectrum | None, calm: DirectionalSpectrum | None = None) -> SlopeStatistics:
+    return nested_in(made, waves, calm)
 
 
 def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics:

@@ -1,0 +1,70 @@
+"""Rays of a profile with the optical depth of their gases, kept for hazes of other winds: only the aerosol knows the wind."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from typing import Final
+
+from seaglint.air.profile.bent_ray import BentRay
+from seaglint.base.conventions import FloatArray
+
+MOST_BYTES: Final = 64 << 20
+"""Bytes of kept rays of a profile on some channels."""
+
+
+@dataclass(frozen=True, eq=False)
+class GasRay:
+    """Way through the air, with what no haze changes.
+
+    Attributes
+    ----------
+    ray : BentRay or None
+        The ray; None for a path between two heights.
+    height : ndarray
+        Heights of the cuts [m, (cuts + 1,)].
+    length : ndarray
+        Lengths of the cuts [m, (cuts,)].
+    depth : ndarray
+        Optical depth of the gases from the start to the ends of the pieces [1, (pieces, n)], or of the whole way [1, (n,)].
+    glow : ndarray or None
+        Mean Planck radiance of the pieces [W m-2 sr-1 per cm-1, (pieces, n)]; None where it is not needed.
+    """
+
+    ray: BentRay | None
+    height: FloatArray
+    length: FloatArray
+    depth: FloatArray
+    glow: FloatArray | None = None
+
+    @property
+    def size(self) -> int:
+        """Bytes."""
+        return self.height.nbytes + self.length.nbytes + self.depth.nbytes + (0 if self.glow is None else self.glow.nbytes)
+
+
+@dataclass(eq=False)
+class GasRays:
+    """Rays of one profile on some channels; the oldest go when there are more than :data:`MOST_BYTES`."""
+
+    _held: OrderedDict[Hashable, GasRay] = field(default_factory=OrderedDict)
+    _size: int = 0
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def get(self, key: Hashable, make: Callable[[], GasRay]) -> GasRay:
+        """Return the ray of a key, made where it is not there."""
+        with self._lock:
+            held = self._held.get(key)
+            if held is not None:
+                self._held.move_to_end(key)
+                return held
+        made = make()
+        with self._lock:
+            if key not in self._held:
+                self._held[key] = made
+                self._size += made.size
+            while self._size > MOST_BYTES and len(self._held) > 1:
+                self._size -= self._held.popitem(last=False)[1].size
+        return made

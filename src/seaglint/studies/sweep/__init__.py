@@ -1,0 +1,1 @@
+"""Sweeps: one quantity over every combination of some values of a scenario's keys."""

@@ -1,0 +1,377 @@
+"""A sweep: one quantity of every case, assembled into a labelled dataset."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import Progress
+from seaglint.base.errors import BackendError, DataError, ScenarioError, SeaglintError, one_line
+from seaglint.base.free_form import Attributes
+from seaglint.base.threads import thread_limit
+from seaglint.cluster.job import Job, Workers, record_of
+from seaglint.files.netcdf import labelled, plain_attributes
+from seaglint.files.provenance import provenance
+from seaglint.scenario.model import Scenario
+from seaglint.studies.prepare.memory import require_room
+from seaglint.studies.sweep.case_results import CaseResult, NamedArray, computer
+from seaglint.studies.sweep.sweep_plan import SweepPlan, chunks
+from seaglint.studies.sweep.sweep_requests import MOST_CASES
+from seaglint.studies.sweep.view_angles import ViewAngles
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_BAND: Final = ("band_wavelength_um", "band_response")
+"""Attributes that hold for the whole dataset where all cases have the same."""
+
+_MOST_NAMED: Final = 3
+"""Failures that are named in an attribute or a message."""
+
+
+@dataclass(frozen=True, eq=False)
+class SweepSettings:
+    """Settings of a sweep that each worker needs."""
+
+    plan: SweepPlan
+    what: str | Callable[[Scenario], Any]
+    at: ViewAngles | None
+    keep_going: bool = False
+    threads: int | None = None
+
+    @property
+    def title(self) -> str:
+        """Name of the quantity."""
+        return self.what if isinstance(self.what, str) else getattr(self.what, "__name__", type(self.what).__name__)
+
+
+@dataclass(frozen=True)
+class CaseFailure:
+    """Case that failed, in words."""
+
+    text: str
+
+
+Outcome = CaseResult | CaseFailure
+
+
+def compute_case(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], number: int) -> Outcome:
+    """Return the result of a case, or its failure where the sweep goes on.
+
+    Raises
+    ------
+    SeaglintError
+        What the scenario or the models refuse, or what the user's function raised; the message names the case.
+    """
+    try:
+        scenario = settings.plan.scenario(number)
+        try:
+            return compute(scenario)
+        except ScenarioError as error:
+            raise ScenarioError(f"sweep, {settings.plan.named(number)}: {_line(error)}") from error
+        except SeaglintError as error:
+            raise DataError(f"sweep, {settings.plan.named(number)}: {_line(error)}") from error
+        except Exception as error:
+            if not callable(settings.what):
+                raise  # a defect, which keeps its traceback
+            raise DataError(f"sweep, {settings.plan.named(number)}: the function {settings.title} raised {one_line(error)}") from error
+    except SeaglintError as error:
+        if not settings.keep_going:
+            raise
+        return CaseFailure(_line(error))
+
+
+def _line(error: BaseException) -> str:
+    return " ".join(str(error).split())
+
+
+def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tuple[int, Outcome]]]:
+    """Return the function that computes some cases."""
+    compute = computer(settings.what, settings.at)
+
+    def work(numbers: tuple[int, ...]) -> list[tuple[int, Outcome]]:
+        out: list[tuple[int, Outcome]] = []
+        for number in numbers:
+            try:
+                out.append((number, compute_case(settings, compute, number)))
+            except SeaglintError as error:  # no use in trying again
+                return [*out, (number, CaseFailure(_line(error)))]
+        return out
+
+    return work
+
+
+def sweep(
+    source: Scenario | str | Path | Mapping[str, Any],
+    vary: Mapping[str, Any],
+    *,
+    what: str | Callable[[Scenario], Any] = "mean",
+    at: Mapping[str, Any] | ViewAngles | None = None,
+    workers: Workers | None = None,
+    threads: int | None = None,
+    keep_going: bool = False,
+    most_cases: int = MOST_CASES,
+    lazy: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Compute one quantity over every combination of some values of a scenario's keys.
+
+    Parameters
+    ----------
+    source : Scenario, path or mapping
+        Scenario, its file, or its tables.
+    vary : mapping
+        Values by dotted key.
+    what : str or callable
+        Quantity; see :mod:`seaglint.studies.sweep.case_results`.
+    at : mapping, optional
+        View angles; see :class:`~seaglint.studies.sweep.view_angles.ViewAngles`.
+    workers : Workers, optional
+        Who computes; this process by default.
+    threads : int, optional
+        Processor threads of the kernels.
+    keep_going : bool
+        Leave cases that fail without values.
+    most_cases : int
+        Largest number of cases.
+    lazy : bool
+        Compute a case when its values are read, with Dask.
+    progress : callable, optional
+        Called with (cases done, cases in all).
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions are the swept keys, then those of the quantity.
+
+    Raises
+    ------
+    SeaglintError
+        A key that does not exist, too many cases, too little memory, or a case that fails.
+    """
+    angles = ViewAngles.of(at)
+    if threads is None and angles is not None:
+        threads = 1  # lines of sight are few: threads that wait for each other take more time than they save
+    settings = SweepSettings(SweepPlan.of(source, vary), what, angles, keep_going, threads)
+    compute = computer(what, settings.at)
+    with thread_limit(threads):
+        if not keep_going:
+            settings.plan.check()
+        require_cases(settings, compute, most_cases)
+        if lazy:
+            from seaglint.studies.sweep.lazy_sweep import lazy_arrays
+
+            template, values = lazy_arrays(settings, compute)
+            return _dataset(settings, template, values, {})
+        gathered = Gathered(settings)
+        for number, outcome in _outcomes(settings, compute, workers, progress):
+            gathered.add(number, outcome)
+    return gathered.dataset()
+
+
+def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], most: int) -> None:
+    """Refuse more cases than allowed; the message says how long they would take and how much memory.
+
+    Raises
+    ------
+    DataError
+        Judged by the first two cases.
+    """
+    count = settings.plan.count
+    if count <= most:
+        return
+    seconds, size = 0.0, 0
+    try:
+        for number in (0, count - 1):  # the first one also compiles and prepares
+            start = time.perf_counter()
+            size = compute(settings.plan.scenario(number)).size
+            seconds = time.perf_counter() - start
+        cost = f", about {_span(count * seconds)} of computation on this machine and {_bytes(count * size)} of memory"
+    except Exception:  # the number is reason enough
+        cost = ""
+    raise DataError(
+        f"a sweep of {' x '.join(map(str, settings.plan.shape))} = {count} cases{cost}: more than the {most} that are allowed; give fewer "
+        f"values, or allow them with most_cases = {count}"
+    )
+
+
+def _span(seconds: float) -> str:
+    for size, unit in ((31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.2g} s"
+
+
+def _bytes(size: float) -> str:
+    for factor, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB")):
+        if size >= factor:
+            return f"{size / factor:.3g} {unit}"
+    return f"{size:.0f} bytes"
+
+
+def _outcomes(
+    settings: SweepSettings, compute: Callable[[Scenario], CaseResult], workers: Workers | None, progress: Progress | None
+) -> Iterator[tuple[int, Outcome]]:
+    """Yield numbers and outcomes of all cases as they finish."""
+    order, tell = settings.plan.order(), progress or (lambda done, total: None)
+    tell(0, len(order))
+    if workers is None:
+        for done, number in enumerate(order, start=1):
+            yield number, compute_case(settings, compute, number)
+            tell(done, len(order))
+        return
+    units, done = chunks(order, settings.plan.together(), workers.count), 0
+    try:
+        with workers.map(Job(sweep_worker, settings), units) as outcomes:
+            for outcome in outcomes:
+                for number, result in record_of(outcome):
+                    if isinstance(result, CaseFailure) and not settings.keep_going:
+                        raise DataError(result.text)
+                    yield number, result
+                    done += 1
+                tell(done, len(order))
+    except (AttributeError, TypeError) as error:
+        if callable(settings.what) and "pickle" in str(error):
+            raise BackendError(
+                f"the function {settings.title} cannot be sent to other processes ({_line(error)}); define it in a module, or "
+                "leave workers out"
+            ) from error
+        raise
+
+
+@dataclass(eq=False)
+class Gathered:
+    """Results of cases as they come in, in arrays over all cases."""
+
+    settings: SweepSettings
+    first: CaseResult | None = None
+    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+    failures: dict[int, str] = field(default_factory=dict)
+    band: Attributes | None = None
+
+    def add(self, number: int, outcome: Outcome) -> None:
+        """Keep the outcome of a case.
+
+        Raises
+        ------
+        DataError
+            A result whose arrays are not those of the first one.
+        """
+        if isinstance(outcome, CaseFailure):
+            self.failures[number] = outcome.text
+            return
+        if self.first is None:
+            self._begin(outcome)
+        assert self.first is not None
+        band: Attributes = {name: outcome.attributes[name] for name in _BAND if name in outcome.attributes}
+        self.band = band if self.band is None or self.band == band else {}
+        arrays, expected = _all(outcome), _all(self.first)
+        if arrays.keys() != expected.keys():
+            other = sorted(arrays.keys() ^ expected.keys())
+            raise DataError(
+                f"sweep, {self.settings.plan.named(number)}: has other variables than the first case ({', '.join(other)}); "
+                "vary only what leaves the variables the same"
+            )
+        for name, array in arrays.items():
+            if array.values.shape != expected[name].values.shape or array.dims != expected[name].dims:
+                raise DataError(
+                    f"sweep, {self.settings.plan.named(number)}: {name} is of the shape {array.values.shape} and that of the first case of "
+                    f"{expected[name].values.shape}; vary only what leaves the picture's size the same"
+                )
+            if array.dims == (name,) and not np.array_equal(array.values, expected[name].values):
+                raise DataError(
+                    f"sweep, {self.settings.plan.named(number)}: the coordinate {name} is not that of the first case; return the "
+                    "same places in all cases, or a coordinate of another name along the dimension"
+                )
+            self.arrays[name][number] = array.values
+
+    def _begin(self, first: CaseResult) -> None:
+        count = self.settings.plan.count
+        require_room(
+            count * first.size, f"the result of {count} cases", "give fewer values or pixels, or sweep in parts (in Python also lazy=True)"
+        )
+        self.first = first
+        for name, array in _all(first).items():
+            values = array.values
+            kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else None
+            if kind is None:
+                kind = np.dtype(object) if values.dtype.kind in "UO" else np.dtype(np.float64)
+            elif kind.kind == "U":
+                kind = np.dtype(object)
+            self.arrays[name] = np.full((count, *values.shape), _missing(kind), dtype=kind)
+
+    def dataset(self) -> xr.Dataset:
+        """Return the finished dataset.
+
+        Raises
+        ------
+        DataError
+            Every case failed.
+        """
+        if self.first is None:
+            raise DataError(f"all {self.settings.plan.count} cases failed, the first with: {next(iter(self.failures.values()))}")
+        shape = self.settings.plan.shape
+        values = {name: array.reshape(*shape, *array.shape[1:]) for name, array in self.arrays.items()}
+        return _dataset(self.settings, self.first, values, self.failures, self.band)
+
+
+def _missing(kind: np.dtype[Any]) -> Any:
+    return np.nan if kind.kind in "fc" else np.array("NaT", kind) if kind.kind in "mM" else "" if kind.kind == "O" else 0
+
+
+def _all(result: CaseResult) -> dict[str, NamedArray]:
+    return {**result.coordinates, **result.variables}
+
+
+def _dataset(
+    settings: SweepSettings, first: CaseResult, values: Mapping[str, Any], failures: Mapping[int, str], band: Attributes | None = None
+) -> xr.Dataset:
+    """Return arrays over all cases as a labelled dataset; ``values`` are (keys..., dims...) by name."""
+    import xarray as xr
+
+    plan = settings.plan
+    names = tuple(key.name for key in plan.keys)
+    clash = sorted(set(names) & {*_all(first), *(dim for array in _all(first).values() for dim in array.dims)})
+    if clash:
+        raise DataError(f"{clash[0]} is a swept key and a name in the result too; give the result's another name")
+    coords: dict[str, Any] = {key.name: (key.name, key.coordinate, key.attributes) for key in plan.keys}
+    for name, array in first.coordinates.items():
+        coords[name] = _coordinate(plan, name, array, values[name], failures)
+    data = {name: ((*names, *array.dims), values[name], array.attributes) for name, array in first.variables.items()}
+    base = plan.base_scenario()
+    attributes = provenance(
+        f"Sweep: {settings.title}",
+        base.model_dump_json(exclude_none=True),
+        base.seed,
+        sweep=json.dumps({key.name: list(key.values) for key in plan.keys}, default=str),
+        what=settings.title,
+        **(band or {}),
+    )
+    if failures:
+        some = "; ".join(list(failures.values())[:_MOST_NAMED])
+        attributes |= {"failed_cases": len(failures), "failures": some}
+    dataset = xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes))
+    return dataset if callable(settings.what) else labelled(dataset)  # names of a user's function are its own
+
+
+def _coordinate(plan: SweepPlan, array_name: str, array: NamedArray, values: Any, failures: Mapping[int, str]) -> Any:
+    """Return a coordinate of the quantity: without the swept keys where it is the same in all cases."""
+    names = tuple(key.name for key in plan.keys)
+    if array.dims == (array_name,):
+        return array.dims, array.values, array.attributes
+    if not isinstance(values, np.ndarray):  # lazy
+        return (*names, *array.dims), values, array.attributes
+    flat = values.reshape(plan.count, -1)
+    good = flat[[number for number in range(plan.count) if number not in failures]] if failures else flat
+    if all(np.array_equal(row, good[0]) for row in good[1:]):
+        return array.dims, good[0].reshape(array.values.shape), array.attributes
+    if array.dims == ():
+        return names, flat.reshape(plan.shape), array.attributes
+    return (*names, *array.dims), values, array.attributes
