@@ -40,7 +40,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
         "sense": CommandEntry("sensor.sense", "Put a sensor on recorded radiance: counts of its detector."),
         "sensor": CommandEntry("sensor.sensor", "Figures of merit of a sensor: NETD, MTF, noise budget."),
         "evaluate": CommandEntry("evaluate.evaluate", "Results for many cases: each row of a CSV file gets columns."),
-        "sweep": CommandEntry("sweep.sweep", "Compute one quantity over every combination of values of keys."),
+        "sweep": CommandEntry("sweep_keys.sweep", "Compute one quantity over every combination of values of keys."),
         "atmosphere": CommandEntry("atmosphere.atmosphere", "The air: soundings, files of it, and MODTRAN's files."),
         "weather": CommandEntry("weather.weather", "Tables of weather: how often which conditions come."),
         "texture": CommandEntry("texture.texture", "Statistical textures: fit, sample, compare, lay on the sea."),

@@ -49,7 +49,7 @@ _GRAZING: Final = 1e-7
 """Tolerance within which rays count as touching the sea [rad]."""
 
 
-class SunTable(NamedTuple):
+class SunwardTable(NamedTuple):
     """Amounts of absorbers from some heights to the Sun.
 
     ``coefficient[j, m, k]``: Chebyshev coefficients over the Sun's zenith angle, without refraction, between ``first`` and ``last`` [rad],
@@ -62,7 +62,7 @@ class SunTable(NamedTuple):
     coefficient: np.ndarray
 
 
-NO_SUNS: Final = SunTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))
+NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))
 """Table without heights: every amount is summed for itself."""
 
 
@@ -94,7 +94,7 @@ def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndar
 
 
 @njit
-def sun_by_table(laws: Laws, table: SunTable, j: int, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
+def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
     """Compute :func:`sun_seen`, from the table where it has the j-th point's height and the Sun's zenith angle."""
     if j >= table.height.size or table.height[j] != z or zenith < table.first or zenith > table.last:
         return sun_seen(laws, z, zenith, work, out)
@@ -239,7 +239,7 @@ def _log_mean(a: float, b: float, x: float) -> float:
 
 
 @njit
-def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, float], table: SunTable, out: np.ndarray) -> float:
+def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, float], table: SunwardTable, out: np.ndarray) -> float:
     """Compute amplitudes as :func:`line_amplitudes`, of continuous air, along a traced line: ``J_c`` is the integral of ``beta_c T``.
 
     T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its own
@@ -304,7 +304,7 @@ def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
 
 @njit
 def many_amplitudes(
-    laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], table: SunTable, out: np.ndarray, arc: np.ndarray
+    laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], table: SunwardTable, out: np.ndarray, arc: np.ndarray
 ) -> None:
     """Amplitudes by :func:`line_amplitudes` or :func:`line_sums` of part of the lines from one height.
 

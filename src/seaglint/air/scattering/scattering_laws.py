@@ -21,7 +21,7 @@ from seaglint.air.scattering.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, Laye
 from seaglint.air.scattering.scattered_line import (
     KINDS,
     NO_SUNS,
-    SunTable,
+    SunwardTable,
     apparent_zenith,
     fill_suns,
     line_arc,
@@ -297,7 +297,7 @@ class ScatteringAir:
         back = np.argsort(order)
         return out[back], arc[back]
 
-    def _suns(self, z: float, lines: FloatArray) -> SunTable:
+    def _suns(self, z: float, lines: FloatArray) -> SunwardTable:
         """Table of the amounts towards the Sun at the points of the lines from a height [km]; empty for a Sun that is too low."""
         grazing = lines[np.argmin(np.abs(lines[:, 0] - 0.5 * np.pi)), 0]
         heights, arcs = line_points(self.laws, z, float(grazing))
@@ -312,7 +312,7 @@ class ScatteringAir:
         values = np.empty((heights.size, count, self.laws.density.shape[0]))
         fill_suns(self.laws, np.array(heights), 0.5 * (first + last) + 0.5 * (last - first) * x, values)
         inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(x, count - 1))
-        return SunTable(np.array(heights), first, last, np.ascontiguousarray(np.einsum("mn,jnk->jmk", inverse, values)))
+        return SunwardTable(np.array(heights), first, last, np.ascontiguousarray(np.einsum("mn,jnk->jmk", inverse, values)))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:

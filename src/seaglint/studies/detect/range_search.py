@@ -288,7 +288,7 @@ def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | Non
 
 
 @dataclass(frozen=True)
-class Choice:
+class DetectorChoice:
     """Detector that was chosen, the range at which it was tried last [m], and all that were tried."""
 
     detector: str
@@ -304,7 +304,7 @@ def choose(
     bearing: float | None,
     parts: Parts,
     say: Callable[[str], None],
-) -> Choice:
+) -> DetectorChoice:
     """Choose a detector by its margin of contrast at an estimate of the range.
 
     Where even the best has a margin beyond :data:`ALIKE`, its range is elsewhere and others may be better there: the contrast is taken to
@@ -328,7 +328,7 @@ def choose(
         if 1.0 / ALIKE <= margin <= ALIKE or following == at:
             break
         at = following
-    return Choice(best.detector, best.range_m, tried)
+    return DetectorChoice(best.detector, best.range_m, tried)
 
 
 def detection_range(

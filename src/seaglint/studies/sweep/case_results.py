@@ -3,50 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
-from seaglint.base.free_form import Attributes
 from seaglint.scenario.model import Scenario
+from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
 from seaglint.studies.sweep.sweep_requests import QUANTITIES
 
 if TYPE_CHECKING:
     from seaglint.studies.sweep.view_angles import ViewAngles
-
-
-@dataclass(frozen=True, eq=False)
-class NamedArray:
-    """Array with the names of its dimensions and its attributes."""
-
-    dims: tuple[str, ...]
-    values: NDArray[Any]
-    attributes: Attributes = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class CaseResult:
-    """Result of one case.
-
-    Attributes
-    ----------
-    variables, coordinates : dict of NamedArray
-        Arrays by name.
-    attributes : dict
-        Attributes of the whole.
-    """
-
-    variables: dict[str, NamedArray]
-    coordinates: dict[str, NamedArray] = field(default_factory=dict)
-    attributes: Attributes = field(default_factory=dict)
-
-    @property
-    def size(self) -> int:
-        """Bytes of all arrays."""
-        return sum(array.values.nbytes for arrays in (self.variables, self.coordinates) for array in arrays.values())
 
 
 Compute = Callable[[Scenario], CaseResult]

@@ -13,8 +13,9 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import optional
 from seaglint.base.threads import thread_limit
 from seaglint.scenario.model import Scenario
-from seaglint.studies.sweep.case_results import CaseResult, computer
-from seaglint.studies.sweep.run_sweep import CaseFailure, SweepSettings, compute_case
+from seaglint.studies.sweep.case_arrays import CaseResult
+from seaglint.studies.sweep.case_results import computer
+from seaglint.studies.sweep.sweep_case import CaseFailure, SweepSettings, compute_case
 
 Shapes = tuple[tuple[str, tuple[int, ...], str], ...]
 """Names of arrays, with the shape and the type of those of one case."""

@@ -16,7 +16,7 @@ from seaglint.scenario.sun import sun_position
 from seaglint.studies.mean.mean_pixels import MAPS
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.refraction import require_standard_refraction
-from seaglint.studies.sweep.case_results import CaseResult, NamedArray
+from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
 from seaglint.studies.sweep.shared_views import shared_view
 from seaglint.studies.sweep.view_angles import ATTRIBUTES, AZIMUTH, ZENITH, ViewAngles
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import BackendError, DataError, ScenarioError, SeaglintError, one_line
+from seaglint.base.errors import BackendError, DataError, SeaglintError
 from seaglint.base.free_form import Attributes
 from seaglint.base.threads import thread_limit
 from seaglint.cluster.job import Job, Workers, record_of
@@ -21,7 +21,10 @@ from seaglint.files.netcdf import labelled, plain_attributes
 from seaglint.files.provenance import provenance
 from seaglint.scenario.model import Scenario
 from seaglint.studies.prepare.memory import require_room
-from seaglint.studies.sweep.case_results import CaseResult, NamedArray, computer
+from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
+from seaglint.studies.sweep.case_results import computer
+from seaglint.studies.sweep.lazy_sweep import lazy_arrays
+from seaglint.studies.sweep.sweep_case import CaseFailure, Outcome, SweepSettings, compute_case, line_of
 from seaglint.studies.sweep.sweep_plan import SweepPlan, chunks
 from seaglint.studies.sweep.sweep_requests import MOST_CASES
 from seaglint.studies.sweep.view_angles import ViewAngles
@@ -36,62 +39,6 @@ _MOST_NAMED: Final = 3
 """Failures that are named in an attribute or a message."""
 
 
-@dataclass(frozen=True, eq=False)
-class SweepSettings:
-    """Settings of a sweep that each worker needs."""
-
-    plan: SweepPlan
-    what: str | Callable[[Scenario], Any]
-    at: ViewAngles | None
-    keep_going: bool = False
-    threads: int | None = None
-
-    @property
-    def title(self) -> str:
-        """Name of the quantity."""
-        return self.what if isinstance(self.what, str) else getattr(self.what, "__name__", type(self.what).__name__)
-
-
-@dataclass(frozen=True)
-class CaseFailure:
-    """Case that failed, in words."""
-
-    text: str
-
-
-Outcome = CaseResult | CaseFailure
-
-
-def compute_case(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], number: int) -> Outcome:
-    """Return the result of a case, or its failure where the sweep goes on.
-
-    Raises
-    ------
-    SeaglintError
-        What the scenario or the models refuse, or what the user's function raised; the message names the case.
-    """
-    try:
-        scenario = settings.plan.scenario(number)
-        try:
-            return compute(scenario)
-        except ScenarioError as error:
-            raise ScenarioError(f"sweep, {settings.plan.named(number)}: {_line(error)}") from error
-        except SeaglintError as error:
-            raise DataError(f"sweep, {settings.plan.named(number)}: {_line(error)}") from error
-        except Exception as error:
-            if not callable(settings.what):
-                raise  # a defect, which keeps its traceback
-            raise DataError(f"sweep, {settings.plan.named(number)}: the function {settings.title} raised {one_line(error)}") from error
-    except SeaglintError as error:
-        if not settings.keep_going:
-            raise
-        return CaseFailure(_line(error))
-
-
-def _line(error: BaseException) -> str:
-    return " ".join(str(error).split())
-
-
 def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tuple[int, Outcome]]]:
     """Return the function that computes some cases."""
     compute = computer(settings.what, settings.at)
@@ -102,7 +49,7 @@ def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tu
             try:
                 out.append((number, compute_case(settings, compute, number)))
             except SeaglintError as error:  # no use in trying again
-                return [*out, (number, CaseFailure(_line(error)))]
+                return [*out, (number, CaseFailure(line_of(error)))]
         return out
 
     return work
@@ -166,8 +113,6 @@ def sweep(
             settings.plan.check()
         require_cases(settings, compute, most_cases)
         if lazy:
-            from seaglint.studies.sweep.lazy_sweep import lazy_arrays
-
             template, values = lazy_arrays(settings, compute)
             return _dataset(settings, template, values, {})
         gathered = Gathered(settings)
@@ -240,7 +185,7 @@ def _outcomes(
     except (AttributeError, TypeError) as error:
         if callable(settings.what) and "pickle" in str(error):
             raise BackendError(
-                f"the function {settings.title} cannot be sent to other processes ({_line(error)}); define it in a module, or "
+                f"the function {settings.title} cannot be sent to other processes ({line_of(error)}); define it in a module, or "
                 "leave workers out"
             ) from error
         raise
