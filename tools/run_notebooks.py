@@ -64,7 +64,8 @@ def executed(name: str, timeout: float = 300.0) -> Any:
 
     book = read(name)
     with tempfile.TemporaryDirectory() as folder:
-        NotebookClient(book, timeout=timeout, kernel_name="python3", record_timing=False, resources={"metadata": {"path": folder}}).execute()
+        where = {"metadata": {"path": folder}}
+        NotebookClient(book, timeout=timeout, kernel_name="python3", record_timing=False, resources=where).execute()
     book.metadata["language_info"] = {"name": "python"}  # without the version of the interpreter of today
     return book
 
