@@ -11,6 +11,7 @@ from PIL import Image
 
 from make_gallery import IMAGES, MOST_BYTES, SCRIPTS, draw, encoded, keep, names
 
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 QUICK = ("air_spectra", "wave_spectrum", "wind_rose")
 PAGES = {path.name: path.read_text(encoding="utf-8") for path in SCRIPTS.glob("*.md")}
 
@@ -45,7 +46,8 @@ def test_its_picture_is_small_and_shown(name: str) -> None:
 
 
 def test_no_picture_is_left_behind() -> None:
-    assert {path.stem for path in IMAGES.glob("*.*")} == set(names())
+    notebooks = {path.stem for path in EXAMPLES.glob("*.ipynb")}
+    assert {path.stem for path in IMAGES.glob("*.*")} == set(names()) | notebooks
 
 
 def drawn(name: str, folder: Path) -> None:
