@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from seaglint.base.errors import DataError, ScenarioError, SeaglintError
+from seaglint.base.errors import DataError, ScenarioError, SeaglintError, one_line
 from seaglint.scenario.model import Scenario
 from seaglint.studies.sweep.case_arrays import CaseResult
 from seaglint.studies.sweep.sweep_plan import SweepPlan
