@@ -33,7 +33,7 @@ SINGLE: Final = tuple(name for name in NAMES if name not in LEFT_OUT)
 SLOPE: Final = 0.4
 """Power of the margin that a range follows: contrast falls at least with the 2.5th power of the range."""
 
-SEAS, PIXELS, P_FA = 6, (96, 64), 1e-3
+SEAS, PIXELS, P_FA, LIMITS = 6, (96, 64), 1e-3, (200.0, 30e3)
 PHOTON: Final = {"well_capacity_e": 2e7, "bit_depth": 16}
 CAMERAS: Final[dict[str, tuple[tuple[float, float], float, float, float, dict[str, Any]]]] = {
     "InSb, 15 µm, 100 mm F/4": ((3.7, 4.8), 15.0, 0.1, 4.0, {"integration_time_s": 2e-3, "quantum_efficiency": 0.8, "read_noise_e": 600.0}),
@@ -66,7 +66,7 @@ def margins(cell: tuple[str, str, str], parts: Parts) -> list[TriedDetector]:
     """Margins of all detectors on the same frames, near the range of the best."""
     scene = scenario(*cell)
     options = DetectionOptions(InjectedObjects(GaussianSpot(0.8), (1.0,), 40, seed=2), "matched", threshold=3.0)
-    wanted, asked = SceneOptions(options, seas=SEAS), RangeOptions("boat", (200.0, 30e3), Design(p_fa=P_FA), detectors=SINGLE)
+    wanted, asked = SceneOptions(options, seas=SEAS), RangeOptions("boat", LIMITS, Design(p_fa=P_FA), detectors=SINGLE)
     at = first_estimate(scene, asked, None)
     tried: list[TriedDetector] = []
     for _ in range(3):
@@ -78,13 +78,16 @@ def margins(cell: tuple[str, str, str], parts: Parts) -> list[TriedDetector]:
             margin = 1.0 / LARGEST
         if 1.0 / ALIKE <= margin <= ALIKE:
             break
-        at *= min(max(margin**SLOPE, 0.5), 2.0)
+        following = min(max(at * min(max(margin**SLOPE, 0.5), 2.0), LIMITS[0]), LIMITS[1])
+        if following == at:
+            return []  # beyond the limits
+        at = following
     return tried
 
 
 def main() -> None:
     """Print the table: range of the best, and shares of it that `matched` and the chosen detector reach."""
-    cells = [(camera, light, behind) for camera in CAMERAS for light in LIGHTS for behind in HEIGHTS]
+    cells = [(camera, light, behind) for light in LIGHTS for behind in HEIGHTS for camera in CAMERAS]
     if sys.argv[2:]:
         cells = [cell for cell in cells if cell[0].startswith(sys.argv[2])]
     with tempfile.TemporaryDirectory() as folder:
