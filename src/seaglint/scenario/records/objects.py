@@ -146,9 +146,9 @@ class Object(Record):
         raw = with_names([raw])[0]
         if not isinstance(raw, dict) or not isinstance(raw.get("preset"), str) or raw["preset"] not in OBJECTS:
             return raw
-        if raw.get("shape") is not None:
-            raise rule(f"objects ('{raw.get('name')}')", "has preset and shape; give one of them")
         chosen = dict(OBJECTS[raw["preset"]].values)
+        if raw.get("shape") is not None and not _is_of_preset(raw["shape"], chosen.get("shape")):
+            raise rule(f"objects ('{raw.get('name')}')", "has preset and shape; give one of them")
         if raw.get("draught_m") is not None:
             chosen.pop("height_m", None)
         return {**chosen, **{key: value for key, value in raw.items() if value is not None}}
@@ -174,6 +174,15 @@ class Object(Record):
                 other = sorted(keyframe.model_fields_set ^ (self.keyframes or ())[0].model_fields_set)
                 raise rule(f"{where}.keyframes[{i}]", f"and keyframes[0] do not both have {', '.join(other)}; give them in all or in none")
         return self
+
+
+def _is_of_preset(shape: Any, preset: Any) -> bool:
+    """Return true for the shape of a preset, which a scenario that was loaded and written out has beside the preset's name."""
+    if isinstance(preset, Mapping):
+        return isinstance(shape, Mapping) and all(_is_of_preset(shape.get(name), value) for name, value in preset.items())
+    if isinstance(preset, list | tuple):
+        return isinstance(shape, list | tuple) and len(shape) == len(preset) and all(map(_is_of_preset, shape, preset))
+    return bool(shape == preset)
 
 
 def _require_place(place: Object | ObjectKeyframe, where: str) -> None:
