@@ -68,7 +68,8 @@ def test_frames_are_those_of_the_store_and_of_its_labels(tmp_path, camera):
         assert frame[variable].to_numpy().tobytes() == stored[variable].to_numpy().tobytes()
         assert frame[variable].attrs == {key: v for key, v in stored[variable].attrs.items() if key != "coordinates"}
         assert frame.attrs["scenario"] == run.attrs["scenario"]
-        assert frame.classes.to_numpy().tolist() == ["boat", "lamp"]
+        assert frame.names.to_numpy().tolist() == ["boat", "lamp"]
+        assert frame.classes.to_numpy().tolist() == ["small-boat", "point"]
         for name in ("column_px", "range_m", "visible_share", *(("counts_peak",) if camera else ())):
             np.testing.assert_array_equal(frame[name].to_numpy(), truth[name].isel(frame=number).to_numpy())
         np.testing.assert_array_equal(frame.boxes.sel(side="left").to_numpy(), frame.bbox_left_px.to_numpy())

@@ -133,9 +133,10 @@ def frames(
     -------
     iterator of xarray.Dataset
         Of each frame the arrays that :func:`render` writes, equal to the last bit: ``signal`` [counts, (y, x)] of a scenario with a
-        detector, else ``radiance`` [W m-2 sr-1, (y, x)], and the scenario's ``render.layers``. With objects also ``classes`` (their names),
-        ``boxes`` (left, top, width and height [px], (object, side)), ``masks`` [(object, y, x)], ``object_id`` [(y, x)] and the numbers
-        that :func:`labels` gives, over ``object``.
+        detector, else ``radiance`` [W m-2 sr-1, (y, x)], and the scenario's ``render.layers``. With objects also ``names``; ``classes``,
+        which are the preset, else the kind of shape, as in data sets; ``boxes``, first column and row, number of columns and rows [px,
+        (object, side)]; ``masks`` [(object, y, x)]; ``object_id`` [(y, x)]; and the numbers that :func:`labels` gives, over ``object``. An
+        object of which nothing is seen has NaN as box and an empty mask.
 
     Raises
     ------

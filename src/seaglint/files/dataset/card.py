@@ -105,9 +105,10 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
         "no scene has pictures in two splits.",
         "- A mask has the pixels that an object touches, before optics blur it. Of an object smaller than a pixel it is the pixels that it "
         "lies in, one at least. `filled_px` is how much of them it fills.",
-        "- `snr`: mean over the mask less the mean around it, over the standard deviation around it (10 pixels beyond the box, without "
-        "objects), in the pictures as delivered. `signal_to_clutter`: the largest change of a pixel over the deviation of the sea around "
-        "it, before the sensor.",
+        "- `snr`: absolute value of the mean over the mask less the mean around it, over the standard deviation around it (clutter and "
+        "noise, 10 pixels beyond the box, without objects), in the pictures as delivered; a body that is partly warmer and partly colder "
+        "than the sea may have a small one and be plain to see. `signal_to_clutter`: the largest change of a pixel over the deviation of "
+        "the sea around it, before the sensor.",
         "- Centroids count from 0 at the middle of the first pixel; boxes from 0 at its left and upper edge.",
         "",
         "## Licence",

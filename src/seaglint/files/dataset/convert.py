@@ -91,7 +91,7 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
             frame_rate_hz=float(scenario["sensor"]["frame_rate_hz"]),
             levels=levels,
             names=tuple(item["name"] for item in objects),
-            categories=tuple(_category(item, settings.classes) for item in objects),
+            categories=tuple(category_of(item, settings.classes) for item in objects),
             pictures=numbered,
             rows=rows,
             parameters=dict(entry.parameters),
@@ -112,7 +112,7 @@ def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> PictureLevels:
     return PictureLevels.of_radiance(low, high, bits)
 
 
-def _category(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
+def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
     """What an object is called as a class; those that a template drew are NAME-1, NAME-2, ..."""
     name = str(item["name"])
     drawn, _, number = name.rpartition("-")

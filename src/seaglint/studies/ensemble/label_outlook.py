@@ -93,8 +93,8 @@ class WeakLabels:
         noise = "" if self.noise else " (to clutter alone: the scenes have no detector, and so no noise)"
         return (
             f"estimate: {about} will have a signal-to-noise ratio below {WEAK:g}{noise}, judged by {self.weak} of {self.seen} in the first "
-            f"{'frame of one scene' if self.frames == 1 else f'frames of {self.frames} scenes'}; nearer or warmer objects, a narrower "
-            "field of view or less noise raise it; truth.csv says it of each label (snr)"
+            f"{'frame of one scene' if self.frames == 1 else f'frames of {self.frames} scenes'}; nearer or warmer objects or a "
+            "narrower field of view raise it, less noise where noise and not clutter hides them; truth.csv says it of each label (snr)"
         )
 
 

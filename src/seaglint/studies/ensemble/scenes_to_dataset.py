@@ -120,7 +120,7 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
             raise DataError(f"{output}: is a file; a data set is a folder, give another name")
         if output.exists() and any(output.iterdir()) and not resume:
             if not overwrite:
-                raise DataError(f"{output}: is not empty; choose another name, or replace a data set with overwrite")
+                raise DataError(f"{output}: is not empty; choose another name, or replace a data set with overwrite=True")
             check.read_about(output)
         if partial.exists() and not resume:
             if not overwrite:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 from seaglint.base.schema import VARIABLES
+from seaglint.files.dataset.convert import category_of
 from seaglint.files.netcdf import plain_attributes
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.stored_truth import BITS
@@ -59,7 +60,9 @@ def frame_datasets(
         raise DataError("electrons and radiance need a detector, and the scenario has no [sensor.detector]; leave them out, or add one")
     else:
         layout, images = plain.prepared_frames((scenario, numbers))
-    return (labelled_frame(layout, position, images(number)) for position, number in enumerate(layout.frames))
+    objects = scenario.model_dump(mode="json", exclude_none=True).get("objects", ())
+    classes = tuple(category_of(item, {}) for item in objects)
+    return (labelled_frame(layout, position, images(number), classes) for position, number in enumerate(layout.frames))
 
 
 def require_numbers(frames: range | None, count: int) -> range:
@@ -74,12 +77,14 @@ def require_numbers(frames: range | None, count: int) -> range:
         return range(count)
     if not isinstance(frames, range):
         raise DataError(f"frames = {frames!r} is no range of numbers; give e.g. range(0, {count}), or leave it out for all frames")
-    if len(frames) == 0 or min(frames[0], frames[-1]) < 0 or max(frames[0], frames[-1]) >= count:
+    if len(frames) == 0:
+        raise DataError(f"frames = {frames!r} is empty; give e.g. range(0, {count}), or leave it out for all frames")
+    if min(frames[0], frames[-1]) < 0 or max(frames[0], frames[-1]) >= count:
         raise DataError(f"frames = {frames!r}: the scenario has frames 0 to {count - 1}; give some of them, or raise sensor.frames")
     return frames
 
 
-def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[Any]]) -> xr.Dataset:
+def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[Any]], classes: tuple[str, ...] = ()) -> xr.Dataset:
     """Return the arrays of a frame as a dataset with the coordinates, units and attributes of its store.
 
     Parameters
@@ -90,6 +95,8 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
         Position of the frame among those of the layout.
     arrays : mapping
         Arrays by variable, those of the truth of objects among them.
+    classes : tuple of str
+        Class of each object.
     """
     import xarray as xr
 
@@ -115,11 +122,11 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
     if layout.truth is not None:
         coordinates["object"] = ("object", np.arange(len(layout.truth.names)), {"long_name": "number of the object"})
         coordinates["side"] = ("side", list(SIDES))
-        variables |= _truth(layout.truth.names, arrays)
+        variables |= _truth(layout.truth.names, classes, arrays)
     return xr.Dataset(variables, coordinates, plain_attributes(layout.all_attributes))
 
 
-def _truth(names: tuple[str, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+def _truth(names: tuple[str, ...], classes: tuple[str, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return classes, boxes, masks and truth numbers of the objects of a frame as variables."""
     numbers = {name: np.asarray(arrays.get(name, np.full(len(names), np.nan)), np.float64) for name in NUMBERS}
     planes = arrays["object_mask"]
@@ -127,7 +134,8 @@ def _truth(names: tuple[str, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[s
     boxes = np.stack([numbers[f"bbox_{side}_px"] for side in SIDES], axis=-1)
     about = {"units": "1", "long_name": "first column and row, and number of columns and rows, that an object touches"}
     return {
-        "classes": ("object", np.array(names, dtype=object), {"long_name": "name of the object, as labels have it"}),
+        "classes": ("object", np.array(classes, dtype=object), {"long_name": "class of the object: its preset, else its kind of shape"}),
+        "names": ("object", np.array(names, dtype=object), {"long_name": "name of the object"}),
         "boxes": (("object", "side"), boxes, about),
         "masks": (("object", "y", "x"), masks, {"long_name": "pixels that an object touches"}),
         "object_id": (("y", "x"), np.asarray(arrays["object_id"], np.uint16), VARIABLES["object_id"].attributes),
