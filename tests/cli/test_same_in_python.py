@@ -208,6 +208,12 @@ def test_the_commands_of_paths_and_sky_print_and_write_them(tmp_path, seaglint):
     with xr.open_dataset(tmp_path / "path.nc") as written:
         np.testing.assert_array_equal(written.transmittance, ours.transmittance)
     assert len(answer.out.splitlines()) == 5
+    told = seaglint("info", tmp_path / "path.nc")
+    assert told.code == 0, told.err
+    assert "range_m 2" in told.out
+    assert sg.info(tmp_path / "path.nc")["variables"]["transmittance"] == "1"
+    far = seaglint("atmosphere", "path", scene, "--range-m", "100000")
+    assert "behind the horizon" in far.out
     answer = seaglint("atmosphere", "sky", scene, "--zenith-deg", "0:80:40", "-o", tmp_path / "sky.csv")
     assert answer.code == 0, answer.err
     assert len(answer.out.splitlines()) == 4

@@ -249,3 +249,25 @@ def test_ranges_include_their_end(text, values):
 def test_values_that_are_none_are_refused(text):
     with pytest.raises(DataError, match="vary = "):
         parse_vary([text])
+
+
+def test_keys_without_effect_are_named(caplog):
+    chance = {"band": {"min_um": 3.5, "max_um": 4.15}, "likelihood": {"threshold_w_m2_sr": [1.0], "samples": 1024}}
+    found = sg.sweep(chance, {"wind.speed_m_s": [2.0, 9.0]}, what="likelihood")
+    assert found.attrs["without_effect"] == "wind.speed_m_s"
+    assert "wind.speed_m_s changes nothing" in caplog.text
+    assert float(found.probability.sel(threshold=1.0).max()) >= 0.0
+
+
+def test_values_of_arrays_keep_their_units():
+    knots = xr.DataArray([10.0, 20.0], attrs={"units": "kn"})
+    found = sg.sweep({}, {"wind.speed_m_s": knots}, what=lambda scene: scene.wind.speed_m_s)
+    np.testing.assert_allclose(found["wind.speed_m_s"], [5.1444, 10.2889], rtol=1e-4)
+    again = sg.sweep({}, {"wind.speed_m_s": found["wind.speed_m_s"]}, what=lambda scene: scene.wind.speed_m_s)
+    np.testing.assert_array_equal(again["wind.speed_m_s"], found["wind.speed_m_s"])
+
+
+def test_a_range_that_is_not_whole_is_named():
+    for text in ("wind.speed_m_s=1:15", "wind.speed_m_s=1:15:2 kn"):
+        with pytest.raises(DataError, match="three numbers without a unit"):
+            parse_vary([text])

@@ -118,8 +118,9 @@ def path(
     -------
     xarray.Dataset
         ``transmittance`` [1], the mean over the band weighted with the blackbody at the temperature of the water or of the even air, and
-        ``spectral_transmittance`` over ``wavenumber_cm``; of a scenario ``path_radiance`` [W m-2 sr-1] and ``slant_range`` [m] as well, all
-        over ``target_height_m`` and ``range_m``.
+        ``spectral_transmittance`` over ``wavenumber_cm``; of a scenario ``path_radiance`` [W m-2 sr-1], ``slant_range`` [m] and
+        ``lowest_height`` [m] as well, all over ``target_height_m`` and ``range_m``. Where ``lowest_height`` is below 0, the sea hides the
+        point.
 
     Raises
     ------

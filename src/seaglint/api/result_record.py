@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
@@ -61,6 +62,12 @@ class ResultRecord(dict[str, Any]):
 
             raise DataError(f"the {self._title} has no picture; its numbers are in as_dict()")
         return self._draw()
+
+    def __repr__(self) -> str:
+        """Return the values, with long lists and text shortened."""
+        short = reprlib.Repr()
+        short.maxlevel, short.maxdict, short.maxlist, short.maxtuple, short.maxstring, short.maxother = 3, 40, SHORT, SHORT, 120, 120
+        return short.repr(dict(self))
 
     def _repr_html_(self) -> str:
         """Return the table that a notebook shows."""

@@ -232,7 +232,8 @@ def path_command(
         typer.echo(f"{'range [m]':>12} {'height [m]':>12} {'transmittance':>14} {'path radiance [W m-2 sr-1]':>27}")
         for (height, arc), value in _flat(found.transmittance):
             glow = float(found.path_radiance.sel(target_height_m=height, range_m=arc))
-            typer.echo(f"{arc:>12g} {height:>12g} {value:>14.4f} {glow:>27.5g}")
+            hidden = "  behind the horizon" if float(found.lowest_height.sel(target_height_m=height, range_m=arc)) < 0.0 else ""
+            typer.echo(f"{arc:>12g} {height:>12g} {value:>14.4f} {glow:>27.5g}{hidden}")
     else:
         _refuse_table(output, overwrite, [])
         gases = {"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv}

@@ -190,6 +190,8 @@ def cases_of_columns(columns: Mapping[str, Sequence[Any]]) -> Cases:
     >>> cases_of_columns({"wind_speed_m_s": [2.0, 5.0]}).numbers("wind_speed_m_s").tolist()
     [2.0, 5.0]
     """
+    if not isinstance(columns, Mapping):
+        raise DataError("cases: give a CSV file or columns by name, such as {'wind_speed_m_s': [2, 5]}")
     held = {str(name): np.atleast_1d(np.asarray(values)) for name, values in columns.items()}
     sizes = {name: values.size for name, values in held.items() if values.ndim == 1}
     if not held or len(sizes) < len(held) or len(set(sizes.values())) > 1:

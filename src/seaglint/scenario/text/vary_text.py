@@ -16,6 +16,8 @@ MOST_VALUES: Final = 100_000
 _NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _RANGE: Final = re.compile(rf"\s*({_NUMBER})\s*:\s*({_NUMBER})\s*:\s*({_NUMBER})\s*")
 
+_UNFINISHED: Final = re.compile(rf"\s*{_NUMBER}\s*:\s*{_NUMBER}(?:\s*:\s*{_NUMBER})?(?:\s*[A-Za-z/%]+)?\s*")
+
 FORMS: Final = "give KEY=VALUE,VALUE,... or KEY=START:STOP:STEP with STOP included, e.g. wind.speed_m_s=2,5,10 or wind.speed_m_s=1:20:1"
 """How values of a key are written."""
 
@@ -54,6 +56,8 @@ def _values(text: str, where: str) -> list[Any]:
         parts = _parts(text)
         if not all(part.strip() for part in parts):
             raise DataError(f"{where}: a value is missing between two commas or at an end; {FORMS}")
+        if any(_UNFINISHED.fullmatch(part) for part in parts):
+            raise DataError(f"{where}: a range has three numbers without a unit, START:STOP:STEP; {FORMS}")
         return [plain_value(part) for part in parts]
     start, stop, step = (Decimal(part) for part in whole.groups())
     if step == 0 or (stop - start) * step < 0:

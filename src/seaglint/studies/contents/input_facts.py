@@ -116,7 +116,7 @@ def _is_of_others(path: Path) -> bool:
             node = zarr.open(str(path), mode="r")
             return isinstance(node, zarr.Array) or not set(IMAGES) & {name for name, _ in node.members()}
         with open_netcdf(path, decode_times=False) as dataset:
-            return not set(IMAGES) & {str(name) for name in dataset.data_vars}
+            return "seaglint_version" not in dataset.attrs and not set(IMAGES) & {str(name) for name in dataset.data_vars}
     except (SeaglintError, OSError, ValueError, KeyError):
         return False  # what cannot be opened is reported by the reader of our own files
 

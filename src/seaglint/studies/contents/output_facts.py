@@ -113,7 +113,78 @@ class FileFacts:
         return out | {"provenance": self.provenance} | ({} if self.directions is None else {"scenario": self.scenario})
 
 
-def describe(path: Path | str) -> FileFacts:
+@dataclass(frozen=True)
+class ArrayFile:
+    """Arrays that this program computed and that are no pictures: a sweep, the air along paths, a map of chances.
+
+    Attributes
+    ----------
+    path, title : str
+        Place and title.
+    sizes : dict of int
+        Length of each dimension.
+    variables : dict of str
+        Units of each variable.
+    bytes : int
+        Size [B].
+    provenance : JsonObject
+        Attributes about its making.
+    scenario : JsonObject or None
+        Scenario as one table, as far as it can be read.
+    """
+
+    path: str
+    title: str
+    sizes: dict[str, int]
+    variables: dict[str, str]
+    bytes: int
+    provenance: JsonObject
+    scenario: JsonObject | None
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return asdict(self)
+
+
+def is_array_file(dataset: xr.Dataset) -> bool:
+    """Return true for arrays of this program that are no pictures."""
+    return "seaglint_version" in dataset.attrs and not {"x", "y"} <= set(dataset.sizes)
+
+
+def _array_file(path: Path | str, dataset: xr.Dataset) -> ArrayFile:
+    return ArrayFile(
+        path=str(path),
+        title=str(dataset.attrs.get("title", "")),
+        sizes={str(name): int(size) for name, size in dataset.sizes.items()},
+        variables={str(name): str(array.attrs.get("units", "")) for name, array in dataset.data_vars.items()},
+        bytes=_size(path),
+        provenance=_provenance(dataset),
+        scenario=_scenario(dataset),
+    )
+
+
+def _scenario(dataset: xr.Dataset) -> JsonObject | None:
+    try:
+        scenario: JsonObject = json.loads(dataset.attrs["scenario"])
+    except (KeyError, ValueError):
+        return None
+    return scenario
+
+
+def _array_lines(facts: ArrayFile, everything: bool) -> list[str]:
+    """Return the facts of arrays as lines of text."""
+    out = [f"{facts.path}: {facts.title}", f"  dimensions        {', '.join(f'{name} {size}' for name, size in facts.sizes.items())}"]
+    out.append("  variables         " + ", ".join(f"{name} [{unit}]" if unit else name for name, unit in facts.variables.items()))
+    if facts.scenario is not None:
+        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
+            out.append(f"  scene             {scene_line(facts.scenario)}")
+    out.append(f"  file              {facts.bytes / 1e6:.1f} MB")
+    if everything:
+        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
+    return [*out, f"  how it was made   seaglint info --all {facts.path}"]
+
+
+def describe(path: Path | str) -> FileFacts | ArrayFile:
     """Facts about an output file.
 
     Raises
@@ -127,7 +198,7 @@ def describe(path: Path | str) -> FileFacts:
         dataset = open_sequence(path, allow_partial=True)
     with dataset:
         try:
-            return _facts(path, dataset)
+            return _array_file(path, dataset) if is_array_file(dataset) else _facts(path, dataset)
         except SeaglintError:
             raise
         except Exception as error:  # what a damaged file holds may be of any type, and h5py raises nearly anything
@@ -155,10 +226,6 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     if "saturated_share" in dataset:
         shares = dataset["saturated_share"].to_numpy()
         saturated = [float(share) for share in shares[shares == shares]]
-    try:
-        scenario = json.loads(dataset.attrs["scenario"])
-    except (KeyError, ValueError):
-        scenario = None
     return FileFacts(
         path=str(path),
         title=dataset.attrs.get("title", ""),
@@ -175,7 +242,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
         provenance=_provenance(dataset),
         summary=summarise(dataset) if done else None,
         saturated_share=saturated,
-        scenario=scenario,
+        scenario=_scenario(dataset),
     )
 
 
@@ -208,8 +275,10 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def lines(facts: FileFacts, *, everything: bool = False) -> list[str]:
+def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str]:
     """Return the facts as at most ten lines of text, or with ``everything`` that was noted when the file was made."""
+    if isinstance(facts, ArrayFile):
+        return _array_lines(facts, everything)
     nx, ny = facts.pixels
     out = [f"{facts.path}: {facts.title}"]
     if (held := facts.frames) is not None:

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
 """Units by the ending of a column's name, longer endings first."""
 
+SHARES: Final = ("emissivity", "tau_mean")
+"""Columns without a unit."""
+
 
 def labelled_cases(cases: Cases, results: Columns) -> xr.Dataset:
     """Return cases and their results over ``case``; columns ``name[band]`` become ``name`` over ``case`` and ``band``.
@@ -54,5 +57,5 @@ def _plain(cells: list[str]) -> Any:
 
 def _about(name: str) -> dict[str, str]:
     """Return the attributes of a column, its units by the ending of the name."""
-    unit = next((unit for ending, unit in UNITS.items() if name.endswith(ending)), None)
+    unit = "1" if name in SHARES else next((unit for ending, unit in UNITS.items() if name.endswith(ending)), None)
     return {} if unit is None else {"units": unit}

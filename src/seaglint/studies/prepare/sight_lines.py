@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from seaglint.air.line import lowest_height
 from seaglint.air.protocol import slant_range
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError
@@ -40,7 +41,8 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     -------
     xarray.Dataset
         Over ``target_height_m`` and ``range_m``: ``transmittance`` [1], the mean over the band weighted with the blackbody at the water's
-        temperature; ``path_radiance`` [W m-2 sr-1]; ``slant_range`` [m]; and over ``wavenumber_cm`` both as spectra.
+        temperature; ``path_radiance`` [W m-2 sr-1]; ``slant_range`` and ``lowest_height`` [m]; and over ``wavenumber_cm`` both as spectra.
+        Where ``lowest_height`` is below 0 the sea hides the point, and the numbers are those of a line through the water.
 
     Raises
     ------
@@ -61,6 +63,8 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     arcs, heights = _axis(range_m, "range_m"), _axis(target_height_m, "target_height_m")
     transmittance = np.stack([np.minimum(air.transmittance(height, arcs, target), 1.0) for target in heights])
     radiance = np.stack([np.maximum(air.path_radiance(height, arcs, target), 0.0) for target in heights])
+    slant = slant_range(height, arcs, heights[:, None])
+    lowest = lowest_height(height, np.broadcast_to(heights[:, None], slant.shape), slant)
     nu = air.wavenumber_cm
     glow = planck_wavenumber(nu, scenario.sea.temperature_k)
     mean = _in_band(transmittance * glow, band, nu) / _in_band(glow, band, nu)
@@ -70,7 +74,8 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
         {
             "transmittance": (dims, mean, {"units": "1", "long_name": "mean transmittance, weighted with the blackbody of the water"}),
             "path_radiance": (dims, _in_band(radiance, band, nu), {"units": "W m-2 sr-1", "long_name": "thermal radiance of the path"}),
-            "slant_range": (dims, slant_range(height, arcs, heights[:, None]), {"units": "m", "long_name": "length of the path"}),
+            "lowest_height": (dims, lowest, {"units": "m", "long_name": "lowest height of the path; below 0 the sea hides the point"}),
+            "slant_range": (dims, slant, {"units": "m", "long_name": "length of the path"}),
             "spectral_transmittance": ((*dims, "wavenumber_cm"), transmittance, {"units": "1"}),
             "spectral_path_radiance": ((*dims, "wavenumber_cm"), radiance, per_cm),
         },

@@ -141,7 +141,8 @@ def _likelihood(scenario: Scenario) -> CaseResult:
             "probability_high": column([row.interval[1] for row in rows], "upper end of the 95 % interval of the probability"),
             "sun_up": NamedArray((), np.array(summary.sun_up.share), {"long_name": "share of the draws with the Sun up", "units": "1"}),
         },
-        {"threshold_w_m2_sr": column([row.threshold_w_m2_sr for row in rows], "threshold of the radiance of glint", "W m-2 sr-1")},
+        {"threshold": column([row.threshold_w_m2_sr for row in rows], "threshold of the radiance of glint", "W m-2 sr-1")},
+        {"notes": "\n".join(summary.notes)} if summary.notes else {},
     )
 
 

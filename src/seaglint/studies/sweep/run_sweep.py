@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -31,6 +32,8 @@ from seaglint.studies.sweep.view_angles import ViewAngles
 
 if TYPE_CHECKING:
     import xarray as xr
+
+log = logging.getLogger(__name__)
 
 _BAND: Final = ("band_wavelength_um", "band_response")
 """Attributes that hold for the whole dataset where all cases have the same."""
@@ -264,7 +267,29 @@ class Gathered:
             raise DataError(f"all {self.settings.plan.count} cases failed, the first with: {next(iter(self.failures.values()))}")
         shape = self.settings.plan.shape
         values = {name: array.reshape(*shape, *array.shape[1:]) for name, array in self.arrays.items()}
-        return _dataset(self.settings, self.first, values, self.failures, self.band)
+        made = _dataset(self.settings, self.first, values, self.failures, self.band)
+        idle = self._without_effect(values)
+        if idle:
+            log.warning("sweep: %s changes nothing of %s: the values are the same all along it", " and ".join(idle), self.settings.title)
+            made.attrs["without_effect"] = ", ".join(idle)
+        return made
+
+    def _without_effect(self, values: Mapping[str, NDArray[Any]]) -> list[str]:
+        """Return the swept keys along which all numbers are the same: the quantity does not depend on them."""
+        assert self.first is not None
+        numbers = [values[name] for name in self.first.variables if values[name].dtype.kind in "fciu"]
+        names = [key.name for key in self.settings.plan.keys]
+        return [
+            name
+            for axis, name in enumerate(names)
+            if self.settings.plan.shape[axis] > 1 and numbers and all(_same_along(array, axis) for array in numbers)
+        ]
+
+
+def _same_along(array: NDArray[Any], axis: int) -> bool:
+    """Return true where all values along an axis are the same; missing ones are."""
+    first = np.take(array, [0], axis=axis)
+    return bool(np.all((array == first) | ((array != array) & (first != first))))
 
 
 def _missing(kind: np.dtype[Any]) -> Any:
@@ -297,6 +322,7 @@ def _dataset(
         base.seed,
         sweep=json.dumps({key.name: list(key.values) for key in plan.keys}, default=str),
         what=settings.title,
+        notes=first.attributes.get("notes"),
         **(band or {}),
     )
     if failures:

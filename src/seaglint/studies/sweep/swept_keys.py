@@ -95,8 +95,10 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
     >>> key.coordinate.tolist(), key.attributes["units"]
     ([5.0, 10.0], 'm s-1')
     """
+    given = plain_values(given)
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence | np.ndarray):
-        raise DataError(f"vary: {name} = {given!r} is no list; give all values of the key in a list, such as [2, 5, 10]")
+        said = " ".join(repr(given).split())[:80]
+        raise DataError(f"vary: {name} = {said} is no list; give all values of the key in a list, such as [2, 5, 10]")
     values = tuple(value.item() if isinstance(value, np.generic) else value for value in given)
     if not values:
         raise DataError(f"vary: {name} has no values; give at least one")
@@ -111,6 +113,16 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
         said = SweptKey(name, values, coordinate, {}).said(int(first[counts > 1][0]))
         raise DataError(f"vary: {said} is given twice; give each value of a key once")
     return SweptKey(name, values, coordinate, _attributes(key, coordinate))
+
+
+def plain_values(given: Any) -> Any:
+    """Return the values of an array of pandas or xarray as a list, in its ``units`` where it states some; others stay as they are."""
+    if isinstance(given, str | Mapping | Sequence) or not hasattr(given, "__array__"):
+        return given
+    values = np.atleast_1d(np.asarray(given)).tolist()
+    unit = str(getattr(given, "attrs", {}).get("units", "")) if not isinstance(given, np.ndarray) else ""
+    unit = {"degree": "deg", "degrees": "deg", "1": ""}.get(unit, unit)
+    return [f"{value!r} {unit}" if unit and isinstance(value, int | float) else value for value in values]
 
 
 def _refuse_unknown(base: TomlTables, name: str, value: Any, folder: Path | None) -> None:

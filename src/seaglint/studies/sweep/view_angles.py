@@ -13,6 +13,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.facet.sea_view import sea_arc
 from seaglint.scenario.records.quantity import convert
+from seaglint.studies.sweep.swept_keys import plain_values
 
 ZENITH: Final = "view_zenith_deg"
 AZIMUTH: Final = "view_azimuth_deg"
@@ -77,6 +78,7 @@ class ViewAngles:
 
 
 def _angles(name: str, given: Any) -> tuple[float, ...]:
+    given = plain_values(given)
     values = list(given) if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str) else [given]
     low, high = _RANGES[name]
     out: list[float] = []
