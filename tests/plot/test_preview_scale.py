@@ -69,7 +69,7 @@ def test_the_picture_of_a_night_says_that_the_sky_is_beyond_the_scale():
     assert kelvin.norm.vmax - kelvin.norm.vmin < 3.0  # of 8 K from sea to sky
     (line,) = figure.axes[0].lines
     assert line.get_ydata()[0] == pytest.approx(-0.134, abs=0.011)
-    assert "sky beyond the scale" in figure.axes[0].get_title()
+    assert "sky and sea near the horizon beyond the scale" in figure.axes[0].get_title()
     assert "beyond" not in draw(as_map(night()), "linear").axes[0].get_title()
 
 

@@ -11,6 +11,7 @@ from seaglint.base.conventions import view_zenith
 from seaglint.base.errors import DataError, ScenarioError, SeaglintError
 from seaglint.cluster.here import Here
 from seaglint.files.tables.cases import read_cases
+from seaglint.optics.band import Band
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.text.vary_text import parse_vary
@@ -271,3 +272,54 @@ def test_a_range_that_is_not_whole_is_named():
     for text in ("wind.speed_m_s=1:15", "wind.speed_m_s=1:15:2 kn"):
         with pytest.raises(DataError, match="three numbers without a unit"):
             parse_vary([text])
+
+
+def test_a_file_that_was_written_anew_is_read_anew(tmp_path):
+    (tmp_path / "response.csv").write_text("wavelength_um,response\n3.5,1\n4.1,1\n")
+    scene = sg.load({"band": {"response": str(tmp_path / "response.csv")}, "sun": {"zenith_deg": 60}})
+    angles, keys = {"view_zenith_deg": [40.0]}, {"sun.zenith_deg": [60.0]}
+    before = sg.sweep(scene, keys, at=angles)
+    (tmp_path / "response.csv").write_text("wavelength_um,response\n8.0,1\n9.0,1\n")
+    after = sg.sweep(scene, keys, at=angles)
+    assert abs(float(after.radiance.squeeze() / before.radiance.squeeze()) - 1.0) > 0.05
+
+
+def test_the_air_of_a_sweep_is_that_of_other_functions():
+    tables = {"band": {"min_um": 3.5, "max_um": 4.1}, "sun": {"zenith_deg": 50.0, "azimuth_deg": 180.0}, "sensor": {"height_m": 50.0}}
+    zenith = [20.0, 70.0]
+    air = sg.sweep(tables, {"sun.zenith_deg": [50.0, 75.0]}, what="atmosphere", at={"view_zenith_deg": zenith})
+    exported = sg.atmosphere.export(tables)
+    nu = exported.wavenumber_cm.to_numpy()
+    weights = Band.rectangular(3.5, 4.1).weights(nu)
+    sun = exported.sun_irradiance.interp(sun_zenith_deg=[50.0, 75.0], method="cubic").to_numpy() @ weights
+    np.testing.assert_allclose(air.sun_irradiance, sun, rtol=2e-3)
+    from_sea = exported.sky_radiance.interp(sky_zenith_deg=zenith, method="cubic").to_numpy() @ weights
+    np.testing.assert_allclose(air.thermal_sky_radiance.isel({"sun.zenith_deg": 0}), from_sea, rtol=2e-3)
+
+
+def test_a_moving_sensor_has_the_air_of_its_height():
+    high = {"sensor": {"height_m": 1000.0}}
+    moving = {"platform": {"keyframes": [{"time_s": 0.0, "height_m": 1000.0}, {"time_s": 9.0, "height_m": 1000.0}]}}
+    for function in (
+        lambda s: sg.atmosphere.path(s, range_m=5000.0).transmittance,
+        lambda s: sg.atmosphere.sky(s, zenith_deg=60.0).radiance,
+    ):
+        np.testing.assert_allclose(function(moving), function(high), rtol=1e-9)
+
+
+def test_lazy_cases_with_other_places_are_refused():
+    def elsewhere(scene):
+        return xr.DataArray([1.0, 2.0], {"r": [scene.wind.speed_m_s, 10.0]}, ("r",), "v")
+
+    lazy = sg.sweep({}, {"wind.speed_m_s": [2.0, 5.0]}, what=elsewhere, lazy=True)
+    with pytest.raises(DataError, match="the coordinate r is not that of the first case"):
+        lazy.compute()
+
+
+def test_a_key_that_is_varied_may_be_missing_in_the_scenario():
+    place = {"place": {"latitude_deg": 50.0, "longitude_deg": -20.0}}
+    dates = ["2026-06-21T12:00Z", "2026-06-21T15:00Z"]
+    found = sg.sweep(place, {"time.utc": dates}, what=lambda scene: scene.sensor.height_m)
+    assert found.sizes["time.utc"] == 2
+    with pytest.raises(ScenarioError, match="time is missing"):
+        sg.sweep(place, {"wind.speed_m_s": [2.0]}, what="mean")

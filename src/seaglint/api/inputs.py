@@ -36,12 +36,13 @@ def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
     from seaglint.scenario.load import load_scenario, parse_scenario
     from seaglint.scenario.model import Scenario
     from seaglint.scenario.presets.sensor_presets import with_sensor
+    from seaglint.scenario.text.write import stated
 
     if isinstance(given, str | Path):
         return load_scenario(given, sensor=sensor)
     if isinstance(given, Scenario) and sensor is None:
         return given
-    tables = given.model_dump(mode="json", exclude_none=True) if isinstance(given, Scenario) else dict(given)
+    tables = stated(given) if isinstance(given, Scenario) else dict(given)
     return parse_scenario(tables if sensor is None else with_sensor(tables, sensor))
 
 

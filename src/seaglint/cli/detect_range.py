@@ -49,7 +49,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
         refuse_existing(base.with_name(f"{base.name}_range.png"), overwrite=replace_all, inputs=inputs)
     asked = request.range_options([item.name for item in cases[0].scenario.objects or ()])
     near, far = asked.limits
-    say_air(cases[0].scenario, [at for at in RANGES if near <= at <= far] or asked.limits)
+    say_air([case.scenario for case in cases], [at for at in RANGES if near <= at <= far] or asked.limits)
     with (
         parts_folder(base, resume=run.resume, overwrite=run.overwrite) as (parts, kept),
         warnings.catch_warnings(),
@@ -87,7 +87,8 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
         low, high = one.range_interval_m
         reached = one.note if one.range_m is None else f"detected with P_d {one.p_d:g} to {one.range_m:.0f} m ({low:.0f} to {high:.0f})"
         by = f" by {one.detector}" if one.range_m is not None and "detector" not in one.parameters else ""
-        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}{by}")
+        doubt = "; doubtful: its threshold is extrapolated" if one.range_m is not None and one.is_doubtful else ""
+        typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}{by}{doubt}")
         if one.tried:
             typer.echo(f"  {told_choice([entry for entry in one.tried if entry.range_m == one.tried[-1].range_m], one.p_d)}")
         for warning in one.warnings:

@@ -141,6 +141,11 @@ class DetectionRange:
         """Varied keys as text: ``wind.speed_m_s = 4``; empty where nothing was."""
         return ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
 
+    @property
+    def is_doubtful(self) -> bool:
+        """True where a threshold that is not to be believed decides on an end of the range."""
+        return any(point.believed is False and point.range_m in self.range_interval_m for point in self.points)
+
     def as_row(self) -> TableRow:
         """Return the row of a tidy table: what was varied first."""
         low, high = self.range_interval_m

@@ -136,7 +136,7 @@ def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -
         axes.axhline(float(np.mean(elevation + below[:, 0])), color="deepskyblue", linestyle=":", linewidth=1.2)
     else:
         axes.contour(below, levels=[0.0], colors="deepskyblue", linestyles=":", linewidths=1.2)
-    axes.set_title(f"{axes.get_title()}, sky beyond the scale, horizon dotted", fontsize=10)
+    axes.set_title(f"{axes.get_title()}, sky and sea near the horizon beyond the scale, horizon dotted", fontsize=10)
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:

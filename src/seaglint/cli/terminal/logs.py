@@ -40,3 +40,4 @@ def show_logs(*, quiet: bool = False) -> None:
         logger.addHandler(_Stderr())
         logger.propagate = False
     logger.setLevel(logging.WARNING if quiet else logging.INFO)
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # fonts that are missing change no number

@@ -111,13 +111,17 @@ def log_notes(path: object, recording: Recording) -> None:
         log(f"{path}: {note}")
 
 
-def say_air(scenario: Scenario, ranges: Sequence[float] | None = None) -> None:
-    """Print how warm the air is over the water and what it leaves of a contrast, where the scenario does not state both temperatures."""
+def say_air(scenarios: Scenario | Sequence[Scenario], ranges: Sequence[float] | None = None) -> None:
+    """Print how warm the air is over the water and what it leaves of a contrast, where a scenario does not state both temperatures.
+
+    Of several scenarios each line is printed once.
+    """
     from seaglint.studies.prepare.air_contrast import air_line
 
-    line = air_line(scenario, ranges)
-    if line is not None:
-        log(line)
+    several = scenarios if isinstance(scenarios, Sequence) else [scenarios]
+    for line in dict.fromkeys(air_line(one, ranges) for one in several):
+        if line is not None:
+            log(line)
 
 
 def tell(lines: Iterable[str]) -> None:

@@ -8,11 +8,31 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
+from seaglint.base.errors import ScenarioError
 from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.text.toml_text import document, inline
 
 _HEADER: Final = "seaglint scenario: what differs from the defaults; 'seaglint init' writes every key with its comment."
+
+
+def stated(scenario: Scenario) -> TomlTables:
+    """Return the tables and keys that a scenario states, as the TOML file; where that is not known those that differ from defaults.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> stated(parse_scenario({"sea": {"temperature_k": 288.15}}))
+    {'sea': {'temperature_k': 288.15}}
+    """
+    from seaglint.scenario.load import parse_scenario
+
+    tables: TomlTables = scenario.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    try:
+        same = parse_scenario(tables) == scenario
+    except ScenarioError:
+        same = False
+    return tables if same else differing(scenario)
 
 
 def differing(scenario: Scenario) -> TomlTables:

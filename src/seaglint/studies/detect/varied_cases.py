@@ -19,6 +19,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.scenario.setting import set_key
 from seaglint.scenario.text.vary_text import parse_vary, plain_value
+from seaglint.scenario.text.write import stated
 
 MOST_CASES: Final = 1000
 """Cases of one study at most."""
@@ -76,7 +77,7 @@ def cases_of(
     from seaglint.scenario.load import load_scenario
 
     if isinstance(source, Scenario):
-        path, base, raw = "scenario", None, source.model_dump(mode="json", exclude_none=True)
+        path, base, raw = "scenario", None, stated(source)
     else:
         load_scenario(source, sensor=sensor)  # its own mistakes, as the file has them
         path, base, raw = str(source), source.parent, tomllib.loads(source.read_bytes().decode("utf-8-sig"))

@@ -31,7 +31,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     Parameters
     ----------
     scenario : Scenario
-        Air, band, height of the sensor and temperature of the water.
+        Air, band, height of the sensor (at the start, where it moves) and temperature of the water.
     range_m : array_like
         Arcs along the sea from the sensor's foot to that of the point [m, (ranges,)].
     target_height_m : array_like
@@ -58,7 +58,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     """
     import xarray as xr
 
-    band, height = prepare.band(scenario), scenario.sensor.height_m
+    band, height = prepare.band(scenario), prepare.track(scenario).at(0.0).height
     air = prepare.atmosphere(scenario, band)
     arcs, heights = _axis(range_m, "range_m"), _axis(target_height_m, "target_height_m")
     transmittance = np.stack([np.minimum(air.transmittance(height, arcs, target), 1.0) for target in heights])
@@ -84,7 +84,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
             "range_m": ("range_m", arcs, {"units": "m", "long_name": "arc along the sea"}),
             "wavenumber_cm": ("wavenumber_cm", nu, {"units": "cm-1"}),
         },
-        _about(scenario, band, "Air along paths from the sensor"),
+        _about(scenario, band, height, "Air along paths from the sensor"),
     )
 
 
@@ -94,7 +94,7 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     Parameters
     ----------
     scenario : Scenario
-        Air, band, Sun and height of the sensor.
+        Air, band, Sun and height of the sensor (at the start, where it moves).
     zenith_deg : array_like
         Zenith angles looked at [deg, (angles,)], from 0 to the horizon.
     azimuth_deg : array_like, optional
@@ -121,7 +121,7 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     """
     import xarray as xr
 
-    band, height = prepare.band(scenario), scenario.sensor.height_m
+    band, height = prepare.band(scenario), prepare.track(scenario).at(0.0).height
     air = prepare.atmosphere(scenario, band)
     angles = _axis(zenith_deg, "zenith_deg")
     azimuths = _axis(scenario.sensor.azimuth_deg if azimuth_deg is None else azimuth_deg, "azimuth_deg")
@@ -129,7 +129,7 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     beyond = ~((angles >= 0.0) & (angles <= lowest + 1e-9))
     if beyond.any():
         raise DataError(f"zenith_deg = {angles[beyond][0]:g} is not in the sky, which ends at {lowest:.3f} deg; give angles of 0 to that")
-    view = prepare.view(scenario)
+    view = prepare.standing_view(scenario, height)
     whole = mean_radiance(view, 0.5 * np.pi - np.radians(angles), np.radians(azimuths)).total
     zenith, toward = np.meshgrid(np.radians(angles), np.radians(azimuths), indexing="ij")
     nu = air.wavenumber_cm
@@ -149,7 +149,7 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
             "azimuth_deg": ("azimuth_deg", azimuths, {"units": "degree", "long_name": "azimuth clockwise from north"}),
             "wavenumber_cm": ("wavenumber_cm", nu, {"units": "cm-1"}),
         },
-        _about(scenario, band, "Clear sky from the sensor"),
+        _about(scenario, band, height, "Clear sky from the sensor"),
     )
 
 
@@ -169,8 +169,8 @@ def _in_band(spectra: FloatArray, band: Band, wavenumber_cm: FloatArray) -> Floa
     return np.asarray(spectra @ band.weights(wavenumber_cm))
 
 
-def _about(scenario: Scenario, band: Band, title: str) -> dict[str, Any]:
+def _about(scenario: Scenario, band: Band, height: float, title: str) -> dict[str, Any]:
     from seaglint.files.netcdf import plain_attributes
 
-    about = provenance(title, scenario.model_dump_json(exclude_none=True), scenario.seed, sensor_height_m=scenario.sensor.height_m)
+    about = provenance(title, scenario.model_dump_json(exclude_none=True), scenario.seed, sensor_height_m=height)
     return plain_attributes({**about, **band_attributes(band)})

@@ -36,9 +36,10 @@ def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResul
     assert isinstance(outcome, CaseResult)  # a failure was raised
     fixed = {name: one for name, one in outcome.coordinates.items() if one.dims == (name,)}
     named = {name: one.values for name, one in (outcome.coordinates | outcome.variables).items() if name not in fixed}
+    places = {name: one.values for name, one in fixed.items()}
     shapes = tuple((name, values.shape, _kind(values, settings.keep_going).str) for name, values in named.items())
     count, shape = settings.plan.count, settings.plan.shape
-    cases = [dask.delayed(_case, pure=False)(settings, number, shapes) for number in range(count)]
+    cases = [dask.delayed(_case, pure=False)(settings, number, shapes, places) for number in range(count)]
     ones = (1,) * len(shape)
     arrays = {
         name: _joined(array, [array.from_delayed(case[name], (*ones, *size), dtype=np.dtype(kind)) for case in cases], shape)
@@ -60,7 +61,7 @@ def _joined(array: Any, parts: list[Any], shape: tuple[int, ...]) -> Any:
     return parts[0]
 
 
-def _case(settings: SweepSettings, number: int, shapes: Shapes) -> dict[str, NDArray[Any]]:
+def _case(settings: SweepSettings, number: int, shapes: Shapes, places: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Return the arrays of a case, with a dimension of one value for each key."""
     ones = (1,) * len(settings.plan.shape)
     with thread_limit(settings.threads):
@@ -73,5 +74,11 @@ def _case(settings: SweepSettings, number: int, shapes: Shapes) -> dict[str, NDA
             raise DataError(
                 f"sweep, {settings.plan.named(number)}: {name} is not of the shape {size} of the first case; vary only what leaves the "
                 "picture's size the same"
+            )
+    for name, values in places.items():
+        if name not in arrays or not np.array_equal(arrays[name].values, values):
+            raise DataError(
+                f"sweep, {settings.plan.named(number)}: the coordinate {name} is not that of the first case; return the same places in all "
+                "cases, or a coordinate of another name along the dimension"
             )
     return {name: arrays[name].values.reshape(*ones, *size).astype(kind, copy=False) for name, size, kind in shapes}

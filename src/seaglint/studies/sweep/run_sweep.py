@@ -25,6 +25,7 @@ from seaglint.studies.prepare.memory import require_room
 from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
 from seaglint.studies.sweep.case_results import computer
 from seaglint.studies.sweep.lazy_sweep import lazy_arrays
+from seaglint.studies.sweep.shared_views import forget_views
 from seaglint.studies.sweep.sweep_case import CaseFailure, Outcome, SweepSettings, compute_case, line_of
 from seaglint.studies.sweep.sweep_plan import SweepPlan, chunks
 from seaglint.studies.sweep.sweep_requests import MOST_CASES
@@ -45,6 +46,7 @@ _MOST_NAMED: Final = 3
 def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tuple[int, Outcome]]]:
     """Return the function that computes some cases."""
     compute = computer(settings.what, settings.at)
+    forget_views()
 
     def work(numbers: tuple[int, ...]) -> list[tuple[int, Outcome]]:
         out: list[tuple[int, Outcome]] = []
@@ -111,6 +113,7 @@ def sweep(
         threads = 1  # lines of sight are few: threads that wait for each other take more time than they save
     settings = SweepSettings(SweepPlan.of(source, vary), what, angles, keep_going, threads)
     compute = computer(what, settings.at)
+    forget_views()
     with thread_limit(threads):
         if not keep_going:
             settings.plan.check()

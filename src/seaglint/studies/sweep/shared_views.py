@@ -54,6 +54,12 @@ class SharedView:
         return self._lines[key]
 
 
+def forget_views() -> None:
+    """Forget all views: files that they were made of may have changed since."""
+    with _LOCK:
+        _KEPT.clear()
+
+
 def shared_view(scenario: Scenario, height: float) -> SharedView:
     """Return the view of a scenario from a height [m], from an earlier one that differs in nothing but the Sun and the picture."""
     key = _key(scenario, height)

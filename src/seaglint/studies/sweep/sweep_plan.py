@@ -57,7 +57,28 @@ class SweepPlan:
             Values that are none.
         """
         base, folder = _tables(source)
-        return cls(base, folder, swept_keys(base, vary, folder))
+        plan = cls(base, folder, swept_keys(base, vary, folder))
+        plan.require_base(source)
+        return plan
+
+    def require_base(self, source: Scenario | str | Path | Mapping[str, Any]) -> None:
+        """Refuse a scenario with mistakes, as its file has them; a key that is varied may be missing in it.
+
+        Raises
+        ------
+        ScenarioError
+            Every mistake.
+        """
+        try:
+            if isinstance(source, str | Path):
+                load_scenario(Path(source))
+            else:
+                parse_scenario(self.base, base=self.folder)
+        except ScenarioError as error:
+            try:
+                self.scenario(0)
+            except ScenarioError:
+                raise error from None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -135,11 +156,13 @@ def _tables(source: Scenario | str | Path | Mapping[str, Any]) -> tuple[TomlTabl
     if isinstance(source, Scenario):
         return differing(source), None
     if isinstance(source, Mapping):
-        parse_scenario(source)
         return copy.deepcopy(dict(source)), None
     path = Path(source)
-    load_scenario(path)
-    return tomllib.loads(path.read_bytes().decode("utf-8-sig")), path.parent.absolute()
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig")), path.parent.absolute()
+    except (OSError, ValueError, RecursionError):
+        load_scenario(path)  # it says what is wrong
+        raise
 
 
 def chunks(order: Sequence[int], together: int, workers: int) -> list[tuple[int, ...]]:
