@@ -94,6 +94,14 @@ def test_frames_that_there_are_not_are_refused_before_any_work(numbers):
         sg.frames(SEA, numbers)
 
 
+def test_labels_are_the_same_to_the_last_bit_each_time():
+    """A moving boat before a detector: all numbers of its truth, prepared anew three times."""
+    scene = sg.load(with_camera(CAMERA))
+    made = [next(sg.frames(scene, range(2, 3))) for _ in range(3)]
+    for name in made[0].data_vars:
+        assert len({frame[name].to_numpy().tobytes() for frame in made if frame[name].dtype != object}) <= 1, name
+
+
 def test_labels_are_written_as_the_command_writes_them(tmp_path, seaglint):
     sg.render(SEA, tmp_path / "run.zarr", frames=range(1))
     for kind in ("csv", "json"):

@@ -105,16 +105,27 @@ class ImagePath:
         nodes, places = _evaluated(view, motion, middle, (begin, end), count, about)
         while True:
             finer, found = _evaluated(view, motion, middle, (begin, end), 2 * count - 1, about)
-            guess = np.stack([BarycentricInterpolator(nodes, places[:, k])(finer) for k in (0, 1)], axis=1)
+            guess = np.stack([_through(nodes, places[:, k])(finer) for k in (0, 1)], axis=1)
             count, nodes, places = 2 * count - 1, finer, found
             if float(np.abs(guess - found).max()) < NEAR or count >= MOST_NODES:
-                return cls(BarycentricInterpolator(nodes, places[:, 0]), BarycentricInterpolator(nodes, places[:, 1]), front)
+                return cls(_through(nodes, places[:, 0]), _through(nodes, places[:, 1]), front)
 
     def at(self, times: FloatArray) -> FloatArray:
         """Columns and rows at times [pixels, (2, n)]; below :data:`BEHIND` behind the camera."""
         places = np.stack([np.asarray(self._columns(times), np.float64), np.asarray(self._rows(times), np.float64)])
         places[:, (times < self._front[0]) | (times > self._front[1])] = 10.0 * BEHIND
         return places
+
+
+def _through(nodes: FloatArray, values: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return the polynomial through values at Chebyshev's extremal nodes.
+
+    Weights are stated (alternating, halved at the ends): SciPy's own depend in the last digit on a random order of the nodes.
+    """
+    weights = (-1.0) ** np.arange(nodes.size)
+    weights[[0, -1]] *= 0.5
+    interpolator: Callable[[FloatArray], FloatArray] = BarycentricInterpolator(nodes, values, wi=weights)  # type: ignore[assignment]
+    return interpolator
 
 
 def _evaluated(
