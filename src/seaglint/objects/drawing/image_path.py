@@ -124,7 +124,7 @@ def _through(nodes: FloatArray, values: FloatArray) -> Callable[[FloatArray], Fl
     """
     weights = (-1.0) ** np.arange(nodes.size)
     weights[[0, -1]] *= 0.5
-    interpolator: Callable[[FloatArray], FloatArray] = BarycentricInterpolator(nodes, values, wi=weights)  # type: ignore[assignment]
+    interpolator: Callable[[FloatArray], FloatArray] = BarycentricInterpolator(nodes, values, wi=weights)
     return interpolator
 
 
