@@ -21,7 +21,7 @@ from seaglint.files.detection_parts import Parts
 from seaglint.files.detection_range import TriedDetector
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.detect.designer import Design
-from seaglint.studies.detect.detector_choice import LARGEST, TRIED, best_of
+from seaglint.studies.detect.detector_choice import SMALLEST, TRIED, best_of
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import ALIKE, RangeOptions, first_estimate, tried_at
 from seaglint.studies.detect.rendered_seas import SceneOptions
@@ -72,10 +72,10 @@ def margins(cell: tuple[str, str, str], parts: Parts) -> list[TriedDetector]:
     for _ in range(3):
         try:
             tried = tried_at(scene, wanted, asked, at, None, parts)
-            margin = best_of(tried).contrast_margin or 1.0 / LARGEST
+            margin = best_of(tried).contrast_margin or SMALLEST
         except SeaglintError as error:
             print(f"{cell} at {at:.0f} m: {error}", file=sys.stderr, flush=True)
-            margin = 1.0 / LARGEST
+            margin = SMALLEST
         if 1.0 / ALIKE <= margin <= ALIKE:
             break
         following = min(max(at * min(max(margin**SLOPE, 0.5), 2.0), LIMITS[0]), LIMITS[1])

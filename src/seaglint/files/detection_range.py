@@ -79,8 +79,8 @@ class TriedDetector:
     range_m : float
         Range [m].
     contrast_margin : float or None
-        Contrast of the object, at the mean share that waves leave in view, over that which the detector needs for the wanted P_d at the
-        wanted rate of false alarms [1]; None where it cannot be judged.
+        Contrast of the object, at the share that waves leave in view in as many seas as the wanted P_d, over that which the detector
+        needs for that P_d at the wanted rate of false alarms [1], at most 32; None where it is below 1/8, or cannot be judged.
     note : str or None
         Why it cannot be judged.
     """

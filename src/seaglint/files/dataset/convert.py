@@ -113,7 +113,7 @@ def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> PictureLevels:
 
 
 def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
-    """What an object is called as a class; those that a template drew are NAME-1, NAME-2, ..."""
+    """Return the class of an object by its name, preset or kind of shape; those that a template drew are named NAME-1, NAME-2, ..."""
     name = str(item["name"])
     drawn, _, number = name.rpartition("-")
     category = classes.get(name) or (classes.get(drawn) if number.isdecimal() else None)

@@ -8,7 +8,6 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from seaglint.base.errors import ScenarioError
 from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.text.toml_text import document, inline
@@ -25,14 +24,12 @@ def stated(scenario: Scenario) -> TomlTables:
     >>> stated(parse_scenario({"sea": {"temperature_k": 288.15}}))
     {'sea': {'temperature_k': 288.15}}
     """
-    from seaglint.scenario.load import parse_scenario
-
     tables: TomlTables = scenario.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     try:
-        same = parse_scenario(tables) == scenario
-    except ScenarioError:
+        same = Scenario.model_validate(tables) == scenario
+    except ValidationError:
         same = False
-    return tables if same else differing(scenario)
+    return {name: table for name, table in tables.items() if table != {}} if same else differing(scenario)
 
 
 def differing(scenario: Scenario) -> TomlTables:

@@ -19,16 +19,19 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.designer import Design
     from seaglint.studies.detect.performance import DetectionOptions
 
-TRIED: Final = ("matched", "matched-global", "matched-local", "ca-cfar", "top-hat")
+TRIED: Final = ("matched", "matched-global", "matched-local", "ca-cfar", "max-median")
 """Detectors that are tried where none is stated; each looks at one frame, so that all of them share the frames."""
 
 INJECTIONS: Final = 120
 """Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03."""
 
-LARGEST: Final = 8.0
-"""Largest margin that is told apart, and the inverse of the smallest [1]."""
+LARGEST: Final = 32.0
+"""Largest margin that is told apart [1]."""
 
-_FACTORS: Final = np.geomspace(1.0 / LARGEST, LARGEST, 13)
+SMALLEST: Final = 0.125
+"""Smallest margin that is told [1]."""
+
+_FACTORS: Final = np.geomspace(1.0 / LARGEST, 1.0 / SMALLEST, 17)
 
 
 def tried_detectors(
@@ -55,7 +58,7 @@ def tried_detectors(
     for name in names:
         try:
             margin = contrast_margin(source, replace(options, detector=name), contrast, design)
-            note = None if margin is not None else f"it needs more than {LARGEST:g} times the contrast"
+            note = None if margin is not None else f"it needs more than {1.0 / SMALLEST:g} times the contrast"
         except SeaglintError as error:
             margin, note = None, str(error)
         out.append(TriedDetector(name, range_m, margin, note))
@@ -63,9 +66,9 @@ def tried_detectors(
 
 
 def contrast_margin(source: FrameSource, options: DetectionOptions, contrast: float, design: Design) -> float | None:
-    """Return a contrast over the one at which the wanted P_d is reached, at most :data:`LARGEST` [1]; None below the inverse of that.
+    """Return a contrast over the one at which the wanted P_d is reached, at most :data:`LARGEST` [1]; None below :data:`SMALLEST`.
 
-    P_d is counted at thirteen contrasts, taken to rise with the contrast, and interpolated in its logarithm.
+    P_d is counted at seventeen contrasts, taken to rise with the contrast, and interpolated in its logarithm.
 
     Raises
     ------

@@ -23,7 +23,7 @@ from seaglint.files.detection_range import DetectionRange, RangePoint, TriedDete
 from seaglint.scenario.middle import middle_of
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.designer import Design, rate_threshold
-from seaglint.studies.detect.detector_choice import LARGEST, best_of, told_choice, tried_detectors
+from seaglint.studies.detect.detector_choice import SMALLEST, best_of, told_choice, tried_detectors
 from seaglint.studies.detect.first_estimate import COLUMNS, estimated_p_d
 from seaglint.studies.detect.injected import Seen, seen_object
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, rows_to_horizon
@@ -42,7 +42,7 @@ ESTIMATED: Final = 0.12
 ALIKE: Final = 1.6
 """Margin of contrast, or its inverse, up to which a list of detectors is not tried again: 1.2 in range."""
 
-ROUNDS: Final = 3
+ROUNDS: Final = 4
 """Ranges at which a list of detectors is tried at most."""
 
 STEP: Final = 1.25
@@ -118,19 +118,21 @@ class _Placed:
     frames: str
 
 
-def _placed(whole: Scenario, wanted: SceneOptions, name: str, parts: Parts) -> _Placed:
+def _placed(whole: Scenario, wanted: SceneOptions, name: str, parts: Parts, in_view: float = 0.0) -> _Placed:
     """Draw the object, and the seas about it unless they are kept.
 
     Raises
     ------
     DataError
-        Nothing of it is seen, or it is hidden in all seas.
+        Nothing of it is seen, or it is hidden in all seas, or seen in less than a share ``in_view`` of them.
     """
     scene, seen = seen_nearby(whole, name)
     seas = IndependentSeas.of(scene)
     shares = seen.visible_shares(wanted.seas, seas)
     if not shares.any():
         raise DataError(f"object '{name}' is hidden behind waves in all of {wanted.seas} seas")
+    if np.count_nonzero(shares) < in_view * shares.size:
+        raise DataError(f"object '{name}' is hidden behind waves in {np.count_nonzero(shares == 0.0)} of {wanted.seas} seas")
     length = lead_of(wanted.options, seen.shape) + 1
     kept = frames_key(scene, length)
     source = SceneFrames(seas, parts.frames(kept), length)
@@ -211,9 +213,10 @@ def tried_at(
     kept = parts.case(key)
     if kept is not None:
         return [TriedDetector(**one) for one in kept["tried"]]
-    placed = _placed(whole, with_detector(wanted, asked.detectors[0], keep_filter=True), asked.name, parts)
-    visible = float(placed.shares[placed.shares > 0.0].mean())
-    contrast = abs(placed.seen.contrast) * visible
+    goal = asked.design.p_d
+    placed = _placed(whole, with_detector(wanted, asked.detectors[0], keep_filter=True), asked.name, parts, goal)
+    # what is left in view in so many seas as the object is to be detected in: the mean share says too much where waves hide it
+    contrast = abs(placed.seen.contrast) * float(np.quantile(placed.shares, 1.0 - goal, method="higher"))
     tried = tried_detectors(asked.detectors, placed.near, placed.options, contrast, asked.design, range_m)
     parts.keep_case(key, {"tried": [asdict(one) for one in tried]})
     return tried
@@ -289,7 +292,7 @@ def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | Non
 
 @dataclass(frozen=True)
 class DetectorChoice:
-    """Detector that was chosen, the range at which it was tried last [m], and all that were tried."""
+    """Detector that was chosen, the range that its margin gives [m], and all that were tried."""
 
     detector: str
     range_m: float
@@ -308,27 +311,32 @@ def choose(
     """Choose a detector by its margin of contrast at an estimate of the range.
 
     Where even the best has a margin beyond :data:`ALIKE`, its range is elsewhere and others may be better there: the contrast is taken to
-    fall with the 2.5th power of the range, and the list is tried again at the range that follows, twice at most. Where nothing of the
-    object is seen, at half the range.
+    fall with the 2.5th power of the range, and the list is tried again at the range that follows, three times at most. Where waves hide
+    the object in more seas than it may be missed in, at half the range.
     """
     near, far = asked.limits
-    at, tried = estimate, []
+    at = estimate
+    tried: list[TriedDetector] = []
     best = TriedDetector(asked.detectors[0], at, None)
-    for _ in range(ROUNDS):
+    rounds = 0
+    for _ in range(2 * ROUNDS):
         try:
             now = tried_at(scenario, wanted, asked, at, bearing, parts)
         except DataError:
-            now, margin = [], 1.0 / LARGEST
+            margin = SMALLEST
         else:
             say(f"{asked.name}: {told_choice(now, asked.design.p_d)}")
-            tried += now
+            tried, rounds = [*tried, *now], rounds + 1
             best = best_of(now)
-            margin = best.contrast_margin or 1.0 / LARGEST
-        following = min(max(at * min(max(margin**0.4, 0.5), 2.0), near), far)
-        if 1.0 / ALIKE <= margin <= ALIKE or following == at:
-            break
+            margin = best.contrast_margin or SMALLEST
+        near, far = (max(near, at), far) if margin > 1.0 else (near, min(far, at))
+        following = at * min(max(margin**0.4, 0.5), 2.0)
+        if not near < following < far:
+            following = math.sqrt(near * far)
+        if 1.0 / ALIKE <= margin <= ALIKE or rounds == ROUNDS or far < STEP * near:
+            break  # the frames of this range are kept: its P_d is counted in them
         at = following
-    return DetectorChoice(best.detector, best.range_m, tried)
+    return DetectorChoice(best.detector, at, tried)
 
 
 def detection_range(
@@ -376,7 +384,7 @@ def detection_range(
         high = min(far, low * STEP)
     try:
         while rate(low) < goal and low > near:
-            low, high = max(near, low / (STEP if tried_first else STEP**2)), low
+            low, high = max(near, low / (STEP if tried_first and len(points) == 1 else STEP**2)), low
         if points[-1].p_d < goal:
             ends, note = [0.0, near], f"P_d is below {goal:g} at the nearest range of {near:g} m{_why(points[-1])}"
         else:

@@ -50,7 +50,7 @@ class DetectorRequest:
             "os-cfar, os-cfar-exponential, temporal-profile, track-before-detect, frame-difference, integration, or "
             "package.module:function.",
             detail="Where nothing is said `threshold`; of a recording without `contrast` matched-local; of a range the best of "
-            "matched, matched-global, matched-local, ca-cfar and top-hat.",
+            "matched, matched-global, matched-local, ca-cfar and max-median.",
         ),
     ] = None
     filter: Annotated[
