@@ -37,6 +37,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     from seaglint.studies.prepare.air_contrast import RANGES
 
     path = Path(request.source)
+    request.scene_options()  # options that are not allowed are refused before anything is read
     show_logs(quiet=run.show is ProgressMode.NONE)
     cases = cases_of(path, vary=request.vary or (), table=request.cases, sensor=request.sensor)
     replace_all = run.overwrite or run.resume

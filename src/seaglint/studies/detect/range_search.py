@@ -407,7 +407,10 @@ def detection_range(
     doubtful = doubts(tried, ends)
     if not tried_first and middle_of_ends is not None and 2.0 * middle_of_ends <= asked.limits[1]:
         other = "top-hat" if wanted.options.detector != "top-hat" else "matched"
-        twice = p_d_at(scenario, with_detector(wanted, other), asked, 2.0 * middle_of_ends, bearing_deg, parts)
+        try:
+            twice = p_d_at(scenario, with_detector(wanted, other), asked, 2.0 * middle_of_ends, bearing_deg, parts)
+        except DataError:
+            twice = RangePoint(2.0 * middle_of_ends)  # a check that cannot be made takes nothing from the range
         say(f"{asked.name} at {twice.range_m:.0f} m, {other}: P_d {twice.p_d:.3g}")
         if twice.p_d >= goal:
             doubtful.append(f"{other} still detects it with P_d {twice.p_d:.3g} at twice that range, {twice.range_m:.0f} m")
