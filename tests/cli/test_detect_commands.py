@@ -87,7 +87,7 @@ def test_a_recording_is_judged_by_its_own_clutter(seaglint, tmp_path: Path) -> N
 def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:
     from seaglint.cli.terminal.records import READERS
 
-    assert READERS["pair"]("0.5,2", "--velocity") == (2.0, 0.5)
+    assert READERS["pair"]("0.5,2", "--velocity") == (0.5, 2.0)
     assert RecordingRequest("clip.npy", velocity=(0.5, 2.0)).injected((1.0,)).velocity == (2.0, 0.5)
 
 
