@@ -117,5 +117,11 @@ def test_the_tab_key_is_answered_without_the_pipeline() -> None:
     studies = {name for name in own if name.startswith("seaglint.studies")}
     rooms = {name.rpartition(".")[0] for name in studies if name.endswith("requests")} | {"seaglint.studies"}
     assert {name for name in studies if not name.endswith("requests")} <= rooms
-    assert own - studies <= {"seaglint.base", "seaglint.base.errors", "seaglint.base.optional", "seaglint.base.parameters"}
+    assert own - studies <= {
+        "seaglint.base",
+        "seaglint.base.errors",
+        "seaglint.base.optional",
+        "seaglint.base.parameters",
+        "seaglint.base.thread_setting",
+    }
     assert not {"numpy", "scipy", "numba", "pandas", "xarray", "dask", "zarr", "matplotlib"} & set(loaded)

@@ -144,6 +144,7 @@ def test_sigterm_before_the_first_frame_is_code_143_and_a_line(scenario, tmp_pat
     command = [sys.executable, "-c", code, os.path.dirname(__file__), "render", str(scenario), "-o", str(tmp_path / "run.zarr")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
+    assert process.stderr.readline().startswith("air at 10 m")  # the default's, which the scenario does not state
     assert process.stderr.readline() == "prepares\n"
     process.send_signal(signal.SIGTERM)
     rest = process.communicate(timeout=600)[1]  # of the hour that it would take

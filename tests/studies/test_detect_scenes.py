@@ -243,7 +243,7 @@ def test_cases_of_a_scenario(path: Path, tmp_path: Path) -> None:
     for text, says in (("wind.speed_m_s=99", "wind.speed_m_s = 99"), ("wind.sped=2", "wind.sped"), ("objects.raft.north_m=1", "raft")):
         with pytest.raises(ScenarioError, match=says):
             cases_of(path, vary=[text])
-    with pytest.raises(DataError, match="key=value"):
+    with pytest.raises(DataError, match="KEY=VALUE"):
         parse_vary(["wind.speed_m_s"])
 
 

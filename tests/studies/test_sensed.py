@@ -15,6 +15,7 @@ from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.studies.prepare import memory
+from seaglint.studies.reading_requests import ReadingRequest
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed import ROLLING_PARTS, binned, drawn_in_time, prepare_sensed, render
 from sensor_cost import measured
@@ -76,8 +77,8 @@ def test_a_recording_has_the_blur_of_what_made_it(tmp_path) -> None:
     assert 0.1 < expected < 1.0
     for name, blur in (("signal", expected), ("radiance", 0.0)):
         assert open_recording(path, variable=name).blur_px == pytest.approx(blur, rel=1e-12)
-        assert recording_of(found, None, None, name).blur_px == pytest.approx(blur, rel=1e-12)
-    assert recording_of(found.signal.to_numpy(), 25.0, None, None).blur_px is None
+        assert recording_of(found, ReadingRequest(variable=name)).blur_px == pytest.approx(blur, rel=1e-12)
+    assert recording_of(found.signal.to_numpy(), ReadingRequest(frame_rate=25.0)).blur_px is None
     exported = tmp_path / "run.nc"
     sg.export(path, exported)
     assert open_recording(exported).blur_px == pytest.approx(expected, rel=1e-12)

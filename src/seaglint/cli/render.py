@@ -92,9 +92,9 @@ def render(
         from seaglint.studies.sequence.render_sequence import render as render_radiance
 
         render_sequence = render_radiance
-    if run.show is not ProgressMode.NONE:
-        say_air(loaded)
     with naming_file(file, loaded), run.chosen() as others, progress(run.show, "frames") as report:
+        if run.show is not ProgressMode.NONE:
+            say_air(loaded)
         more: dict[str, Any] = {"share": share} if share is not None else {}
         more |= {"workers": others} if others is not None else {}
         alone = None if others is not None else request.threads

@@ -101,8 +101,7 @@ def write_sequence(
     Interrupted
         After SIGINT or SIGTERM, when the frame at hand is in; where others make them, when they had a moment to end their units.
     """
-    if share is not None and overwrite:
-        raise DataError(f"share={share} joins what is there and overwrite=True replaces it; remove the old sequence before the first share")
+    _require_joining(share, overwrite=overwrite)
     place = _checked_name(output, resume=resume, overwrite=overwrite)
     continued = resume or share is not None
 
@@ -205,6 +204,7 @@ def check_output(
     StorageError
         Nothing can be written in the folder.
     """
+    _require_joining(share, overwrite=overwrite)
     place = _checked_name(output, resume=resume, overwrite=overwrite, inputs=inputs)
     with storage_errors(place.output, ELSEWHERE):
         if place.taken() and not resume and share is None:
@@ -299,6 +299,12 @@ def _finish(place: Place, claim: Any) -> None:
     group.attrs.put({key: value for key, value in dict(group.attrs).items() if key != UNFINISHED})
     consolidate(place.work)
     place.give_name()
+
+
+def _require_joining(share: Share | None, *, overwrite: bool) -> None:
+    """Refuse a share that would replace what others made."""
+    if share is not None and overwrite:
+        raise DataError(f"share={share} joins what is there and overwrite=True replaces it; remove the old sequence before the first share")
 
 
 def _stands(place: Place, layout: Layout, *, resume: bool, overwrite: bool) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
+import pickle
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -167,6 +168,15 @@ def _bytes(size: float) -> str:
     return f"{size:.0f} bytes"
 
 
+def _can_be_sent(function: Callable[[Scenario], Any]) -> bool:
+    """Return true for a function that other processes can import."""
+    try:
+        pickle.dumps(function)
+    except (AttributeError, TypeError, pickle.PicklingError):
+        return False
+    return True
+
+
 def _outcomes(
     settings: SweepSettings, compute: Callable[[Scenario], CaseResult], workers: Workers | None, progress: Progress | None
 ) -> Iterator[tuple[int, Outcome]]:
@@ -188,8 +198,8 @@ def _outcomes(
                     yield number, result
                     done += 1
                 tell(done, len(order))
-    except (AttributeError, TypeError) as error:
-        if callable(settings.what) and "pickle" in str(error):
+    except (AttributeError, TypeError, pickle.PicklingError) as error:
+        if callable(settings.what) and not _can_be_sent(settings.what):
             raise BackendError(
                 f"the function {settings.title} cannot be sent to other processes ({line_of(error)}); define it in a module, or "
                 "leave workers out"
