@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import itertools
 import json
 from pathlib import Path
@@ -11,9 +12,11 @@ import pytest
 import xarray as xr
 
 import seaglint as sg
-from seaglint.base.conventions import horizon_depression
+from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.files.store.object_labels import Labels
+from seaglint.optics.band import Band
+from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.scenario.presets.object_presets import OBJECTS
 
 CAMERA = {
@@ -72,7 +75,8 @@ def test_frames_are_those_of_the_store_and_of_its_labels(tmp_path, camera):
         assert frame.classes.to_numpy().tolist() == ["small-boat", "point"]
         for name in ("column_px", "range_m", "visible_share", *(("counts_peak",) if camera else ())):
             np.testing.assert_array_equal(frame[name].to_numpy(), truth[name].isel(frame=number).to_numpy())
-        np.testing.assert_array_equal(frame.boxes.sel(side="left").to_numpy(), frame.bbox_left_px.to_numpy())
+        for side in ("left", "top", "width", "height"):
+            np.testing.assert_array_equal(frame.boxes.sel(side=side).to_numpy(), frame[f"bbox_{side}_px"].to_numpy())
     for label in Labels.of(tmp_path / "run.zarr"):
         np.testing.assert_array_equal(frames[label.frame].masks.isel(object=label.number).to_numpy(), label.mask)
     assert int(frames[0].masks.isel(object=0).sum()) > 0
@@ -148,6 +152,11 @@ def test_cases_from_columns_are_those_of_a_file(tmp_path, seaglint):
     assert (tmp_path / "python.csv").read_text() == (tmp_path / "out.csv").read_text()
     assert found.tau_mean.dims == ("case", "band")
     assert found.band.to_numpy().tolist() == ["3.5-4.1", "8-12"]
+    written = list(csv.DictReader((tmp_path / "out.csv").open()))
+    for name in ("tau_mean", "path_radiance_W_m2_sr", "sky_radiance_W_m2_sr"):
+        for band in ("3.5-4.1", "8-12"):
+            ours = found[name].sel(band=band).to_numpy()
+            np.testing.assert_allclose(ours, [float(row[f"{name}[{band}]"]) for row in written], rtol=1e-5)
     assert found.path_radiance_W_m2_sr.attrs["units"] == "W m-2 sr-1"
     assert found.sensor_height_m.to_numpy().tolist() == [20.0, 400.0]
     with pytest.raises(DataError, match="different numbers of values"):
@@ -167,6 +176,17 @@ def test_paths_and_sky_are_those_of_the_mean_and_of_the_exported_air(band):
     paths = sg.atmosphere.path(scene, range_m=some.range_m.to_numpy())
     for ours, theirs in (("spectral_transmittance", "path_transmittance"), ("spectral_path_radiance", "path_radiance")):
         np.testing.assert_allclose(paths[ours].isel(target_height_m=0), some[theirs], rtol=1e-12)
+    nu = paths.wavenumber_cm.to_numpy()
+    weights = Band.rectangular(*band).weights(nu)
+    glow = planck_wavenumber(nu, scene.sea.temperature_k) * weights
+    np.testing.assert_allclose(
+        paths.transmittance, paths.spectral_transmittance @ xr.DataArray(glow, dims="wavenumber_cm") / glow.sum(), rtol=1e-12
+    )
+    np.testing.assert_allclose(paths.path_radiance, paths.spectral_path_radiance @ xr.DataArray(weights, dims="wavenumber_cm"), rtol=1e-12)
+    # the straight line over the Earth with refraction: close to the root of the squares, and below the water beyond the horizon
+    np.testing.assert_allclose(paths.slant_range[0], np.hypot(paths.range_m, 30.0), rtol=1e-3)
+    far = sg.atmosphere.path(scene, range_m=[20e3, 45e3], target_height_m=10.0)
+    assert [float(low) > 0.0 for low in far.lowest_height[0]] == [horizon_range(30.0) + horizon_range(10.0) > at for at in (20e3, 45e3)]
     # an object as high as the sensor is seen through as much air as the sea is, or less
     level = sg.atmosphere.path(scene, range_m=[2000.0], target_height_m=[0.0, 30.0])
     assert float(level.transmittance[1, 0]) == pytest.approx(float(level.transmittance[0, 0]), abs=0.01)
@@ -174,6 +194,9 @@ def test_paths_and_sky_are_those_of_the_mean_and_of_the_exported_air(band):
     sky = sg.atmosphere.sky(scene, zenith_deg=90.0 - mean.elevation.to_numpy(), azimuth_deg=mean.azimuth.to_numpy())
     np.testing.assert_allclose(sky.radiance, mean.radiance, rtol=2e-3)  # the map interpolates a table of the sky
     np.testing.assert_allclose(sky.thermal_radiance + sky.scattered_radiance, sky.radiance, rtol=1e-12)
+    kelvin = sg.apparent_temperature(sky.radiance, band)
+    np.testing.assert_allclose(sky.apparent_temperature, kelvin, rtol=1e-9)
+    np.testing.assert_allclose(sky.thermal_radiance, sky.spectral_thermal_radiance.to_numpy() @ weights, rtol=1e-12)
     assert float(sky.scattered_radiance.max() / sky.radiance.max()) > (0.05 if band[0] < 5.0 else -1.0)
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from seaglint.api.result_record import ResultRecord
@@ -20,14 +18,6 @@ def numbers_of(values: float | Sequence[float] | None) -> tuple[float, ...] | No
     import numpy as np
 
     return None if values is None else tuple(float(value) for value in np.atleast_1d(np.asarray(values, float)))
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Leave out NumPy's warnings of numbers that do not exist: the result says what is absent and why."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
-        yield
 
 
 def judged_record(study: Study, values: Mapping[str, Any], unit: str) -> ResultRecord:

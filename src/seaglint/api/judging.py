@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs import recording_of, request_of
-from seaglint.api.judged_study import judged_record, numbers_of, quiet
+from seaglint.api.judged_study import judged_record, numbers_of
 from seaglint.api.result_record import ResultRecord
+from seaglint.base.absent_numbers import absent_numbers
 from seaglint.base.parameters import documented
 from seaglint.studies.detect.requests import DesignRequest, RecordingRequest
 
@@ -88,7 +89,7 @@ def detect_recording(
     request = request_of(RecordingRequest, locals(), source="recording", contrast=numbers_of(contrast), missing=tuple(missing), vary=None)
     opened = recording_of(source, request)
     pixel = None if pixel_mrad is None else _angle(pixel_mrad)
-    with quiet():
+    with absent_numbers():
         study = run_recording(opened, options_of(request, opened, pixel), settings_of(vary), progress=progress)
     values = study.as_dict() if vary else study.good[0].done.result
     return judged_record(study, values, opened.units or "")

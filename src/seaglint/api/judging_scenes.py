@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.api.inputs import request_of, scenario_of, team_of
-from seaglint.api.judged_study import judged_record, numbers_of, quiet
+from seaglint.api.judged_study import judged_record, numbers_of
 from seaglint.api.result_record import ResultRecord
+from seaglint.base.absent_numbers import absent_numbers
 from seaglint.base.parameters import documented
 from seaglint.studies.detect.requests import DesignRequest, RangeRequest, SceneRequest
 
@@ -223,7 +224,7 @@ def detect_range(
     request = request_of(RangeRequest, locals(), source="scenario", vary=None, cases=None, bearings=far)
     varied = _cases(source, vary, cases, sensor)
     found = []
-    with parts_folder(None) as (parts, _), quiet():
+    with parts_folder(None) as (parts, _), absent_numbers():
         for number, case in enumerate(varied):
             found += ranges_of([case], request, parts)
             if progress is not None:
@@ -267,7 +268,7 @@ def _study(
 
     cases, options = _cases(source, vary, table, request.sensor), request.scene_options()
     named = str(source) if isinstance(source, str | Path) else "scenario"
-    with parts_folder(None) as (parts, _), quiet(), team_of(workers) as team:
+    with parts_folder(None) as (parts, _), absent_numbers(), team_of(workers) as team:
         study = run_study(cases, options, parts, budget=request.time_budget, progress=progress, workers=team)
     if not study.good:
         raise DataError("\n".join(study.errors))

@@ -69,3 +69,34 @@ def rounded(value: float, digits: int) -> str:
     if not 1e-3 <= abs(value) < 1e7:
         return f"{value:.{digits}g}"
     return np.format_float_positional(float(f"{value:.{digits}g}"), trim="-")
+
+
+def duration(seconds: float) -> str:
+    """Time span as people state it.
+
+    Examples
+    --------
+    >>> duration(42.4), duration(600), duration(7500), duration(3e6), duration(1e9)
+    ('42 s', '10 min', '2 h 05 min', '35 days', '32 years')
+    """
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60.0)
+    if minutes < 100:
+        return f"{minutes} min"
+    if minutes < 100 * 60:
+        return f"{minutes // 60} h {minutes % 60:02d} min"
+    days = seconds / 86_400.0
+    return f"{days:.0f} days" if days < 1000.0 else f"{days / 365.25:.0f} years"
+
+
+def size_text(size: float) -> str:
+    """Number of bytes as text.
+
+    Examples
+    --------
+    >>> size_text(4e3), size_text(5.1e7), size_text(3.9e13)
+    ('0.004 MB', '51 MB', '39 TB')
+    """
+    factor, unit = next(((factor, unit) for factor, unit in ((1e12, "TB"), (1e9, "GB")) if size >= factor), (1e6, "MB"))
+    return f"{size / factor:.3g} {unit}"

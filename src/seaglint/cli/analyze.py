@@ -33,6 +33,7 @@ def analyze(
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.analysis import analyze as run
+    from seaglint.base.absent_numbers import absent_numbers
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.outputs import refuse_existing
@@ -43,11 +44,7 @@ def analyze(
         refuse_existing(report, overwrite=overwrite, inputs=[recording, *request.files])
     _require_words(request)
     opened, options = request.opened(recording), request.options()
-    import warnings
-
-    with warnings.catch_warnings():
-        # Of numbers that do not exist (a constant frame, a detector that divides by 0): the result says what is absent and why.
-        warnings.simplefilter("ignore", RuntimeWarning)
+    with absent_numbers():
         with patient_progress(show, "frames") as progress:
             analysis = run(opened, options, progress)
         if report is not None:

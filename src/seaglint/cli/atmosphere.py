@@ -307,17 +307,20 @@ def _refuse_table(output: Path | None, overwrite: bool, inputs: list[Path]) -> N
 
 
 def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> None:
-    """Write a dataset as NetCDF, or its spectra, else its numbers, as the columns of a CSV file."""
+    """Write a dataset as NetCDF, or its numbers as the columns of a CSV file: without spectra, unless it has nothing else."""
     if output is None:
         return
     if output.suffix.lower() == ".csv":
         from seaglint.files.tables.columns import write_columns
 
-        spectrum = "wavenumber_cm" if set(found.dims) == {"wavenumber_cm"} else None
-        kept = found if spectrum else found.drop_dims("wavenumber_cm")
-        table = kept.drop_vars("transmittance") if spectrum else kept
-        frame = table.rename(spectral_transmittance="transmittance").to_dataframe() if spectrum else table.to_dataframe()
-        write_columns({str(name): column.to_numpy() for name, column in frame.reset_index().items()}, output, overwrite=overwrite)
+        spectra = set(found.dims) == {"wavenumber_cm"}
+        kept = (
+            found[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
+            if spectra
+            else found.drop_dims("wavenumber_cm")
+        )
+        frame = kept.to_dataframe().reset_index()
+        write_columns({str(name): column.to_numpy() for name, column in frame.items()}, output, overwrite=overwrite)
     else:
         from seaglint.files.netcdf import write_netcdf
 

@@ -23,8 +23,7 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     DataError
         What the study refuses.
     """
-    import warnings
-
+    from seaglint.base.absent_numbers import absent_numbers
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.messages import files_read, log, say_air
@@ -53,10 +52,9 @@ def detect_range(request: RangeRequest, results: ResultOptions, run: RunOptions)
     say_air([case.scenario for case in cases], [at for at in RANGES if near <= at <= far] or asked.limits)
     with (
         parts_folder(base, resume=run.resume, overwrite=run.overwrite) as (parts, kept),
-        warnings.catch_warnings(),
+        absent_numbers(),
         patient_progress(run.show, "seas"),
     ):
-        warnings.simplefilter("ignore", RuntimeWarning)
         say = log if run.show is not ProgressMode.NONE else (lambda text: None)
         found = ranges_of(cases, request, parts, say=say)
         _show(found, results, files)
@@ -71,7 +69,7 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
     from seaglint.files.tables.rows import write_rows
     from seaglint.files.text_file import write_json
     from seaglint.plot.detection_study import draw_ranges
-    from seaglint.studies.detect.detector_choice import told_choice
+    from seaglint.studies.detect.detector_choice import choice_line
 
     result = {"ranges": [one.as_dict() for one in found]}
     if files is not None:
@@ -91,6 +89,6 @@ def _show(found: list[DetectionRange], results: ResultOptions, files: Any) -> No
         doubt = "; doubtful: its threshold is extrapolated" if one.range_m is not None and one.is_doubtful else ""
         typer.echo(f"{one.object}{', ' + one.named if one.named else ''}: {place}{reached}{by}{doubt}")
         if one.tried:
-            typer.echo(f"  {told_choice([entry for entry in one.tried if entry.range_m == one.tried[-1].range_m], one.p_d)}")
+            typer.echo(f"  {choice_line([entry for entry in one.tried if entry.range_m == one.tried[-1].range_m], one.p_d)}")
         for warning in one.warnings:
             typer.echo(f"  note: {warning}")

@@ -22,8 +22,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     DataError
         What the study refuses.
     """
-    import warnings
-
+    from seaglint.base.absent_numbers import absent_numbers
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.messages import log, print_json, tell
     from seaglint.cli.terminal.progress import patient_progress
@@ -39,12 +38,9 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
         refuse_existing(results.report, overwrite=run.overwrite, inputs=inputs)
     settings = settings_of(o.vary or ())
     opened = o.opened(o.source)
-    with warnings.catch_warnings():
-        # Of numbers that do not exist (a detector that divides by 0): the result says what is absent and why.
-        warnings.simplefilter("ignore", RuntimeWarning)
-        with patient_progress(run.show, "frames and objects") as progress:
-            judged = options_of(o, opened, _pixel(o.source, o.pixel_mrad))
-            study = run_recording(opened, judged, settings, progress=progress)
+    with absent_numbers(), patient_progress(run.show, "frames and objects") as progress:
+        judged = options_of(o, opened, _pixel(o.source, o.pixel_mrad))
+        study = run_recording(opened, judged, settings, progress=progress)
     result = study.as_dict() if o.vary else study.good[0].done.result
     if files is not None:
         _write(study, result, files, single=not o.vary)

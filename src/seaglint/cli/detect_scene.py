@@ -23,8 +23,7 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
     DataError
         What the study refuses, or cases that failed, once the others are written.
     """
-    import warnings
-
+    from seaglint.base.absent_numbers import absent_numbers
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.messages import files_read, log, print_json, tell
@@ -53,8 +52,7 @@ def detect_scene(request: SceneRequest, results: ResultOptions, run: RunOptions)
         for name in ("map", "chips"):
             refuse_existing(base.with_name(f"{base.name}_{name}.png"), overwrite=replace_all, inputs=inputs)
     with parts_folder(base, resume=run.resume, overwrite=run.overwrite) as (parts, kept):
-        with warnings.catch_warnings(), patient_progress(run.show, "seas") as progress:
-            warnings.simplefilter("ignore", RuntimeWarning)
+        with absent_numbers(), patient_progress(run.show, "seas") as progress:
             say = log if run.show is not ProgressMode.NONE else (lambda text: None)
             told = say if len(cases) > 1 else _silent
             with run.chosen() as workers:

@@ -56,7 +56,7 @@ def ensemble(
 
 def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
     """Say what many scenes will cost before they start; of few, and of a cluster's, nothing."""
-    from seaglint.cli.terminal.progress import duration
+    from seaglint.base.representation import duration, size_text
     from seaglint.studies.ensemble.expected_cost import MANY, expected_cost
     from seaglint.studies.ensemble.render_ensemble import scenes
 
@@ -66,8 +66,7 @@ def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
     first, second = (scene.scenario for scene in islice(scenes(loaded), 2))
     columns, rows = first.sensor.pixels
     cost = expected_cost(first, second, count)
-    size = f"{cost.size / 1e9:.2g} GB" if cost.size >= 1e9 else f"{cost.size / 1e6:.0f} MB"
     log(
         f"{count} scenes of {first.sensor.frames} x {columns} x {rows} pixels: about {duration(cost.seconds)} on this machine and at most "
-        f"{size} of counts or radiance, judged by a frame of the first"
+        f"{size_text(cost.size)} of counts or radiance, judged by a frame of the first"
     )

@@ -14,6 +14,7 @@ from seaglint.analysis.region import Gatherer
 from seaglint.analysis.run import FEWEST_PIXELS
 from seaglint.analysis.summary import number
 from seaglint.analysis.survey import survey
+from seaglint.base.absent_numbers import absent_numbers
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.clutter import filters
@@ -118,10 +119,7 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
     mask = where.mask(recording.rows, recording.columns)
     if int(mask.sum()) < FEWEST_PIXELS:
         raise DataError(f"the region has {int(mask.sum())} pixels, too few for statistics; drag one of at least {FEWEST_PIXELS}")
-    import warnings
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of numbers that do not exist: the result says what is absent and why
+    with absent_numbers():
         analysis = analyze(recording, AnalysisOptions(mask=mask), progress)
     if "glint" not in analysis.regions:
         raise DataError(f"the region has too few pixels with values ({'; '.join(analysis.notes)}); drag another one")

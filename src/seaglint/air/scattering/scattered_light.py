@@ -99,17 +99,21 @@ def angle_node(elevation: float, azimuth: float, solar_zenith: float, table: Sca
 
 
 @kernel
-def term_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTable, term: tuple[int, int]) -> float:
-    """Amplitude of one phase shape and spectral shape, interpolated between the nodes around a row, an azimuth and a Sun."""
-    k, r = term
+def node_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> tuple[int, int, int, float, float, float]:
+    """Nodes of the table before a Sun, a row and an azimuth, and how far beyond them it is [steps]."""
     suns, rows, columns = table.amplitude.shape[0], table.amplitude.shape[1], table.amplitude.shape[2]
     half = math.sin(0.5 * azimuth)
     column = half * half * (columns - 1)
     e, a = min(int(row), rows - 2), min(int(column), columns - 2)
-    fe, fa = row - e, column - a
     x = min(max((solar_zenith - table.suns[0]) * table.suns[1], 0.0), suns - 1.0)
     t = min(int(x), max(suns - 2, 0))
-    ft = x - t
+    return t, e, a, x - t, row - e, column - a
+
+
+@kernel
+def term_at(node: tuple[int, int, int, float, float, float], table: ScatteredTable, k: int, r: int) -> float:
+    """Amplitude of one phase shape and spectral shape, interpolated between the nodes around a row, an azimuth and a Sun."""
+    t, e, a, ft, fe, fa = node
     value = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
     value += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
     if ft > 0.0:
@@ -124,39 +128,27 @@ def term_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTab
 def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, r: int) -> float:
     """Share of one spectral shape at a row; azimuth is counted from the Sun, ``solar_zenith`` is the Sun's apparent one [rad]."""
     i, f = angle_node(elevation, azimuth, solar_zenith, table)
+    node = node_at(row, azimuth, solar_zenith, table)
     up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
     total = 0.0
     for k in range(table.angular.shape[1]):
         phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
-        total += phase * term_at(row, azimuth, solar_zenith, table, (k, r))
+        total += phase * term_at(node, table, k, r)
     return float(up * total)
 
 
 @kernel
 def shares_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, out: np.ndarray) -> None:
     """Compute :func:`share_at` of all spectral shapes ``out[r]``: the nodes around are looked up once."""
-    suns, rows, columns = table.amplitude.shape[0], table.amplitude.shape[1], table.amplitude.shape[2]
     i, f = angle_node(elevation, azimuth, solar_zenith, table)
-    half = math.sin(0.5 * azimuth)
-    column = half * half * (columns - 1)
-    e, a = min(int(row), rows - 2), min(int(column), columns - 2)
-    fe, fa = row - e, column - a
-    x = min(max((solar_zenith - table.suns[0]) * table.suns[1], 0.0), suns - 1.0)
-    t = min(int(x), max(suns - 2, 0))
-    ft = x - t
+    node = node_at(row, azimuth, solar_zenith, table)
     up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
     for r in range(out.shape[0]):
         out[r] = 0.0
     for k in range(table.angular.shape[1]):
         phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
         for r in range(out.shape[0]):
-            value = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
-            value += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
-            if ft > 0.0:
-                later = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t + 1, e, a, k, r] + fa * table.amplitude[t + 1, e, a + 1, k, r])
-                later += fe * ((1.0 - fa) * table.amplitude[t + 1, e + 1, a, k, r] + fa * table.amplitude[t + 1, e + 1, a + 1, k, r])
-                value += ft * (later - value)
-            out[r] += phase * value
+            out[r] += phase * term_at(node, table, k, r)
     for r in range(out.shape[0]):
         out[r] *= up
 

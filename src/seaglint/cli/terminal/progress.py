@@ -112,20 +112,10 @@ def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] =
         yield report
 
 
-def duration(seconds: float) -> str:
-    """Time span as people say it.
-
-    >>> duration(42.4), duration(600), duration(7500)
-    ('42 s', '10 min', '2 h 05 min')
-    """
-    if seconds < 99.5:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60.0)
-    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
-
-
 def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, pace: Pace | None = None) -> Progress:
     """Report that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
+    from seaglint.base.representation import duration
+
     known = pace or Pace(clock)
     last: list[float] = []
 
@@ -155,6 +145,8 @@ def _bar(what: str, pace: Pace) -> Iterator[Progress]:
     from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, Task, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
     from rich.text import Text
+
+    from seaglint.base.representation import duration
 
     class Rate(ProgressColumn):
         """Pieces per second after the first one, and the time left; nothing while they are not known."""

@@ -16,7 +16,7 @@ from seaglint.base.free_form import JsonObject
 from seaglint.base.reports import REPORTS
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.store.store import open_sequence
-from seaglint.files.store.stored_truth import BITS, GROUP
+from seaglint.files.store.stored_truth import GROUP, unpacked
 from seaglint.files.tables.table_text import csv_text
 from seaglint.files.text_file import write_json, write_text
 from seaglint.objects.drawing.truth_names import NUMBERS
@@ -95,10 +95,9 @@ class Labels:
             # sequences of earlier versions lack some numbers
             unknown = np.full(len(self.names), np.nan)
             numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
-            planes = self._group["object_mask"][index]
+            masks = unpacked(self._group["object_mask"][index], len(self.names))
             for n, name in enumerate(self.names):
-                mask = (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
-                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
+                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, masks[n])
 
 
 def report_never_seen(labels: Labels) -> None:

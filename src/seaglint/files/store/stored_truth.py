@@ -75,6 +75,18 @@ class Truth:
             )
 
 
+def unpacked(planes: NDArray[np.uint64], count: int) -> NDArray[np.bool_]:
+    """Return the masks of objects [(count, rows, columns)] from their bits [(planes, rows, columns)].
+
+    Examples
+    --------
+    >>> masks = [np.eye(3, dtype=bool), ~np.eye(3, dtype=bool)]
+    >>> bool((unpacked(packed(masks), 2) == masks).all())
+    True
+    """
+    return np.stack([(planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0 for n in range(count)])
+
+
 def packed(masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint64]:
     """Pack masks (rows, columns) into bits [(planes, rows, columns)]."""
     out = np.zeros((-(-len(masks) // BITS), *masks[0].shape), np.uint64)

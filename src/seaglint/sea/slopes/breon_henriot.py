@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from seaglint.base.limits import BREON_HENRIOT_WIND
-from seaglint.sea.slopes.light_winds import joined_in_calm
+from seaglint.sea.slopes.light_winds import LIGHTEST, joined_in_calm
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.wind_profile import require_wind, u10_of_wind
 
@@ -63,4 +63,4 @@ def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 
     wind = wind_speed if height == 10.0 else u10_of_wind(wind_speed, height)
     skewness = -0.45 / (1.0 + math.exp(7.0 - wind))
     variances = (0.001 + 0.00316 * wind, 0.003 + 0.00185 * wind)
-    return joined_in_calm(variances, (-9.1e-4 * wind**2, skewness, 0.3, 0.12, 0.4), wind_to_azimuth, wind, _CROSSING)
+    return joined_in_calm(variances, (-9.1e-4 * wind**2, skewness, 0.3, 0.12, 0.4), wind_to_azimuth, (wind, _CROSSING, LIGHTEST))

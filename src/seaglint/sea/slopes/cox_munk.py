@@ -6,10 +6,11 @@ Their wind was measured at 41 ft (12.5 m), from 0.7 to 14 m/s; the straight line
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Final
 
 from seaglint.base.limits import COX_MUNK_SLICK_WIND, COX_MUNK_WIND
-from seaglint.sea.slopes.light_winds import joined_in_calm
+from seaglint.sea.slopes.light_winds import LIGHTEST, joined_in_calm
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.wind_profile import require_wind, u10_of_wind, wind_at_height
 
@@ -36,6 +37,12 @@ def _fit_wind(
         require_wind(wind_speed)
         return wind_speed
     return wind_at_height(u10_of_wind(wind_speed, height), WIND_HEIGHT)
+
+
+@cache
+def _lightest() -> float:
+    """Lightest wind of wind seas at the measurement height of the fit [m/s]: 0.51."""
+    return wind_at_height(LIGHTEST, WIND_HEIGHT)
 
 
 def _clean(wind: float) -> tuple[float, float]:
@@ -117,7 +124,7 @@ def cox_munk_anisotropic(wind_speed: float, wind_to_azimuth: float, *, height: f
     (0.0316, 0.0222)
     """
     wind = _fit_wind(wind_speed, height, extrapolate)
-    return joined_in_calm(_clean(wind), _GAUSSIAN, wind_to_azimuth, wind, _CROSSING)
+    return joined_in_calm(_clean(wind), _GAUSSIAN, wind_to_azimuth, (wind, _CROSSING, _lightest()))
 
 
 def cox_munk_gram_charlier(
@@ -159,7 +166,7 @@ def cox_munk_gram_charlier(
     """
     wind = _fit_wind(wind_speed, height, extrapolate)
     coefficients = (0.01 - 0.0086 * wind, 0.04 - 0.033 * wind, 0.40, 0.12, 0.23)
-    return joined_in_calm(_clean(wind), coefficients, wind_to_azimuth, wind, _CROSSING)
+    return joined_in_calm(_clean(wind), coefficients, wind_to_azimuth, (wind, _CROSSING, _lightest()))
 
 
 def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
@@ -200,4 +207,4 @@ def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float =
     if wind < _SLICK_JOIN:
         clean = 0.5 * sum(_clean(wind))
         up, cross = min(up, clean), min(cross, clean)
-    return joined_in_calm((up, cross), (0.0, 0.02, 0.36, 0.10, 0.26), wind_to_azimuth, wind, _SLICK_JOIN)
+    return joined_in_calm((up, cross), (0.0, 0.02, 0.36, 0.10, 0.26), wind_to_azimuth, (wind, _SLICK_JOIN, _lightest()))

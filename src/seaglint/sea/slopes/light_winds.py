@@ -35,7 +35,10 @@ LIGHTEST: Final = 0.5
 
 
 def joined_in_calm(
-    variances: tuple[float, float], coefficients: tuple[float, float, float, float, float], wind_to_azimuth: float, wind: float, join: float
+    variances: tuple[float, float],
+    coefficients: tuple[float, float, float, float, float],
+    wind_to_azimuth: float,
+    winds: tuple[float, float, float],
 ) -> SlopeStatistics:
     """Return the slopes of a fit at a wind, without direction at 0 m/s and as published from ``join`` on.
 
@@ -47,22 +50,24 @@ def joined_in_calm(
         Gram-Charlier coefficients of the fit, (c21, c03, c40, c22, c04) [1].
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
-    wind, join : float
-        Wind, and the wind from which the fit holds [m s⁻¹].
+    winds : tuple of float
+        Wind, the wind from which the fit holds, and the lightest wind of wind seas (:data:`LIGHTEST` at 10 m), all at the height of the
+        fit [m s⁻¹].
 
     Examples
     --------
-    >>> calm = joined_in_calm((0.0, 0.003), (0.01, 0.04, 0.4, 0.12, 0.23), 1.0, 0.0, 2.42)
+    >>> calm = joined_in_calm((0.0, 0.003), (0.01, 0.04, 0.4, 0.12, 0.23), 1.0, (0.0, 2.42, 0.51))
     >>> calm.is_isotropic, calm.mss
     (True, 0.003)
     """
+    wind, join, lightest = winds
     if wind >= join:
         return SlopeStatistics(*variances, wind_to_azimuth, *coefficients)
     up, cross = variances
     if cross > up:
         up = cross = 0.5 * (up + cross)
     c21, c03, c40, c22, c04 = (wind / join * coefficient for coefficient in coefficients)
-    return SlopeStatistics(up, cross, wind_to_azimuth, c21, c03, c40, c22, c04, directed=min(wind / LIGHTEST, 1.0))
+    return SlopeStatistics(up, cross, wind_to_azimuth, c21, c03, c40, c22, c04, directed=min(wind / lightest, 1.0))
 
 
 def at_least_residual(slopes: SlopeStatistics) -> SlopeStatistics:

@@ -26,10 +26,10 @@ INJECTIONS: Final = 120
 """Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03."""
 
 LARGEST: Final = 32.0
-"""Largest margin that is told apart [1]."""
+"""Largest margin that is measured [1]; larger ones count as this."""
 
 SMALLEST: Final = 0.125
-"""Smallest margin that is told [1]."""
+"""Smallest margin that is measured [1]."""
 
 _FACTORS: Final = np.geomspace(1.0 / LARGEST, 1.0 / SMALLEST, 17)
 
@@ -73,7 +73,7 @@ def contrast_margin(source: FrameSource, options: DetectionOptions, contrast: fl
     Raises
     ------
     SeaglintError
-        A detector that cannot judge the frames, or a rate of false alarms that they do not tell.
+        A detector that cannot judge the frames, or a rate of false alarms that they are too few for.
     """
     contrasts = tuple(float(value) for value in contrast * _FACTORS)
     objects = replace(options.objects, contrasts=contrasts, injections=min(options.objects.injections, INJECTIONS))
@@ -100,12 +100,12 @@ def best_of(tried: Sequence[TriedDetector]) -> TriedDetector:
     return max(tried, key=lambda one: 0.0 if one.contrast_margin is None else one.contrast_margin)
 
 
-def told_choice(tried: Sequence[TriedDetector], p_d: float) -> str:
+def choice_line(tried: Sequence[TriedDetector], p_d: float) -> str:
     """Return the margins of one range as text, the largest first.
 
     Examples
     --------
-    >>> told_choice([TriedDetector("a", 5e3, None, "it fails"), TriedDetector("b", 5e3, 1.234)], 0.9)
+    >>> choice_line([TriedDetector("a", 5e3, None, "it fails"), TriedDetector("b", 5e3, 1.234)], 0.9)
     'contrast at 5000 m over what is needed for P_d 0.9: b 1.23, a none; b is taken'
     """
     falling = sorted(tried, key=lambda one: -(one.contrast_margin or 0.0))

@@ -23,7 +23,7 @@ from seaglint.files.detection_range import DetectionRange, RangePoint, TriedDete
 from seaglint.scenario.middle import middle_of
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.designer import Design, rate_threshold
-from seaglint.studies.detect.detector_choice import SMALLEST, best_of, told_choice, tried_detectors
+from seaglint.studies.detect.detector_choice import SMALLEST, best_of, choice_line, tried_detectors
 from seaglint.studies.detect.first_estimate import COLUMNS, estimated_p_d
 from seaglint.studies.detect.injected import Seen, seen_object
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, rows_to_horizon
@@ -325,7 +325,7 @@ def choose(
         except DataError:
             margin = SMALLEST
         else:
-            say(f"{asked.name}: {told_choice(now, asked.design.p_d)}")
+            say(f"{asked.name}: {choice_line(now, asked.design.p_d)}")
             tried, rounds = [*tried, *now], rounds + 1
             best = best_of(now)
             margin = best.contrast_margin or SMALLEST
@@ -351,7 +351,7 @@ def detection_range(
     """Range up to which an object is detected.
 
     P_d is taken to fall with the range. A first estimate, by the Gaussian law, says where frames begin to look; from there they go out
-    until P_d is above and below what is wanted, and bisect the logarithm of the range between. The ends are the interval told. Where
+    until P_d is above and below what is wanted, and bisect the logarithm of the range between. The ends are the interval reported. Where
     ``asked`` names several detectors, the best of them at the estimate is taken, and frames look out from where it was chosen.
 
     Returns

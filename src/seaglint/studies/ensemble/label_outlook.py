@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,7 +14,7 @@ from seaglint.base.errors import SeaglintError
 from seaglint.base.reports import REPORTS
 from seaglint.base.threads import thread_limit
 from seaglint.files.dataset.convert import BLUR, local_contrast
-from seaglint.files.store.stored_truth import BITS
+from seaglint.files.store.stored_truth import unpacked
 from seaglint.scenario.model import Scenario
 from seaglint.studies.ensemble.law_draws import EnsembleScene
 from seaglint.studies.prepare.kept import Kept
@@ -134,17 +134,12 @@ def _ratios(scenario: Scenario, cached: Kept) -> list[float]:
         run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
         images = run.images(run.layout.frames[0])
     values = np.asarray(images["signal" if "signal" in images else "radiance"], np.float64)
-    masks = [mask for mask in _masks(images["object_mask"], len(scenario.objects or ())) if mask.any()]
+    masks = [mask for mask in unpacked(images["object_mask"], len(scenario.objects or ())) if mask.any()]
     if not masks:
         return []
     spread = binary_dilation(np.logical_or.reduce(masks), iterations=BLUR)
     measured = (local_contrast(values, mask, spread) for mask in masks)
     return [one[1] for one in measured if one is not None]
-
-
-def _masks(planes: np.ndarray, count: int) -> Iterator[np.ndarray]:
-    for n in range(count):
-        yield (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
 
 
 def report_weak(scenes: Sequence[EnsembleScene]) -> None:

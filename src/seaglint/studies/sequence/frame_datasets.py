@@ -14,7 +14,7 @@ from seaglint.base.schema import VARIABLES
 from seaglint.files.dataset.convert import category_of
 from seaglint.files.netcdf import plain_attributes
 from seaglint.files.store.layout import Layout
-from seaglint.files.store.stored_truth import BITS
+from seaglint.files.store.stored_truth import unpacked
 from seaglint.objects.drawing.truth_names import NUMBERS
 from seaglint.scenario.model import Scenario
 from seaglint.studies.sequence import render_sequence as plain
@@ -129,8 +129,7 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
 def _truth(names: tuple[str, ...], classes: tuple[str, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return classes, boxes, masks and truth numbers of the objects of a frame as variables."""
     numbers = {name: np.asarray(arrays.get(name, np.full(len(names), np.nan)), np.float64) for name in NUMBERS}
-    planes = arrays["object_mask"]
-    masks = np.stack([(planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0 for n in range(len(names))])
+    masks = unpacked(arrays["object_mask"], len(names))
     boxes = np.stack([numbers[f"bbox_{side}_px"] for side in SIDES], axis=-1)
     about = {"units": "1", "long_name": "first column and row, and number of columns and rows, that an object touches"}
     return {

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.errors import DataError
 from seaglint.base.optional import optional
 from seaglint.base.threads import thread_limit
 from seaglint.scenario.model import Scenario
 from seaglint.studies.sweep.case_arrays import CaseResult
 from seaglint.studies.sweep.case_results import computer
-from seaglint.studies.sweep.sweep_case import CaseFailure, SweepSettings, compute_case
+from seaglint.studies.sweep.sweep_case import CaseFailure, SweepSettings, compute_case, require_places, require_shape
 
 Shapes = tuple[tuple[str, tuple[int, ...], str], ...]
 """Names of arrays, with the shape and the type of those of one case."""
@@ -70,15 +69,7 @@ def _case(settings: SweepSettings, number: int, shapes: Shapes, places: dict[str
         return {name: np.full((*ones, *size), np.nan if np.dtype(kind).kind in "fc" else 0, dtype=kind) for name, size, kind in shapes}
     arrays = outcome.coordinates | outcome.variables
     for name, size, _ in shapes:
-        if name not in arrays or arrays[name].values.shape != size:
-            raise DataError(
-                f"sweep, {settings.plan.named(number)}: {name} is not of the shape {size} of the first case; vary only what leaves the "
-                "picture's size the same"
-            )
+        require_shape(settings, number, name, arrays.get(name), size)
     for name, values in places.items():
-        if name not in arrays or not np.array_equal(arrays[name].values, values):
-            raise DataError(
-                f"sweep, {settings.plan.named(number)}: the coordinate {name} is not that of the first case; return the same places in all "
-                "cases, or a coordinate of another name along the dimension"
-            )
+        require_places(settings, number, name, arrays.get(name), values)
     return {name: arrays[name].values.reshape(*ones, *size).astype(kind, copy=False) for name, size, kind in shapes}

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import BackendError, DataError, SeaglintError
 from seaglint.base.free_form import Attributes
+from seaglint.base.representation import duration, size_text
 from seaglint.base.threads import thread_limit
 from seaglint.cluster.job import Job, Workers, record_of
 from seaglint.files.netcdf import labelled, plain_attributes
@@ -27,7 +28,7 @@ from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
 from seaglint.studies.sweep.case_results import computer
 from seaglint.studies.sweep.lazy_sweep import lazy_arrays
 from seaglint.studies.sweep.shared_views import forget_views
-from seaglint.studies.sweep.sweep_case import CaseFailure, Outcome, SweepSettings, compute_case, line_of
+from seaglint.studies.sweep.sweep_case import CaseFailure, Outcome, SweepSettings, compute_case, line_of, require_places, require_shape
 from seaglint.studies.sweep.sweep_plan import SweepPlan, chunks
 from seaglint.studies.sweep.sweep_requests import MOST_CASES
 from seaglint.studies.sweep.view_angles import ViewAngles
@@ -145,27 +146,13 @@ def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseRes
             start = time.perf_counter()
             size = compute(settings.plan.scenario(number)).size
             seconds = time.perf_counter() - start
-        cost = f", about {_span(count * seconds)} of computation on this machine and {_bytes(count * size)} of memory"
+        cost = f", about {duration(count * seconds)} of computation on this machine and {size_text(count * size)} of memory"
     except Exception:  # the number is reason enough
         cost = ""
     raise DataError(
         f"a sweep of {' x '.join(map(str, settings.plan.shape))} = {count} cases{cost}: more than the {most} that are allowed; give fewer "
         f"values, or allow them with most_cases = {count}"
     )
-
-
-def _span(seconds: float) -> str:
-    for size, unit in ((31_557_600.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.2g} s"
-
-
-def _bytes(size: float) -> str:
-    for factor, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB")):
-        if size >= factor:
-            return f"{size / factor:.3g} {unit}"
-    return f"{size:.0f} bytes"
 
 
 def _can_be_sent(function: Callable[[Scenario], Any]) -> bool:
@@ -241,16 +228,9 @@ class Gathered:
                 "vary only what leaves the variables the same"
             )
         for name, array in arrays.items():
-            if array.values.shape != expected[name].values.shape or array.dims != expected[name].dims:
-                raise DataError(
-                    f"sweep, {self.settings.plan.named(number)}: {name} is of the shape {array.values.shape} and that of the first case of "
-                    f"{expected[name].values.shape}; vary only what leaves the picture's size the same"
-                )
-            if array.dims == (name,) and not np.array_equal(array.values, expected[name].values):
-                raise DataError(
-                    f"sweep, {self.settings.plan.named(number)}: the coordinate {name} is not that of the first case; return the "
-                    "same places in all cases, or a coordinate of another name along the dimension"
-                )
+            require_shape(self.settings, number, name, array, expected[name].values.shape, expected[name].dims)
+            if array.dims == (name,):
+                require_places(self.settings, number, name, array, expected[name].values)
             self.arrays[name][number] = array.values
 
     def _begin(self, first: CaseResult) -> None:

@@ -6,9 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from seaglint.base.errors import DataError, ScenarioError, SeaglintError, one_line
 from seaglint.scenario.model import Scenario
-from seaglint.studies.sweep.case_arrays import CaseResult
+from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
 from seaglint.studies.sweep.sweep_plan import SweepPlan
 from seaglint.studies.sweep.view_angles import ViewAngles
 
@@ -68,3 +71,36 @@ def compute_case(settings: SweepSettings, compute: Callable[[Scenario], CaseResu
 def line_of(error: BaseException) -> str:
     """Return the text of an error in one line."""
     return " ".join(str(error).split())
+
+
+def require_shape(
+    settings: SweepSettings, number: int, name: str, array: NamedArray | None, shape: tuple[int, ...], dims: tuple[str, ...] | None = None
+) -> None:
+    """Refuse an array of a case that is not of the shape, and of the dimensions, of the first case.
+
+    Raises
+    ------
+    DataError
+        The message names the case.
+    """
+    if array is None or array.values.shape != shape or (dims is not None and array.dims != dims):
+        found = "missing" if array is None else f"of the shape {array.values.shape}"
+        raise DataError(
+            f"sweep, {settings.plan.named(number)}: {name} is {found} and that of the first case of {shape}; vary only what leaves the "
+            "picture's size the same"
+        )
+
+
+def require_places(settings: SweepSettings, number: int, name: str, array: NamedArray | None, places: NDArray[Any]) -> None:
+    """Refuse a coordinate of a case that is not that of the first case.
+
+    Raises
+    ------
+    DataError
+        The message names the case.
+    """
+    if array is None or not np.array_equal(array.values, places):
+        raise DataError(
+            f"sweep, {settings.plan.named(number)}: the coordinate {name} is not that of the first case; return the same places in all "
+            "cases, or a coordinate of another name along the dimension"
+        )
