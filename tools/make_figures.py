@@ -90,7 +90,8 @@ def near_horizon(folder: Path) -> Path:
 
 def clutter(name: str, folder: Path) -> Path:
     """A picture of the report."""
-    from seaglint.plot.clutter import PICTURES, png
+    from seaglint.plot.clutter import PICTURES
+    from seaglint.plot.new_figure import png
 
     output = folder / f"clutter_{name}.png"
     output.write_bytes(png(PICTURES[name].draw(demo_analysis(folder))))

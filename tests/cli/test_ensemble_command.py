@@ -46,7 +46,7 @@ def test_many_scenes_tell_their_cost_before_they_start(seaglint, tmp_path: Path)
     assert cost < work
     assert "3 x 8 x 4 pixels: about " in answer.err
     # 16 scenes of 3 frames of 32 pixels of 4 bytes are 6144 bytes
-    assert "at most 0 MB" in answer.err
+    assert "at most 0.00614 MB" in answer.err
     assert "pixels: about" not in seaglint("ensemble", tmp_path / "e.toml", "-o", tmp_path / "out").err
 
 

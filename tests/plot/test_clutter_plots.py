@@ -28,9 +28,9 @@ from seaglint.plot.clutter import (
     draw_regions,
     draw_slices,
     histogram_edges,
-    png,
     unit_of,
 )
+from seaglint.plot.new_figure import png
 
 # Warnings of drawing are errors; garbage of other tests, collected meanwhile, is none of it.
 pytestmark = pytest.mark.filterwarnings("error", "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
@@ -48,7 +48,7 @@ def recording(frames, **more) -> Recording:
 @pytest.fixture(autouse=True)
 def _coarse(monkeypatch):
     """Coarse pictures, for speed."""
-    monkeypatch.setattr("seaglint.plot.clutter.figure._DOTS_PER_INCH", 40)
+    monkeypatch.setattr("seaglint.plot.new_figure._DOTS_PER_INCH", 40)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seaglint.files.outputs import moved_when_whole
-from seaglint.plot.clutter.figure import new_figure
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

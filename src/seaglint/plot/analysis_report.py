@@ -11,7 +11,8 @@ from seaglint.analysis.summary import AnalysisSummary
 from seaglint.base.conventions import Progress
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
-from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
+from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, unit_of
+from seaglint.plot.new_figure import png
 from seaglint.plot.page import ABSENT, all_numbers, bullets, figure, interval, notes, number, page, section, table
 from seaglint.version import __version__
 

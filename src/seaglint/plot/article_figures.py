@@ -11,6 +11,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.files.outputs import moved_when_whole
+from seaglint.plot.new_figure import new_figure
 from seaglint.plot.scale import number_decades
 from seaglint.plot.texture_figure import draw_figure_10
 
@@ -33,15 +34,6 @@ _SUN_STEP: Final = 0.125
 
 _SHARES: Final = (0.1, 0.5, 0.9)
 """Shares of its maximum that lines show in each image of glint."""
-
-
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
 
 
 def _settings(dataset: xr.Dataset, *more: str) -> str:
@@ -68,7 +60,7 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
     """Path and boundary properties against slant range, sunlight and sky against zenith angle; a line for each wind."""
     from matplotlib import colormaps
 
-    figure = _figure(13.0, 7.5)
+    figure = new_figure(13.0, 7.5)
     (a, b, c), (d, e, last) = figure.subplots(2, 3)
     winds = dataset["wind_speed_m_s"].to_numpy()
     colours = colormaps["viridis"](np.linspace(0.0, 0.9, winds.size))
@@ -125,7 +117,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
     """Mirrored Sun (upper) and apparent temperature (lower) against the zenith angles of sensor and Sun; a column for each wind."""
     from matplotlib.colors import LogNorm
 
-    figure = _figure(13.0, 8.0)
+    figure = new_figure(13.0, 8.0)
     winds = dataset["wind_speed_m_s"].to_numpy()
     panels = figure.subplots(2, winds.size, sharex=True, sharey=True, squeeze=False)
     sensor, sun = dataset["sensor_zenith_deg"].to_numpy(), dataset["solar_zenith_deg"].to_numpy()
@@ -172,7 +164,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
     """Images of glint: mean (left) and standard deviation (right), a row for each wind and a column for each direction of it."""
     from matplotlib.colors import LogNorm
 
-    figure = _figure(17.0, 8.2)
+    figure = new_figure(17.0, 8.2)
     azimuth, elevation = dataset["azimuth_from_sun_deg"].to_numpy(), dataset["elevation_deg"].to_numpy()
     across, down = 0.5 * float(azimuth[1] - azimuth[0]), 0.5 * float(elevation[0] - elevation[1])
     extent = (float(azimuth[0]) - across, float(azimuth[-1]) + across, float(elevation[-1]) - down, float(elevation[0]) + down)

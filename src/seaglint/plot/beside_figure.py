@@ -10,7 +10,7 @@ import numpy as np
 
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.tables.spectra_beside import SpectraBeside
-from seaglint.plot.clutter.figure import new_figure
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

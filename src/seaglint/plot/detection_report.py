@@ -7,8 +7,8 @@ from html import escape
 
 from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.files.detection_case import DetectionCase
-from seaglint.plot.clutter import png
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_sweep
+from seaglint.plot.new_figure import png
 from seaglint.plot.page import all_numbers, bullets, figure, interval, notes, number, page, section, table
 from seaglint.version import __version__
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from seaglint.base.free_form import TableRow
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,18 +21,9 @@ MOST_CURVES: Final = 6
 """Characteristics drawn, evenly chosen from the contrasts."""
 
 
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Made
-
-    made = Made(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(made)
-    return made
-
-
 def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], unit: str) -> Figure:
     """Operating characteristics with bands, and P_d against contrast."""
-    figure = _figure(10.0, 4.0)
+    figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     contrast = np.asarray(roc["contrast"])
     values = np.unique(contrast)
@@ -62,7 +54,7 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
 
 def draw_map(found: FalseAlarmMap) -> Figure:
     """P_fa over azimuth and elevation; tiles without a pixel that is judged are left out."""
-    figure = _figure(7.0, 3.6)
+    figure = new_figure(7.0, 3.6)
     axes = figure.subplots()
     pixels = np.asarray(found.pixels, float)
     rate = np.asarray(found.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
@@ -82,7 +74,7 @@ def draw_chips(found: Chips, threshold_sigma: float) -> Figure | None:
     if not lines:
         return None
     columns = max(len(items) for _, items in lines)
-    figure = _figure(1.6 * columns, 1.95 * len(lines))
+    figure = new_figure(1.6 * columns, 1.95 * len(lines))
     axes = figure.subplots(len(lines), columns, squeeze=False)
     for (name, items), row in zip(lines, axes, strict=True):
         for k, one in enumerate(row):
@@ -107,7 +99,7 @@ def _square(middle: int, colour: str) -> Any:
 
 def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     """P_d and P_fa against a number that was varied; a line for each of what else was varied and each contrast."""
-    figure = _figure(10.0, 4.0)
+    figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     lines: dict[str, list[TableRow]] = {}
     for row in rows:
@@ -132,7 +124,7 @@ def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
     for one in found:
         lines.setdefault(one.named, []).append(one)
     polar = len({one.bearing_deg for one in found}) > 1
-    figure = _figure(5.6, 5.2)
+    figure = new_figure(5.6, 5.2)
     axes: Any = figure.add_subplot(projection="polar" if polar else None)
     for name, some in lines.items():
         if polar:

@@ -16,6 +16,7 @@ from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.sequence_summary import to_temperature
 from seaglint.files.store.object_labels import Label
+from seaglint.plot.new_figure import new_figure
 from seaglint.plot.scale import scale_of
 
 if TYPE_CHECKING:
@@ -71,11 +72,7 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementW
     ways : EngagementWays
         Of sensor and bodies over the frames stored.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(12.0, 9.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(12.0, 9.5)
     panels = figure.subplot_mosaic([["colours", "grey"], ["side", "side"]], height_ratios=[1.9, 1.0])
     radiance = dataset["radiance"].isel(time=index).to_numpy()
     scale = scale_of(radiance, "linear")

@@ -12,7 +12,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.climate.likelihood_summary import LikelihoodSummary, StratumChance
 from seaglint.climate.weather_table import MONTHS
 from seaglint.files.outputs import moved_when_whole
-from seaglint.plot.clutter.figure import new_figure
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,13 +84,11 @@ def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
 
 def write_map(dataset: xr.Dataset, output: Path) -> None:
     """Draw the map of every month."""
-    from matplotlib.figure import Figure
-
     chance = dataset["probability"].isel(threshold=0)
     months = chance.month.to_numpy().tolist()
     columns = min(4, len(months))
     rows = math.ceil(len(months) / columns)
-    figure = Figure(figsize=(3.2 * columns, 2.6 * rows + 0.6), layout="constrained")
+    figure = new_figure(3.2 * columns, 2.6 * rows + 0.6)
     most = max(float(chance.max()), 1e-6)
     image = None
     for i, month in enumerate(months):
@@ -108,9 +106,7 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
 
 def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:
     """Draw chances by threshold and by month of several sea regions, :func:`seaglint.studies.likelihood.sea_regions.regions`."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10.0, 4.0), layout="constrained")
+    figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     for name, columns in result.items():
         left.loglog(columns["threshold"], np.maximum(columns["probability"], 1e-6), label=name)
@@ -125,9 +121,7 @@ def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> Non
 
 def write_fig5(columns: dict[str, FloatArray], output: Path) -> None:
     """Draw both panels of Fig. 5: at one azimuth, and within an azimuth of the Sun's."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10.0, 7.5), layout="constrained")
+    figure = new_figure(10.0, 7.5)
     styles = {"single-look": "-", "trajectory": "--", "field-of-view": ":"}
     grid = figure.subplots(2, 2, sharex=True)
     for row, threshold in enumerate(np.unique(columns["threshold_w_m2_sr"])[::-1]):

@@ -20,6 +20,7 @@ from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.sequence_summary import images, to_temperature
 from seaglint.plot.graticule import draw_graticule
+from seaglint.plot.new_figure import new_figure
 from seaglint.plot.scale import Kind, round_ticks, scale_of
 
 if TYPE_CHECKING:
@@ -147,9 +148,6 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     DataError
         No pixel has a finite value.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     finished = images(dataset)
     radiance, frame = finished[0], int(finished.indices[0])
     if not np.isfinite(radiance).any():
@@ -169,8 +167,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
         x, (top, bottom) = (-0.5, azimuth.shape[1] - 0.5), (-0.5, azimuth.shape[0] - 0.5)
     extent = (*x, bottom, top)
     wide = abs((x[1] - x[0]) / (top - bottom)) > 1.0
-    figure = Figure(figsize=(9.0, 9.0) if wide else (12.0, 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(*((9.0, 9.0) if wide else (12.0, 6.0)))
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
     bar = _panel(figure, upper, radiance, extent, "radiance", "inferno", bright)
     thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray", warm)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from seaglint.files.outputs import moved_when_whole
 from seaglint.instrument.data_sheet import SensorDataSheet
-from seaglint.plot.clutter.figure import new_figure
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

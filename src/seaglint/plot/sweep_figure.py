@@ -10,6 +10,7 @@ import numpy as np
 from seaglint.base.errors import DataError
 from seaglint.base.schema import VARIABLES
 from seaglint.files.outputs import moved_when_whole
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,9 +51,6 @@ def draw_sweep(dataset: xr.Dataset) -> Figure:
     DataError
         Nothing to draw.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     name = shown(dataset)
     values = dataset[name].astype(np.float64)
     pixels = [dim for dim in ("y", "x") if dim in values.dims]
@@ -67,8 +65,7 @@ def draw_sweep(dataset: xr.Dataset) -> Figure:
     flat = len(wide) == 2 and len(numbers) == 2 and min(values.sizes[dim] for dim in wide) > 3
     across = [] if flat else wide[:-2]  # view angles come last, and stay on the axes
     panels = _places(values, across)
-    figure = Figure(figsize=(6.5 * min(len(panels), 2), 4.6 * ((len(panels) + 1) // 2)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(6.5 * min(len(panels), 2), 4.6 * ((len(panels) + 1) // 2))
     grid = figure.subplots((len(panels) + 1) // 2, min(len(panels), 2), squeeze=False).ravel()
     for axes, place in zip(grid, panels, strict=False):
         part = values.isel(place)

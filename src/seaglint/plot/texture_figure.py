@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from seaglint.plot.new_figure import new_figure
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
@@ -18,11 +20,7 @@ _COLUMNS: Final = (
 
 def draw_figure_10(dataset: xr.Dataset) -> Figure:
     """Textures of isotropic couplings above, of horizontal emphasis below; beside them the picture, a frozen and a molten sample."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(14.0, 8.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(14.0, 8.0)
     panels = figure.subplots(2, len(_COLUMNS))
     names = ("(a) isotropic", "(b) horizontal")
     for i, row in enumerate(panels):

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from seaglint.base.brightness import scale_limits
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
-from seaglint.plot.clutter import png
-from seaglint.plot.clutter.figure import new_figure
+from seaglint.plot.new_figure import new_figure, png
 from seaglint.plot.page import bullets, figure, notes, number, page, section, table
 from seaglint.textures.long_tails import interior
 from seaglint.textures.quality import LIMITS, Comparison, TextureDistances

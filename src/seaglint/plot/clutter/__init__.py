@@ -4,7 +4,7 @@ What the data cannot tell (time in a single frame, a region that is missing) is 
 """
 
 from seaglint.plot.clutter.correlation_plots import draw_exceedances, draw_memory
-from seaglint.plot.clutter.figure import png, unit_of
+from seaglint.plot.clutter.figure import unit_of
 from seaglint.plot.clutter.histograms import FAMILY_NAMES, draw_histograms, histogram_edges
 from seaglint.plot.clutter.rates import draw_rates
 from seaglint.plot.clutter.regions import draw_regions, draw_slices
@@ -21,6 +21,5 @@ __all__ = [
     "draw_regions",
     "draw_slices",
     "histogram_edges",
-    "png",
     "unit_of",
 ]

@@ -9,7 +9,8 @@ import numpy as np
 
 from seaglint.analysis import Analysis
 from seaglint.base.conventions import FloatArray
-from seaglint.plot.clutter.figure import COLOURS, new_figure, per_frame, say, unit_of
+from seaglint.plot.clutter.figure import COLOURS, per_frame, say, unit_of
+from seaglint.plot.new_figure import new_figure
 from seaglint.plot.scale import number_decades
 
 if TYPE_CHECKING:

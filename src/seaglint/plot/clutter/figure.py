@@ -1,16 +1,15 @@
-"""Parts that the pictures of clutter share: figures as bytes, panels, colours of the regions, units on labels, text on an empty axis."""
+"""Parts that the pictures of clutter share: panels, colours of the regions, units on labels, text on an empty axis."""
 
 from __future__ import annotations
 
-import io
 import re
-from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis, Region
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,30 +17,6 @@ if TYPE_CHECKING:
 
 COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
 """Colours of the regions, in every picture; distinct for colour-blind readers and in print."""
-
-_DOTS_PER_INCH: Final = 100
-
-
-def png(figure: Figure) -> bytes:
-    """A figure as PNG, without date or version inside."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    buffer = io.BytesIO()
-    figure.set_dpi(_DOTS_PER_INCH)
-    # Not savefig, which lays everything out twice.
-    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
-    return buffer.getvalue()
-
-
-def new_figure(width: float, height: float) -> Figure:
-    """A figure of this size [inch] that needs no screen; notebooks show it without pyplot."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]  # IPython shows figures of pyplot alone by itself
-    return figure
 
 
 def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axes, str, Region]]]:

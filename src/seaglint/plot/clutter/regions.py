@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis
 from seaglint.base.brightness import scale_limits
-from seaglint.plot.clutter.figure import COLOURS, beyond, new_figure, say, unit_of, values_label
+from seaglint.plot.clutter.figure import COLOURS, beyond, say, unit_of, values_label
+from seaglint.plot.new_figure import new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
