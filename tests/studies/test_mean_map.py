@@ -193,3 +193,31 @@ def test_pictures_of_wide_columns_without_waves_are_the_map():
     for name in names:
         found = map_[name].to_numpy()
         np.testing.assert_allclose(picture[name], found, atol=0.004 * found.max(), err_msg=name)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"sensor": {"height_m": 100.0, "fov_deg": [30.0, 20.0], "pixels": [6, 200], "elevation_deg": -4.0, "pixel_shape": "any"}},
+        {
+            "sensor": {"height_m": 100.0, "fov_deg": [3.0, 8.0], "pixels": [5, 170], "pixel_shape": "any"},
+            "atmosphere": {"refraction": "profile"},
+        },
+        {"sensor": {"pixels": [6, 40], "pixel_shape": "any"}, "mean": {"mode": "article"}},
+        {"sensor": {"pixels": [48, 24], "roll_deg": 10.0}},
+    ],
+    ids=["wide columns", "refraction by the profile", "article", "turned"],
+)
+def test_blocks_of_rows_give_the_whole_map_and_report_progress(tables, monkeypatch):
+    scenario, reports = parse_scenario(tables), []
+    whole = mean(scenario)
+    monkeypatch.setattr("seaglint.studies.mean.mean_map.BLOCK", 60)
+    monkeypatch.setattr("seaglint.studies.mean.mean_pixels.BLOCK", 24**2)  # pixels on the horizon have so many lines of sight
+    blocks = mean(scenario, lambda done, total: reports.append((done, total)))
+    xr.testing.assert_allclose(blocks, whole, rtol=1e-6)
+    done, totals = zip(*reports, strict=True)
+    assert done[0] == 0
+    assert done[-1] == totals[0]
+    assert len(done) > 5
+    assert list(done) == sorted(set(done))
+    assert len(set(totals)) == 1

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import seaglint as sg
 from seaglint.base.conventions import view_zenith
-from seaglint.base.errors import DataError, ScenarioError, SeaglintError
+from seaglint.base.errors import BackendError, DataError, ScenarioError, SeaglintError
 from seaglint.cluster.here import Here
 from seaglint.files.tables.cases import read_cases
 from seaglint.optics.band import Band
@@ -153,6 +155,22 @@ def test_workers_and_lazy_arrays_give_the_same():
     later = sg.sweep({"band": {"min_um": 8.0, "max_um": 12.0}}, vary, at=at, lazy=True)
     assert later.radiance.chunks is not None
     xr.testing.assert_identical(later.compute().drop_attrs(), alone.drop_attrs())
+
+
+def test_processes_give_the_same_and_refuse_functions_that_they_cannot_import(monkeypatch):
+    scenario, vary = {"band": {"min_um": 8.0, "max_um": 12.0}}, {"sun.zenith_deg": [10.0, 50.0], "wind.speed_m_s": [3.0, 9.0]}
+    at = {"view_zenith_deg": [20.0, 60.0]}
+    alone, shared = (sg.sweep(scenario, vary, at=at, workers=workers) for workers in (None, 2))
+    xr.testing.assert_identical(alone.drop_attrs(), shared.drop_attrs())
+
+    def of_script(scene):
+        return scene.wind.speed_m_s
+
+    of_script.__module__, of_script.__qualname__ = "__main__", "of_script"
+    monkeypatch.setattr(sys.modules["__main__"], "of_script", of_script, raising=False)
+    for function in (of_script, lambda scene: scene.wind.speed_m_s):
+        with pytest.raises(BackendError, match="cannot be sent to other processes, which cannot import it; define it in a module"):
+            sg.sweep({}, {"wind.speed_m_s": [1.0, 2.0]}, what=function, workers=2)
 
 
 def test_progress_counts_cases():

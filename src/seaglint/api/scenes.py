@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from seaglint.api.inputs import SceneInput
+    from seaglint.base.conventions import Progress
     from seaglint.scenario.model import Scenario
 
 
@@ -46,12 +47,14 @@ def load(source: str | Path | Mapping[str, Any]) -> Scenario:
 
 
 @documented(MeanRequest)
-def mean(scenario: SceneInput) -> xr.Dataset:
+def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Dataset:
     """Map mean radiance and apparent temperature over the view.
 
     Parameters
     ----------
     {request}
+    progress : callable, optional
+        Called with (rows or pixels done, all of them).
 
     Returns
     -------
@@ -74,7 +77,7 @@ def mean(scenario: SceneInput) -> xr.Dataset:
     from seaglint.files.netcdf import labelled
     from seaglint.studies.mean.mean_map import mean as computed
 
-    return with_band(labelled(computed(scenario_of(scenario))))
+    return with_band(labelled(computed(scenario_of(scenario), progress)))
 
 
 def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from seaglint.cli.terminal.messages import log
+from seaglint.cli.terminal.options import LateProgressOption
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.records import takes_records
 from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
@@ -25,7 +26,6 @@ evaluate = typer.Typer(
 
 CasesFile = Annotated[Path, typer.Argument(metavar="CASES.csv", help="one case a row; the first line names the columns")]
 Output = Annotated[Path, typer.Option("-o", "--output", help="CSV file to write")]
-ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")]
 
 
 def _one_thread() -> None:
@@ -56,7 +56,7 @@ def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMod
 
 @evaluate.command()
 @takes_records(order="cases output bands levels")
-def atmosphere(cases: CasesFile, output: Output, request: AirRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
+def atmosphere(cases: CasesFile, output: Output, request: AirRequest, show: LateProgressOption = ProgressMode.AUTO) -> None:
     """Transmittance, path, sunlight and sky of LOWTRAN7's models.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s, sensor_height_m, depression_deg (of the refracted ray at the sensor; it
@@ -71,7 +71,7 @@ def atmosphere(cases: CasesFile, output: Output, request: AirRequest, show: Prog
 
 @evaluate.command()
 @takes_records()
-def emissivity(cases: CasesFile, output: Output, request: EvaluationRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
+def emissivity(cases: CasesFile, output: Output, request: EvaluationRequest, show: LateProgressOption = ProgressMode.AUTO) -> None:
     """Emissivity of the wind-roughened sea.
 
     Isotropic Cox-Munk slopes, salt water, sea-to-sea reflection on.
@@ -86,7 +86,7 @@ def emissivity(cases: CasesFile, output: Output, request: EvaluationRequest, sho
 
 @evaluate.command()
 @takes_records(order="cases output bands")
-def mean(cases: CasesFile, output: Output, request: BandsRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
+def mean(cases: CasesFile, output: Output, request: BandsRequest, show: LateProgressOption = ProgressMode.AUTO) -> None:
     """Mean radiance of the sea, and standard deviation of glint.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
@@ -103,7 +103,7 @@ def mean(cases: CasesFile, output: Output, request: BandsRequest, show: Progress
 
 @evaluate.command()
 @takes_records(order="cases output bands levels")
-def scattered(cases: CasesFile, output: Output, request: AirRequest, show: ProgressOption = ProgressMode.AUTO) -> None:
+def scattered(cases: CasesFile, output: Output, request: AirRequest, show: LateProgressOption = ProgressMode.AUTO) -> None:
     """Sunlight scattered into paths to the sea and the clear sky.
 
     Columns needed: kind (path or sky), atmosphere (a model's name), wind_speed_m_s, sensor_height_m (0 for sky seen from the sea),

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import PreviewScale
+from seaglint.cli.terminal.options import LateProgressOption, PreviewScale
 from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
+from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.records import takes_records
 from seaglint.studies.mean.mean_requests import MeanRequest
 
@@ -20,6 +21,7 @@ def mean(
     output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
     preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
+    show: LateProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Map mean radiance and apparent temperature over the view."""
     from seaglint.cli.terminal.logs import show_logs
@@ -42,8 +44,8 @@ def mean(
     only_numpy()
     from seaglint.studies.mean.mean_map import mean as mean_map
 
-    with naming_file(request.scenario, loaded):
-        dataset = mean_map(loaded)
+    with naming_file(request.scenario, loaded), patient_progress(show, "map") as report:
+        dataset = mean_map(loaded, report)
     if "air_note" in dataset.attrs:
         log(dataset.attrs["air_note"])
     write_netcdf(dataset, output, overwrite=request.overwrite)

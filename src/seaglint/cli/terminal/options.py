@@ -32,3 +32,6 @@ ShardOption = Annotated[
     typer.Option("--shard", metavar="I/N", help="make share K of N, from 0:N to N-1:N; 'render --finish' joins them"),
 ]
 ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
+LateProgressOption = Annotated[
+    ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")
+]

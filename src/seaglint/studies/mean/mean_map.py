@@ -8,13 +8,14 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.conventions import FloatArray, Progress, horizon_depression
 from seaglint.base.kernel_plan import compile_ahead
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.facet.sea_view import SeaView
@@ -23,7 +24,7 @@ from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.refracted import air_beyond
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean_radiance import MeanModel, SeaRadiance, mean_radiance
+from seaglint.radiance.mean_radiance import NODES, MeanModel, SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sea_slopes import SpectrumSlopes
@@ -44,9 +45,13 @@ _WIDEST: Final = math.radians(5.0)
 """Widest part of a column whose middle serves without a Sun [rad]: emission and sky change with the azimuth as its second harmonic."""
 
 
+BLOCK: Final = 1 << 20
+"""Lines of sight that are computed at a time where a picture has many rows: progress is reported between blocks."""
+
+
 @single_threaded_algebra()
-def mean(scenario: Scenario) -> xr.Dataset:
-    """Mean radiance over the field of view, with its components, as a labelled dataset.
+def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
+    """Mean radiance over the field of view, with its components, as a labelled dataset; ``progress`` is called with (pieces done, all).
 
     Dimensions ``y, x``, the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) are those of rows and
     columns where the image is a grid of them, else of every pixel (y, x). A moving sensor stands where it is at time 0. Variables
@@ -78,11 +83,11 @@ def mean(scenario: Scenario) -> xr.Dataset:
     camera, length = imager.camera(pose.height, pose.attitude), prepare.glint_length(scenario)
     if camera is not None:
         azimuth, elevation = camera.azimuths, camera.elevations
-        maps = _of_rows(scenario, camera, view, length)
+        maps = _of_rows(scenario, camera, view, length, progress)
     else:
         require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
-        maps = over_pixels(imager, pose, _seen(scenario, view, length))
+        maps = over_pixels(imager, pose, _seen(scenario, view, length), progress)
     total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
     temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
     whole = azimuth.ndim == 2
@@ -134,7 +139,7 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
     return {"wave_file": str(spectrum.path), "wave_file_sha256": digest, "measured_waves_used": int(used)}
 
 
-def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -> dict[str, FloatArray]:
+def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, progress: Progress | None) -> dict[str, FloatArray]:
     """Components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
 
     Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
@@ -145,23 +150,36 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -
     rays = None if bent is None else bent.paths(rows.elevations)
     elevations = rows.elevations if bent is None or rays is None else bent.straight(rays)
     azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
+    beyond = None if bent is None or rays is None else air_beyond(view, bent, bent.beyond(rays))
+    solid_angle = np.repeat(pixel_solid_angle(camera), rows.points)
+    size = max(BLOCK // azimuths.size, 1)
     match scenario.mean.mode:
+        case "spectral" if camera.rows > size and elevations.size > NODES:
+            along = MeanModel.prepare(view).map
         case "spectral":
-            fine = mean_radiance(view, elevations, azimuths)
+            along, size = partial(mean_radiance, view), camera.rows
         case "article":
-            fine = article_radiance(view, elevations, azimuths)
+            along = partial(article_radiance, view)
         case other:
             assert_never(other)
-    variance = sea_variance(view, fine, elevations, np.repeat(pixel_solid_angle(camera), rows.points), length)
-    if bent is not None and rays is not None:
-        share, added = (each[:, None] for each in air_beyond(view, bent, bent.beyond(rays)))
-        lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
-        fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
-    shape = (camera.rows, camera.columns)
-    maps = {}
-    for name, part in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
-        values = rows(part)
-        maps[name] = np.broadcast_to(values if values.shape[1] == 1 else values.reshape(*shape, across).mean(axis=2), shape)
+    maps = {name: np.empty((camera.rows, camera.columns)) for name in MAPS}
+    for first in range(0, camera.rows, size):
+        if progress is not None:
+            progress(first, camera.rows)
+        some, part = rows.of_rows(first, min(first + size, camera.rows))
+        fine = along(elevations[part], azimuths)
+        variance = sea_variance(view, fine, elevations[part], solid_angle[part], length)
+        if beyond is not None:
+            share, added = (each[part, None] for each in beyond)
+            lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
+            fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
+        for name, values in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
+            mean_of_rows = some(values)
+            if mean_of_rows.shape[1] > 1:
+                mean_of_rows = mean_of_rows.reshape(-1, camera.columns, across).mean(axis=2)
+            maps[name][first : first + size] = mean_of_rows
+    if progress is not None:
+        progress(camera.rows, camera.rows)
     return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
 
 
@@ -217,6 +235,12 @@ class RowAverage:
         starts = np.cumsum(points) - points
         part = (np.arange(row.size) - starts[row] + 0.5) / points[row] - 0.5
         return cls(camera.elevations[row] - part * camera.row_step, starts, points)
+
+    def of_rows(self, first: int, end: int) -> tuple[RowAverage, slice]:
+        """Averages of some of the rows, and which of all elevations are theirs."""
+        begin = int(self.starts[first])
+        part = slice(begin, int(self.starts[end - 1] + self.points[end - 1]))
+        return RowAverage(self.elevations[part], self.starts[first:end] - begin, self.points[first:end]), part
 
     def __call__(self, values: FloatArray) -> FloatArray:
         """Mean of (elevations, columns) over the elevations of each row (rows, columns)."""

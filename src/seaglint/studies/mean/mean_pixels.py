@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.conventions import FloatArray, Progress, horizon_depression
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
 
@@ -41,7 +41,7 @@ Sights = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 the pixels that they belong to [sr, (n,)]."""
 
 
-def over_pixels(imager: Imager, pose: Pose, seen: Sights) -> dict[str, FloatArray]:
+def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
     """Means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
 
     Cells of the sea are independent, so a pixel's variance is the mean of what its lines of sight would have with all of its solid angle.
@@ -51,6 +51,8 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights) -> dict[str, FloatArra
     dip, attitude = horizon_depression(pose.height), pose.attitude
     size = BLOCK // 4
     for first in range(0, rows * columns, size):
+        if progress is not None:
+            progress(first, rows * columns)
         pixels = np.arange(first, min(first + size, rows * columns))
         quarters = _points(pixels, columns, 2)
         elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *quarters)))
@@ -64,6 +66,8 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights) -> dict[str, FloatArra
             chosen, most = pixels[sides == side], BLOCK // side**2
             for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
                 out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
+    if progress is not None:
+        progress(rows * columns, rows * columns)
     out[-1] = np.sqrt(out[-1])
     return {name: values.reshape(rows, columns) for name, values in zip(MAPS, out, strict=True)}
 

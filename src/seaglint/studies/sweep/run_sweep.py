@@ -156,7 +156,9 @@ def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseRes
 
 
 def _can_be_sent(function: Callable[[Scenario], Any]) -> bool:
-    """Return true for a function that other processes can import."""
+    """Return true for a function that other processes can import: not one of a script, a notebook or another function."""
+    if getattr(function, "__module__", None) == "__main__":
+        return False
     try:
         pickle.dumps(function)
     except (AttributeError, TypeError, pickle.PicklingError):
@@ -185,11 +187,11 @@ def _outcomes(
                     yield number, result
                     done += 1
                 tell(done, len(order))
-    except (AttributeError, TypeError, pickle.PicklingError) as error:
-        if callable(settings.what) and not _can_be_sent(settings.what):
+    except (AttributeError, ImportError, TypeError, pickle.PicklingError) as error:
+        if callable(settings.what) and (isinstance(error, ImportError) or not _can_be_sent(settings.what)):
             raise BackendError(
-                f"the function {settings.title} cannot be sent to other processes ({line_of(error)}); define it in a module, or "
-                "leave workers out"
+                f"the function {settings.title} cannot be sent to other processes, which cannot import it; define it in a module, in the "
+                "working directory or installed, or leave workers out"
             ) from error
         raise
 
