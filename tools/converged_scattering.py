@@ -15,7 +15,7 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import cold_share
 from seaglint.air.profile.air_profile import AirProfile, model_profile
-from seaglint.air.profile.air_sums import AirSums
+from seaglint.air.profile.air_sums import CUTS, AirSums
 from seaglint.air.profile.bent_ray import BentRay
 from seaglint.air.profile.hazes import HazeWeather, aerosols
 from seaglint.air.profile.profile_scattering import scattering_air
@@ -36,12 +36,10 @@ SPACE = 99e3
 
 def pieces(sums: AirSums, ray: BentRay) -> tuple[np.ndarray, np.ndarray]:
     """Amounts of aerosols and of gases in the pieces of a ray, the colder water continuum by the temperature at the place."""
-    amounts, kelvin = sums.ray_amounts(ray)
-    rows = len(amounts[0]) - 4 - len(sums.laws.columns)
-    gases = amounts[:, rows:-4].copy()
+    gases, kelvin = sums.ray_amounts(ray)
     cold, own = (sums.laws.columns.index(column) for column in (9, 5))
     gases[:, cold] = gases[:, own] * cold_share(kelvin, sums.laws.cold_kelvin)
-    return amounts[:, :rows], gases
+    return sums.haze_amounts(ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS)), gases
 
 
 def converged(profile: AirProfile, haze: HazeWeather, air: ScatteringAir, height: float, line: tuple[float, float, float]) -> np.ndarray:

@@ -11,7 +11,7 @@ exact vertical sums times the ray's mean slope, so that a profile may have any n
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final, cast
 
@@ -64,6 +64,84 @@ class RaySpectra:
     ray: BentRay
     transmittance: FloatArray
     emitted: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Densities:
+    """Densities over height, exponential between levels, linear next to a zero. Make it with :meth:`of`.
+
+    Attributes
+    ----------
+    height : ndarray
+        Levels [km, (levels,)].
+    density : ndarray
+        Densities [(rows, levels)].
+    both : ndarray
+        Whether a layer is exponential [(rows, levels - 1)].
+    growth : ndarray
+        Logarithm of the ratio of densities across an exponential layer, 0 in others [1, (rows, levels - 1)].
+    sums : ndarray
+        Vertical sums up to the levels [(rows, levels)].
+    """
+
+    height: FloatArray
+    density: FloatArray
+    both: NDArray[np.bool_]
+    growth: FloatArray
+    sums: FloatArray
+
+    @classmethod
+    def of(cls, height: FloatArray, density: FloatArray, *, growing: bool = True) -> _Densities:
+        """Densities at levels [km]; those that grow with height are linear between levels unless ``growing``."""
+        a, b = density[:, :-1], density[:, 1:]
+        both = (a > 0.0) & (b > 0.0) & (growing | (b <= a))
+        growth = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0))
+        begun = cls(height, density, both, growth, np.zeros_like(density))
+        layers = begun._part(np.arange(height.size - 1), np.ones(height.size - 1))
+        return replace(begun, sums=np.concatenate([begun.sums[:, :1], np.cumsum(layers, axis=1)], axis=1))
+
+    def rows(self, first: int, end: int) -> _Densities:
+        """Those of some rows."""
+        some = slice(first, end)
+        return _Densities(self.height, self.density[some], self.both[some], self.growth[some], self.sums[some])
+
+    def up_to(self, z: FloatArray) -> FloatArray:
+        """Vertical sums up to heights [km] [(places, rows)]."""
+        layer, part = self._layer(z)
+        return np.asarray((self.sums[:, layer] + self._part(layer, part)).T)
+
+    def at(self, z: FloatArray) -> FloatArray:
+        """Densities at heights [km] [(places, rows)], exponential where both levels have any."""
+        layer, part = self._layer(z)
+        a, b = self.density[:, layer], self.density[:, layer + 1]
+        both = (a > 0.0) & (b > 0.0)
+        return np.asarray(np.where(both, np.where(both, a, 1.0) ** (1.0 - part) * np.where(both, b, 1.0) ** part, a + (b - a) * part).T)
+
+    def _layer(self, z: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+        """Layers in which heights [km] are, and the part of the layer below each."""
+        layer = np.clip(np.searchsorted(self.height, z, side="right") - 1, 0, self.height.size - 2)
+        return layer, np.clip((z - self.height[layer]) / (self.height[layer + 1] - self.height[layer]), 0.0, 1.0)
+
+    def _part(self, layer: NDArray[np.intp], part: FloatArray) -> FloatArray:
+        """Integral from the lower level of layers up to a part of their thickness [(rows, places)]."""
+        a, b = self.density[:, layer], self.density[:, layer + 1]
+        growth = self.growth[:, layer] * part
+        small = np.abs(growth) < 1e-6
+        mean = np.where(small, 1.0 + 0.5 * growth, np.expm1(growth) / np.where(small, 1.0, growth))
+        thick = (self.height[layer + 1] - self.height[layer]) * part
+        return np.asarray(thick * np.where(self.both[:, layer], a * mean, a + 0.5 * (b - a) * part))
+
+
+def laid_lines(lines: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+    """Lay lines end to end: heights of their cuts [m], lengths of these [m], and the first piece of each line.
+
+    Between two lines lies a piece of parts without length, in which there is nothing: sums of all in one go are much quicker.
+    """
+    gap = CUTS - 1
+    height = np.concatenate([np.append(z, np.full(gap, z[-1])) for z, _ in lines])[: -gap or None]
+    length = np.concatenate([np.append(part, np.zeros(CUTS)) for _, part in lines])[:-CUTS]
+    pieces = np.array([part.size // CUTS + 1 for _, part in lines])
+    return height, length, np.cumsum(pieces) - pieces
 
 
 class AirSums:
@@ -119,9 +197,10 @@ class AirSums:
         mass = profile.pressure / profile.temperature
         # last rows: pressure and density of the air, for the temperatures of LOWTRAN7's layers, and the haze's humidity
         humidity = np.log(100.0 - np.minimum(profile.relative_humidity, 99.0)) * self._aerosol.density[0]
-        self._density = np.concatenate([density, 1e0 * gases, [profile.pressure, mass, humidity, self._aerosol.density[0]]])
-        self._height = 1e-3 * profile.height
-        self._sums = _level_sums(self._height, self._density)
+        rows = np.concatenate([density, 1e0 * gases, [profile.pressure, mass, humidity, self._aerosol.density[0]]])
+        self._densities = _Densities.of(1e-3 * profile.height, rows)
+        self._hazes = self._densities.rows(0, self._aerosol_rows)
+        self._gases = self._densities.rows(self._aerosol_rows, rows.shape[0] - 4)
         self._heat = np.concatenate(
             [[0.0], np.cumsum(0.5 * (profile.temperature[1:] + profile.temperature[:-1]) * np.diff(profile.height))]
         )
@@ -139,10 +218,10 @@ class AirSums:
         return np.concatenate([held.density[0] * hats, held.density[1:]]), np.concatenate([spectra, held.extinction[1:]])
 
     def ray_amounts(self, ray: BentRay) -> tuple[FloatArray, FloatArray]:
-        """Amounts of the pieces of a ray [(pieces, rows)] and their mean temperatures [K, (pieces,)]."""
+        """Amounts of the gases in the pieces of a ray [(pieces, gases)] and mean temperatures of these [K, (pieces,)]."""
         z = ray.between(CUTS)
         slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
-        vertical = np.diff(_sums_to(self._height, self._density, self._sums, 1e-3 * z), axis=0)
+        vertical = np.diff(self._gases.up_to(1e-3 * z), axis=0)
         heat = np.diff(_heat_to(self.profile, self._heat, ray.height))
         return (vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1), heat / np.diff(ray.height)
 
@@ -153,14 +232,13 @@ class AirSums:
         linear between levels (its LAYER).
         """
         ends = 1e-3 * np.array([ray.height[0], ray.height.min(), ray.height[-1]])
-        new = np.setdiff1d(ends[(ends > self._height[0]) & (ends < self._height[-1])], self._height)
-        at = np.searchsorted(self._height, new)
-        height = np.insert(self._height, at, new)
-        density = np.insert(self._density, at, _density_at(self._height, self._density, new).T, axis=1)
+        levels = self._densities.height
+        new = np.setdiff1d(ends[(ends > levels[0]) & (ends < levels[-1])], levels)
+        at = np.searchsorted(levels, new)
+        filled = np.insert(self._densities.density, at, self._densities.at(new).T, axis=1)
         z = ray.between(CUTS)
         slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
-        sums = _level_sums(height, density, growing=False)
-        vertical = np.diff(_sums_to(height, density, sums, 1e-3 * z, growing=False), axis=0)
+        vertical = np.diff(_Densities.of(np.insert(levels, at, new), filled, growing=False).up_to(1e-3 * z), axis=0)
         return np.asarray((vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1))
 
     def along(self, height: float, zenith: float, end: float | None = None) -> RaySpectra:
@@ -176,12 +254,11 @@ class AirSums:
     def _gas_ray(self, height: float, zenith: float, end: float | None) -> GasRay:
         ray = self.air.ray(height, zenith, end)
         amounts, mean = self.ray_amounts(ray)
-        return self._gases(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
+        return self._gas_way(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
 
     def _haze_of_rays(self, ways: Sequence[GasRay]) -> list[FloatArray]:
         """Amounts of the aerosols in the pieces of each ray [(pieces, aerosols)]: sums of all of them in one go are much quicker."""
-        rows = slice(0, self._aerosol_rows)
-        every = _sums_to(self._height, self._density[rows], self._sums[rows], 1e-3 * np.concatenate([way.height for way in ways]))
+        every = self._hazes.up_to(1e-3 * np.concatenate([way.height for way in ways]))
         out = []
         for way, sums in zip(ways, np.split(every, np.cumsum([way.height.size for way in ways])[:-1]), strict=True):
             vertical = np.diff(sums, axis=0) * (way.length / np.diff(way.height))[:, None]
@@ -203,14 +280,14 @@ class AirSums:
         return GasRay(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), self.gas_depth(*self.ray_amounts(ray)))
 
     def gas_depth(self, amounts: FloatArray, mean: FloatArray) -> FloatArray:
-        """Optical depth of the gases [1, (n,)] from the amounts of pieces [(pieces, rows)] and their temperatures [K, (pieces,)]."""
-        gases = amounts[:, self._aerosol_rows : -4]
+        """Optical depth of the gases [1, (n,)] from their amounts in pieces [(pieces, gases)] and temperatures [K, (pieces,)]."""
+        gases = amounts.copy()
         gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.cold_kelvin)
         return np.asarray(self.laws.optical_depth(gases.sum(axis=0, keepdims=True))[0])
 
     def haze_amounts(self, height: FloatArray, length: FloatArray) -> FloatArray:
         """Amounts of the aerosols in the pieces of a line cut at heights [m] into parts of lengths [m] [(pieces, aerosols)]."""
-        return self._along_line(height, length, slice(0, self._aerosol_rows))
+        return self._along_line(height, length, self._hazes)
 
     def haze_depth(self, amounts: FloatArray) -> FloatArray:
         """Optical depth of amounts of the aerosols [(..., aerosols)] [1, (..., n)]."""
@@ -226,20 +303,32 @@ class AirSums:
         The path is a line over the Earth of the radius that makes this air's rays straight between the heights that it passes; air
         below the sea is that at it.
         """
+        return self.between_each(height, target, [length])[0]
 
-        def made() -> GasRay:
-            z, step = self.cut_line(height, target, length)
-            return self._gases(None, z, step, z[::CUTS], *self.line_amounts(z, step))
+    def between_each(self, height: float, target: float, lengths: Sequence[float]) -> list[tuple[FloatArray, FloatArray]]:
+        """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of paths of some lengths [m], as :meth:`between`."""
 
-        gases = self._rays.get(("between", height, target, length), made)
-        passed, emitted = self._emitting(gases, self.haze_amounts(gases.height, gases.length))
-        return passed[-1], emitted
+        def made(which: Sequence[int]) -> list[GasRay]:
+            lines = [self.cut_line(height, target, lengths[k]) for k in which]
+            z, step, first = laid_lines(lines)
+            amounts, mean = self.line_amounts(z, step)
+            pieces = [slice(at, at + part.size // CUTS) for at, (_, part) in zip(first, lines, strict=True)]
+            return [self._gas_way(None, *line, line[0][::CUTS], amounts[p], mean[p]) for line, p in zip(lines, pieces, strict=True)]
 
-    def _gases(
+        ways = self._rays.get_each([("between", height, target, length) for length in lengths], made)
+        z, step, first = laid_lines([(way.height, way.length) for way in ways])
+        hazes = self.haze_amounts(z, step)
+        out = []
+        for way, at in zip(ways, first, strict=True):
+            passed, emitted = self._emitting(way, hazes[at : at + way.length.size // CUTS])
+            out.append((passed[-1], emitted))
+        return out
+
+    def _gas_way(
         self, ray: BentRay | None, cuts: FloatArray, length: FloatArray, node: FloatArray, amounts: FloatArray, mean: FloatArray
     ) -> GasRay:
-        """Gases of a way cut at heights [m], from the amounts [(pieces, rows)] between its nodes [m] and their temperatures [K]."""
-        gases = amounts[:, self._aerosol_rows : -4]
+        """Gases of a way cut at heights [m], from their amounts [(pieces, gases)] between its nodes [m] and the temperatures there [K]."""
+        gases = amounts.copy()
         gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.cold_kelvin)
         nu = self.laws.wavenumber_cm
         at_node = planck_wavenumber(nu, np.interp(node, self.profile.height, self.profile.temperature)[:, None])
@@ -254,7 +343,7 @@ class AirSums:
         return passed, np.sum(gases.glow * (passed[:-1] - passed[1:]), axis=0)
 
     def line_amounts(self, z: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Amounts [(pieces, rows)] and mean temperatures [K, (pieces,)] along a line cut at heights [m], ``CUTS`` to a piece.
+        """Amounts of the gases [(pieces, gases)] and mean temperatures [K, (pieces,)] along a line cut at heights [m], ``CUTS`` a piece.
 
         Cuts that hardly rise have the density at their height.
         """
@@ -264,18 +353,17 @@ class AirSums:
         kelvin = np.diff(_heat_to(self.profile, self._heat, z)) / np.where(level, 1.0, step)
         if level.any():
             kelvin[level] = np.interp(0.5 * (z[1:] + z[:-1])[level], self.profile.height, self.profile.temperature)
-        return self._along_line(z, length, slice(None)), kelvin.reshape(-1, CUTS).mean(axis=1)
+        return self._along_line(z, length, self._gases), kelvin.reshape(-1, CUTS).mean(axis=1)
 
-    def _along_line(self, z: FloatArray, length: FloatArray, rows: slice) -> FloatArray:
+    def _along_line(self, z: FloatArray, length: FloatArray, densities: _Densities) -> FloatArray:
         z = np.maximum(z, 0.0)
         step = np.diff(z)
         level = np.abs(step) < LEVEL
-        density = self._density[rows]
-        vertical = np.diff(_sums_to(self._height, density, self._sums[rows], 1e-3 * z), axis=0)
+        vertical = np.diff(densities.up_to(1e-3 * z), axis=0)
         amounts = vertical * np.where(level, 0.0, length / np.where(level, 1.0, step))[:, None]
         if level.any():
             middle = 0.5 * (z[1:] + z[:-1])[level]
-            amounts[level] = 1e-3 * length[level, None] * _density_at(self._height, density, 1e-3 * middle)
+            amounts[level] = 1e-3 * length[level, None] * densities.at(1e-3 * middle)
         return np.asarray(amounts.reshape(-1, CUTS, amounts.shape[1]).sum(axis=1))
 
     def layer_humidity(self, height: float, zenith: float) -> float:
@@ -307,39 +395,6 @@ def _path_humidity(amounts: FloatArray) -> float:
     """Mean humidity of a path's haze [%], as LOWTRAN7 takes it for the whole path; 0 without haze."""
     whole = float(amounts[:, -1].sum())
     return float(100.0 - np.exp(amounts[:, -2].sum() / whole)) if whole > 0.0 else 0.0
-
-
-def _level_sums(height: FloatArray, density: FloatArray, *, growing: bool = True) -> FloatArray:
-    """Vertical sums of densities up to the levels [(rows, levels)], exponential between them."""
-    layers = _part(height, density, np.arange(height.size - 1), np.ones(height.size - 1), growing=growing)
-    return np.concatenate([np.zeros((density.shape[0], 1)), np.cumsum(layers, axis=1)], axis=1)
-
-
-def _part(height: FloatArray, density: FloatArray, layer: NDArray[np.intp], part: FloatArray, *, growing: bool) -> FloatArray:
-    """Integral of densities [(rows, places)] from the lower level of layers up to a part of their thickness."""
-    a, b = density[:, layer], density[:, layer + 1]
-    thick = (height[layer + 1] - height[layer]) * part
-    both = (a > 0.0) & (b > 0.0) & (growing | (b <= a))
-    growth = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0)) * part
-    small = np.abs(growth) < 1e-6
-    mean = np.where(small, 1.0 + 0.5 * growth, np.expm1(growth) / np.where(small, 1.0, growth))
-    return np.asarray(thick * np.where(both, a * mean, a + 0.5 * (b - a) * part))
-
-
-def _sums_to(height: FloatArray, density: FloatArray, sums: FloatArray, z: FloatArray, *, growing: bool = True) -> FloatArray:
-    """Vertical sums up to heights [(places, rows)]."""
-    layer = np.clip(np.searchsorted(height, z, side="right") - 1, 0, height.size - 2)
-    part = np.clip((z - height[layer]) / (height[layer + 1] - height[layer]), 0.0, 1.0)
-    return np.asarray((sums[:, layer] + _part(height, density, layer, part, growing=growing)).T)
-
-
-def _density_at(height: FloatArray, density: FloatArray, z: FloatArray) -> FloatArray:
-    """Densities at heights [(places, rows)], exponential between levels, linear next to a zero."""
-    layer = np.clip(np.searchsorted(height, z, side="right") - 1, 0, height.size - 2)
-    part = np.clip((z - height[layer]) / (height[layer + 1] - height[layer]), 0.0, 1.0)
-    a, b = density[:, layer], density[:, layer + 1]
-    both = (a > 0.0) & (b > 0.0)
-    return np.asarray(np.where(both, np.where(both, a, 1.0) ** (1.0 - part) * np.where(both, b, 1.0) ** part, a + (b - a) * part).T)
 
 
 def _heat_to(profile: AirProfile, heat: FloatArray, z: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -55,16 +55,26 @@ class GasRays:
 
     def get(self, key: Hashable, make: Callable[[], GasRay]) -> GasRay:
         """Return the ray of a key, made where it is not there."""
+        return self.get_each([key], lambda _: [make()])[0]
+
+    def get_each(self, keys: Sequence[Hashable], make: Callable[[Sequence[int]], Sequence[GasRay]]) -> list[GasRay]:
+        """Return the rays of keys; those that are not there are made in one go, by their positions among the keys."""
+        found: dict[Hashable, GasRay] = {}
         with self._lock:
-            held = self._held.get(key)
-            if held is not None:
-                self._held.move_to_end(key)
-                return held
-        made = make()
-        with self._lock:
-            if key not in self._held:
-                self._held[key] = made
-                self._size += made.size
-            while self._size > MOST_BYTES and len(self._held) > 1:
-                self._size -= self._held.popitem(last=False)[1].size
-        return made
+            for key in keys:
+                held = self._held.get(key)
+                if held is not None:
+                    self._held.move_to_end(key)
+                    found[key] = held
+        missing = [k for k, key in enumerate(keys) if key not in found]
+        if missing:
+            made = {keys[k]: ray for k, ray in zip(missing, make(missing), strict=True)}
+            found |= made
+            with self._lock:
+                for key, ray in made.items():
+                    if key not in self._held:
+                        self._held[key] = ray
+                        self._size += ray.size
+                while self._size > MOST_BYTES and len(self._held) > 1:
+                    self._size -= self._held.popitem(last=False)[1].size
+        return [found[key] for key in keys]

@@ -179,7 +179,7 @@ class ProfileAtmosphere(ClearAir):
 
     def _sea_values(self, height: float, slant: FloatArray) -> FloatArray:
         """Encoded depth and air temperature of the paths of some lengths [m] from the sea to a height [m] (lengths, 2, n)."""
-        return self._encoded([self.sums.between(height, 0.0, float(s)) for s in slant])
+        return self._encoded(self.sums.between_each(height, 0.0, slant.tolist()))
 
     def _encoded(self, paths: list[tuple[FloatArray, FloatArray]]) -> FloatArray:
         depth = np.maximum(-np.log(np.maximum([tau for tau, _ in paths], 1e-300)), CLEAR)

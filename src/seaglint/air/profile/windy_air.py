@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.air.profile.air_profile import AirProfile
-from seaglint.air.profile.air_sums import CUTS, AirSums
+from seaglint.air.profile.air_sums import CUTS, AirSums, laid_lines
 from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import require_solar_zenith, slant_range
@@ -63,7 +63,8 @@ class WindyAir:
         key = (height, *slant.tolist())
         if key not in self._paths:
             lines = [self.sums.cut_line(height, 0.0, float(s)) for s in slant]
-            self._paths[key] = _laid(lines, [self.sums.gas_depth(*self.sums.line_amounts(*line)) for line in lines])
+            gases = np.array([self.sums.gas_depth(*self.sums.line_amounts(*line)) for line in lines])
+            self._paths[key] = _LaidPaths(*laid_lines(lines), gases)
         return self._paths[key]
 
     def rays(self, zenith: FloatArray) -> _LaidPaths:
@@ -72,17 +73,9 @@ class WindyAir:
         if key not in self._paths:
             rays = [self.sums.air.ray(0.0, float(z)) for z in zenith]
             lines = [(ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS)) for ray in rays]
-            self._paths[key] = _laid(lines, [self.sums.gas_depth(*self.sums.ray_amounts(ray)) for ray in rays])
+            gases = np.array([self.sums.gas_depth(*self.sums.ray_amounts(ray)) for ray in rays])
+            self._paths[key] = _LaidPaths(*laid_lines(lines), gases)
         return self._paths[key]
-
-
-def _laid(lines: list[tuple[FloatArray, FloatArray]], gases: list[FloatArray]) -> _LaidPaths:
-    """Lay lines end to end; between them lie parts without length, a piece of them."""
-    gap = CUTS - 1
-    height = np.concatenate([np.append(z, np.full(gap, z[-1])) for z, _ in lines])[: -gap or None]
-    length = np.concatenate([np.append(part, np.zeros(CUTS)) for _, part in lines])[:-CUTS]
-    pieces = np.array([part.size // CUTS + 1 for _, part in lines])
-    return _LaidPaths(height, length, np.cumsum(pieces) - pieces, np.array(gases))
 
 
 @dataclass(frozen=True, eq=False)
