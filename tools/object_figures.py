@@ -41,7 +41,7 @@ def boxes(run: Sequence, time: float) -> tuple[np.ndarray, list[tuple[str, float
     """Radiance of an instant, and name, left, top, width and height of every object in view [pixels]."""
     drawn = run.drawn(time)
     assert run.objects is not None
-    truth = run.objects.truth(drawn, run.scene_at(time))
+    truth = run.objects.truth(drawn.sights, drawn.sea, run.scene_at(time), (run.scene.pixels, run.track.at(time).attitude))
     sides = [truth[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")]
     found = [(name, *(float(side[n]) for side in sides)) for n, name in enumerate(run.objects.names)]
     return drawn.layers.radiance, [box for box in found if np.isfinite(box[1])]

@@ -55,9 +55,9 @@ BOAT = ("Misc_107", "110:215,150:290")
 """A region with a boat in it: what a few pixels of a target do to a fit."""
 
 
-def rendered(folder: Path) -> Recording:
-    """The glint sequence."""
-    return open_recording(render(parse_scenario(GLINT), folder / "glint.zarr"))
+def rendered(folder: Path, **wind: float) -> Recording:
+    """The glint sequence; ``wind`` replaces values of the table ``[wind]``."""
+    return open_recording(render(parse_scenario({**GLINT, "wind": {**GLINT["wind"], **wind}}), folder / "glint.zarr"))
 
 
 def judged(recording: Recording, region: str | None, *, detrend: bool = False) -> Fitted:

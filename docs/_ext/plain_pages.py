@@ -10,8 +10,10 @@ Names such as ```seaglint.api.mean``` lead to their documentation.
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
-from sphinx.application import Sphinx
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 INCLUDE = re.compile(r"^<!-- include(?: (?P<language>\w+))? -->\n\[(?P<title>[^\]]*)\]\((?P<path>[^)]*)\)$", re.MULTILINE)
 TOCTREE = re.compile(r"^<!-- toctree -->\n(?P<body>.*?)^<!-- end toctree -->$", re.DOTALL | re.MULTILINE)

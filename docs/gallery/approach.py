@@ -22,7 +22,7 @@ figure, panels = plt.subplots(1, 3, figsize=(12, 4.4), sharey=True, layout="cons
 for axes, time in zip(panels, (0, 4, 8), strict=True):
     drawn = run.drawn(time)
     shown = axes.imshow(drawn.layers.radiance, cmap="gray", vmin=0, vmax=25)
-    truth = run.objects.truth(drawn, run.scene_at(time))
+    truth = run.objects.truth(drawn.sights, drawn.sea, run.scene_at(time), (run.scene.pixels, run.track.at(time).attitude))
     for place in zip(truth["column_px"], truth["row_px"], strict=True):
         axes.plot(*place, "o", ms=12, mfc="none", mec="tab:orange")
     axes.set(title=f"t = {time} s", xlabel="column", ylabel="row")

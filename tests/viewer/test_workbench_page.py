@@ -104,7 +104,10 @@ def test_a_change_is_drawn_and_saved(browser, tmp_path):
         field = page.locator('input[data-key="sensor.height_m"]')
         field.fill("-5 ft")
         note = page.locator('[data-note="sensor.height_m"]')
-        playwright.expect(note).to_have_text("sensor.height_m = '-5 ft' is outside the allowed range: above 0 to 10000 m")
+        refused = (
+            "sensor.height_m = '-5 ft' is outside the allowed range: above 0 to 100000 m; for a satellite write 'space', the top of the air"
+        )
+        playwright.expect(note).to_have_text(refused)
         field.fill("50 ft")
         playwright.expect(note).to_have_text(re.compile("^height above the mean sea"))
         drawn(page, second)

@@ -71,6 +71,23 @@ class HeldOut:
     independent_pixels: float | None
     reason: str | None = None
 
+    @property
+    def note(self) -> str | None:
+        """Sentence where neighbours predict no pixel of the other half.
+
+        Examples
+        --------
+        >>> HeldOut(-1.1, -1.4).note is None
+        True
+        """
+        value, alone = self.log_pseudo_likelihood, self.independent_pixels
+        if value is None or alone is None or value > alone:
+            return None
+        return (
+            "neighbours predict nothing of the half of the data that the fit has not seen (log pseudo-likelihood no larger than that of "
+            "independent pixels): use samples for the measures that agree, not for predictions of single pixels"
+        )
+
 
 @dataclass(frozen=True)
 class DataLikelihood:
@@ -153,6 +170,8 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
     if plain is not None:
         gaussian = compare(data, sample_like(plain, data, options.seed), ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
     held_out = _held_out(data, options, texture)
+    if held_out.note is not None:
+        notes.append(held_out.note)
     quality = comparison.as_dict() | {"held_out": asdict(held_out)}
     if gaussian is not None:
         quality["gaussian_filtered_rates"] = gaussian.as_dict()["filtered_rates"]
