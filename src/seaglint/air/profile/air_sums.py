@@ -248,7 +248,7 @@ class AirSums:
     def along_each(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[RaySpectra]:
         """Spectra along several rays, as :meth:`along`."""
         ways = [self._rays.get(("along", height, z, end), partial(self._gas_ray, height, z, end)) for z in zenith]
-        hazes = self._haze_of_rays(ways)
+        hazes = self._hazes_of(ways)
         return [RaySpectra(cast(BentRay, way.ray), *self._emitting(way, haze)) for way, haze in zip(ways, hazes, strict=True)]
 
     def _gas_ray(self, height: float, zenith: float, end: float | None) -> GasRay:
@@ -256,14 +256,11 @@ class AirSums:
         amounts, mean = self.ray_amounts(ray)
         return self._gas_way(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
 
-    def _haze_of_rays(self, ways: Sequence[GasRay]) -> list[FloatArray]:
-        """Amounts of the aerosols in the pieces of each ray [(pieces, aerosols)]: sums of all of them in one go are much quicker."""
-        every = self._hazes.up_to(1e-3 * np.concatenate([way.height for way in ways]))
-        out = []
-        for way, sums in zip(ways, np.split(every, np.cumsum([way.height.size for way in ways])[:-1]), strict=True):
-            vertical = np.diff(sums, axis=0) * (way.length / np.diff(way.height))[:, None]
-            out.append(vertical.reshape(-1, CUTS, vertical.shape[1]).sum(axis=1))
-        return out
+    def _hazes_of(self, ways: Sequence[GasRay]) -> list[FloatArray]:
+        """Amounts of the aerosols in the pieces of each way [(pieces, aerosols)]."""
+        height, length, first = laid_lines([(way.height, way.length) for way in ways])
+        every = self.haze_amounts(height, length)
+        return [every[at : at + way.length.size // CUTS] for way, at in zip(ways, first, strict=True)]
 
     def passed(self, height: float, zenith: float) -> FloatArray:
         """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
@@ -272,7 +269,7 @@ class AirSums:
     def passed_each(self, height: float, zenith: Sequence[float]) -> FloatArray:
         """Transmittance [1, (rays, n)] of several whole rays, as :meth:`passed`."""
         ways = [self._rays.get(("passed", height, z), partial(self._passed_ray, height, z)) for z in zenith]
-        hazes = self._haze_of_rays(ways)
+        hazes = self._hazes_of(ways)
         return np.stack([np.exp(-way.depth - self.haze_depth(haze.sum(axis=0))) for way, haze in zip(ways, hazes, strict=True)])
 
     def _passed_ray(self, height: float, zenith: float) -> GasRay:
@@ -316,13 +313,8 @@ class AirSums:
             return [self._gas_way(None, *line, line[0][::CUTS], amounts[p], mean[p]) for line, p in zip(lines, pieces, strict=True)]
 
         ways = self._rays.get_each([("between", height, target, length) for length in lengths], made)
-        z, step, first = laid_lines([(way.height, way.length) for way in ways])
-        hazes = self.haze_amounts(z, step)
-        out = []
-        for way, at in zip(ways, first, strict=True):
-            passed, emitted = self._emitting(way, hazes[at : at + way.length.size // CUTS])
-            out.append((passed[-1], emitted))
-        return out
+        spectra = [self._emitting(way, haze) for way, haze in zip(ways, self._hazes_of(ways), strict=True)]
+        return [(passed[-1], emitted) for passed, emitted in spectra]
 
     def _gas_way(
         self, ray: BentRay | None, cuts: FloatArray, length: FloatArray, node: FloatArray, amounts: FloatArray, mean: FloatArray

@@ -96,8 +96,8 @@ class Labels:
             unknown = np.full(len(self.names), np.nan)
             numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
             masks = unpacked(self._group["object_mask"][index], len(self.names))
-            for n, name in enumerate(self.names):
-                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, masks[n])
+            for n, (name, mask) in enumerate(zip(self.names, masks, strict=True)):
+                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
 
 
 def report_never_seen(labels: Labels) -> None:

@@ -6,7 +6,7 @@ Arrays have the frames and objects of the sequence. A mask is a bit of ``object_
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -75,16 +75,17 @@ class Truth:
             )
 
 
-def unpacked(planes: NDArray[np.uint64], count: int) -> NDArray[np.bool_]:
-    """Return the masks of objects [(count, rows, columns)] from their bits [(planes, rows, columns)].
+def unpacked(planes: NDArray[np.uint64], count: int) -> Iterator[NDArray[np.bool_]]:
+    """Yield the masks (rows, columns) of so many objects from their bits [(planes, rows, columns)].
 
     Examples
     --------
     >>> masks = [np.eye(3, dtype=bool), ~np.eye(3, dtype=bool)]
-    >>> bool((unpacked(packed(masks), 2) == masks).all())
+    >>> bool((np.stack(list(unpacked(packed(masks), 2))) == masks).all())
     True
     """
-    return np.stack([(planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0 for n in range(count)])
+    for n in range(count):
+        yield (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
 
 
 def packed(masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint64]:

@@ -162,10 +162,10 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
             along = partial(article_radiance, view)
         case other:
             assert_never(other)
+    tell = progress or (lambda done, total: None)
     maps = {name: np.empty((camera.rows, camera.columns)) for name in MAPS}
     for first in range(0, camera.rows, size):
-        if progress is not None:
-            progress(first, camera.rows)
+        tell(first, camera.rows)
         some, part = rows.of_rows(first, min(first + size, camera.rows))
         fine = along(elevations[part], azimuths)
         variance = sea_variance(view, fine, elevations[part], solid_angle[part], length)
@@ -178,8 +178,7 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
             if mean_of_rows.shape[1] > 1:
                 mean_of_rows = mean_of_rows.reshape(-1, camera.columns, across).mean(axis=2)
             maps[name][first : first + size] = mean_of_rows
-    if progress is not None:
-        progress(camera.rows, camera.rows)
+    tell(camera.rows, camera.rows)
     return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
 
 

@@ -49,10 +49,9 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
     rows, columns = imager.rows, imager.columns
     out = np.empty((len(MAPS), rows * columns))
     dip, attitude = horizon_depression(pose.height), pose.attitude
-    size = BLOCK // 4
+    size, tell = BLOCK // 4, progress or (lambda done, total: None)
     for first in range(0, rows * columns, size):
-        if progress is not None:
-            progress(first, rows * columns)
+        tell(first, rows * columns)
         pixels = np.arange(first, min(first + size, rows * columns))
         quarters = _points(pixels, columns, 2)
         elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *quarters)))
@@ -66,8 +65,7 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
             chosen, most = pixels[sides == side], BLOCK // side**2
             for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
                 out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
-    if progress is not None:
-        progress(rows * columns, rows * columns)
+    tell(rows * columns, rows * columns)
     out[-1] = np.sqrt(out[-1])
     return {name: values.reshape(rows, columns) for name, values in zip(MAPS, out, strict=True)}
 

@@ -129,7 +129,7 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
 def _truth(names: tuple[str, ...], classes: tuple[str, ...], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return classes, boxes, masks and truth numbers of the objects of a frame as variables."""
     numbers = {name: np.asarray(arrays.get(name, np.full(len(names), np.nan)), np.float64) for name in NUMBERS}
-    masks = unpacked(arrays["object_mask"], len(names))
+    masks = np.stack(list(unpacked(arrays["object_mask"], len(names))))
     boxes = np.stack([numbers[f"bbox_{side}_px"] for side in SIDES], axis=-1)
     about = {"units": "1", "long_name": "first column and row, and number of columns and rows, that an object touches"}
     return {
