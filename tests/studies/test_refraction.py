@@ -16,6 +16,7 @@ from seaglint.imaging.refracted import RefractedScene
 from seaglint.imaging.swept import SweptScene
 from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.mean import mean_map
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.memory import memory_needed
@@ -172,6 +173,24 @@ def test_the_mean_map_has_the_horizon_of_the_picture(change):
     assert float(rows.median()) < 2e-3
     assert float(np.sort(rows)[-2]) < 4e-3
     assert float(rows.max()) < 0.03  # the row of the horizon, where pictures have crests
+
+
+def test_more_air_takes_as_much_from_the_deviation_of_glint_as_from_its_mean(monkeypatch):
+    """Half of the light left: half of every part and half of the deviation, which is the root of a variance."""
+    day = parse_scenario(
+        {
+            "sensor": {"pixels": [8, 12], "fov_deg": [4.0, 6.0], "elevation_deg": -2.0, "height_m": 20.0, "azimuth_deg": 180.0},
+            "sun": {"zenith_deg": 70.0, "azimuth_deg": 180.0},
+            "atmosphere": {"refraction": "profile"},
+        }
+    )
+    whole = mean(day)
+    real = mean_map.air_beyond
+    monkeypatch.setattr(mean_map, "air_beyond", lambda *given: (0.5 * real(*given)[0], real(*given)[1]))
+    half = mean(day)
+    assert float(whole.glint_std.max()) > 0.0
+    for name in ("glint_std", "glint_radiance", "emitted_radiance", "sky_radiance"):
+        np.testing.assert_allclose(half[name], 0.5 * whole[name], rtol=1e-6, err_msg=name)
 
 
 def test_what_cannot_be_refracted_is_refused_in_one_line():
