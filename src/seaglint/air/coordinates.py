@@ -59,11 +59,9 @@ def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> Float
     return np.asarray(np.where(h <= edges[0], 1.0 - np.sqrt(1.0 - low), 1.0 + layer + np.arcsin(np.sqrt(part)) / (0.5 * np.pi)))
 
 
-SKY_HEIGHT_SCALE = 20.0
-"""Height at which the spacing of the sky's height nodes changes from even to geometric [m]."""
+SKY_HEIGHT_SCALE = 20.0  #: Height at which the spacing of the sky's height nodes changes from even to geometric [m].
 
-ELEVATION_SCALE = 0.012
-"""Angle above the horizontal at which the spacing of elevation nodes changes from even to geometric [rad]."""
+ELEVATION_SCALE = 0.012  #: Angle above the horizontal at which the spacing of elevation nodes changes from even to geometric [rad].
 
 
 def elevation_coordinate(elevation: ArrayLike, dip: ArrayLike) -> FloatArray:
@@ -87,8 +85,8 @@ def dip_coordinate(depression: ArrayLike, dip: ArrayLike) -> FloatArray:
     return np.asarray(np.sqrt(np.maximum(np.asarray(depression, dtype=np.float64), 0.0) / dip))
 
 
+#: Optical depths below which a channel is clear and far above which it is opaque; the encoding spends little precision on either.
 OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
-"""Optical depths below which a channel is clear and far above which it is opaque; the encoding spends little precision on either."""
 
 
 def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:

@@ -26,11 +26,9 @@ if TYPE_CHECKING:  # Numba comes with the second: thermal spectra do without
     from seaglint.air.scattering.scattered_samples import ScatteredSamples
     from seaglint.air.scattering.scattering_laws import ScatteringAir
 
-DEEPEST_LINE = 100.0
-"""Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides."""
+DEEPEST_LINE = 100.0  #: Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides.
 
-GRID_STEP_CM = 5.0
-"""Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it."""
+GRID_STEP_CM = 5.0  #: Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it.
 
 
 @runtime_checkable

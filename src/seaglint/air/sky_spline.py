@@ -13,8 +13,7 @@ from seaglint.air.coordinates import ELEVATION_SCALE, elevation_coordinate
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION, planck_wavenumber
 
-COLDEST, HOTTEST = 1.0, 1e5
-"""Limits of brightness temperatures [K]; splines overshoot where radiance falls to zero."""
+COLDEST, HOTTEST = 1.0, 1e5  #: Limits of brightness temperatures [K]; splines overshoot where radiance falls to zero.
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,41 +17,23 @@ FrameArray = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Recording(PlainFrames):
-    """Sequence of images that is read on demand: from a file by ``seaglint.files.recording.open_recording``, or by a user's function.
+    """Sequence of images that is read on demand: from a file by ``seaglint.files.recording.open_recording``, or by a user's function."""
 
-    Attributes
-    ----------
-    source : str
-        Path and format, for reports.
-    frames, rows, columns : int
-        Size.
-    read_block : callable
-        ``(start, stop) -> array (stop - start, rows, columns)`` in the file's own numbers; used by :meth:`read`.
-    frame_rate : float or None
-        Frames per second [Hz], where the file tells it or the user did.
-    units : str or None
-        Units of the values; None where neither file nor user say.
-    saturation : float or None
-        Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
-    blur_px : float or None
-        Blur of what made the frames beyond its pixels, a standard deviation [px]: 0 for radiance rendered without a sensor; None where
-        it is not known.
-    offset : float
-        Level that :meth:`read` subtracts from the file's numbers, so that single precision resolves their spread.
-    notes : tuple of str
-        Notes for readers of results: lossy codec, channels averaged, frames missing.
-    """
-
-    source: str
+    source: str  #: Path and format, for reports.
+    #: ``frames``, ``rows``, ``columns``: Size.
     frames: int
     rows: int
     columns: int
+    #: ``(start, stop) -> array (stop - start, rows, columns)`` in the file's own numbers; used by :meth:`read`.
     read_block: Callable[[int, int], NDArray[Any]] = field(repr=False, compare=False)
-    frame_rate: float | None = None
-    units: str | None = None
+    frame_rate: float | None = None  #: Frames per second [Hz], where the file tells it or the user did.
+    units: str | None = None  #: Units of the values; None where neither file nor user say.
+    #: Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
     saturation: float | None = None
-    notes: tuple[str, ...] = ()
-    offset: float = 0.0
+    notes: tuple[str, ...] = ()  #: Notes for readers of results: lossy codec, channels averaged, frames missing.
+    offset: float = 0.0  #: Level that :meth:`read` subtracts from the file's numbers, so that single precision resolves their spread.
+    #: Blur of what made the frames beyond its pixels, a standard deviation [px]: 0 for radiance rendered without a sensor; None where it is
+    #: not known.
     blur_px: float | None = None
 
     @property

@@ -43,14 +43,12 @@ from seaglint.clutter.stationarity import Stationarity, stationarity
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
 
+#: Number of fitted values: errors of the fit are then those of the independent values in the recording, not of the sample.
 SAMPLE: Final = 120_000
-"""Number of fitted values: errors of the fit are then those of the independent values in the recording, not of the sample."""
 
-BLOCK_LENGTHS: Final = 5.0
-"""Sides of the blocks of the fits' intervals, in correlation lengths."""
+BLOCK_LENGTHS: Final = 5.0  #: Sides of the blocks of the fits' intervals, in correlation lengths.
 
-SERIES_VALUES: Final = 4_000_000
-"""Number of values of pixels in time that are stored for the correlation time."""
+SERIES_VALUES: Final = 4_000_000  #: Number of values of pixels in time that are stored for the correlation time.
 
 
 @dataclass(frozen=True)
@@ -214,8 +212,7 @@ def _tail(tail: TailFit | None, reason: str | None) -> TailSummary:
     )
 
 
-TELLING: Final = 0.05
-"""Largest level at which a test of few values still rejects a family."""
+TELLING: Final = 0.05  #: Largest level at which a test of few values still rejects a family.
 
 
 def _only_telling(tested: Goodness) -> Goodness:

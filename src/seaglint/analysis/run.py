@@ -28,67 +28,42 @@ from seaglint.detection.interface import Detector, statistics
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
 
-ALWAYS: Final = (3.0, 3.5)
-"""Thresholds that are always counted: those of the source article's Table 1 [standard deviations]."""
+ALWAYS: Final = (3.0, 3.5)  #: Thresholds that are always counted: those of the source article's Table 1 [standard deviations].
 
 Border = Literal["auto", "keep", "drop"]
 
 REGIONS: Final = ("all", "glint", "background")
 
-_HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}
-"""Ratio of the density of a Gaussian to its tail."""
+_HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}  #: Ratio of the density of a Gaussian to its tail.
 
-_BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}
-"""Ratio of the tail of a Gaussian with 12/20 of the variance to that with the whole one."""
+_BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}  #: Ratio of the tail of a Gaussian with 12/20 of the variance to that with the whole one.
 
-KEPT_FRAMES: Final = 24
-"""Largest number of frames stored for statistics in space, evenly spaced over the recording."""
+KEPT_FRAMES: Final = 24  #: Largest number of frames stored for statistics in space, evenly spaced over the recording.
 
+#: Largest number of values in the stored frames.
+#:
+#: Ten frames of 512 x 512 give correlation lengths to a per cent, and their transforms stay below 100 MB.
 KEPT_VALUES: Final = 2_500_000
-"""Largest number of values in the stored frames.
 
-Ten frames of 512 x 512 give correlation lengths to a per cent, and their transforms stay below 100 MB.
-"""
+SLICED_FRAMES: Final = 2000  #: Number of frames of which a row and a column are stored for the picture of them in time.
 
-SLICED_FRAMES: Final = 2000
-"""Number of frames of which a row and a column are stored for the picture of them in time."""
-
-FEWEST_PIXELS: Final = 100
-"""Least number of pixels of an analysed region."""
+FEWEST_PIXELS: Final = 100  #: Least number of pixels of an analysed region.
 
 
 @dataclass(frozen=True)
 class AnalysisOptions:
-    """Options of an analysis.
+    """Options of an analysis."""
 
-    Attributes
-    ----------
-    filter : Filter
-        Before thresholds; the article's Laplacian by default.
-    thresholds : tuple of float
-        Beside 3.0 and 3.5 [standard deviations].
-    scope : {"frame", "sequence", "local"}
-        Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
-    rows : (float, float)
-        Part of the rows to analyse, as shares of the height from the top; filters see the whole picture.
-    mask : ndarray of bool, optional
-        The glinting pixels, instead of the segmentation.
-    border : {"auto", "keep", "drop"}
-        Whether the pixels that the filter gives from repeated ones beyond the border are in sigma and rates: in a single image as in
-        the published figures, not in a sequence, which is long enough to show their bias. Dropped only where half of the pixels are left.
-    detectors : tuple of Detector
-        Judged by the same counting.
-    seed : int
-        Seed of all random samples.
-    """
-
-    filter: Filter = field(default_factory=Laplacian)
-    thresholds: tuple[float, ...] = ()
-    scope: Scope = "frame"
+    filter: Filter = field(default_factory=Laplacian)  #: Before thresholds; the article's Laplacian by default.
+    thresholds: tuple[float, ...] = ()  #: Beside 3.0 and 3.5 [standard deviations].
+    scope: Scope = "frame"  #: Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
+    #: Part of the rows to analyse, as shares of the height from the top; filters see the whole picture.
     rows: tuple[float, float] = (0.0, 1.0)
-    mask: BoolArray | None = None
-    detectors: tuple[Detector, ...] = ()
-    seed: int = 0
+    mask: BoolArray | None = None  #: The glinting pixels, instead of the segmentation.
+    detectors: tuple[Detector, ...] = ()  #: Judged by the same counting.
+    seed: int = 0  #: Seed of all random samples.
+    #: Whether the pixels that the filter gives from repeated ones beyond the border are in sigma and rates: in a single image as in the
+    #: published figures, not in a sequence, which is long enough to show their bias. Dropped only where half of the pixels are left.
     border: Border = "auto"
 
 

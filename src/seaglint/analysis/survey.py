@@ -19,27 +19,21 @@ BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
 Prepared = TypeVar("Prepared")
 
-SATURATED_SHARE = 1e-4
-"""Least share of saturated pixels that is reported: a tail of one in 10 000 is cut."""
+SATURATED_SHARE = 1e-4  #: Least share of saturated pixels that is reported: a tail of one in 10 000 is cut.
 
-FEWEST_IN_SPIKE = 30
-"""Least number of values equal to the largest one for a spike."""
+FEWEST_IN_SPIKE = 30  #: Least number of values equal to the largest one for a spike.
 
-SPIKE = 1.3
-"""Least ratio of a spike's values to those of the next lower level: a tail that is not cut has fewer at its end, not more."""
+SPIKE = 1.3  #: Least ratio of a spike's values to those of the next lower level: a tail that is not cut has fewer at its end, not more.
 
-FEWEST_STEPS = 8.0
-"""Number of steps of single precision within a standard deviation below which rounding is reported."""
+FEWEST_STEPS = 8.0  #: Number of steps of single precision within a standard deviation below which rounding is reported.
 
-FEWEST_FOR_DEAD = 8
-"""Least number of frames for calling a pixel that never changes dead rather than calm."""
+FEWEST_FOR_DEAD = 8  #: Least number of frames for calling a pixel that never changes dead rather than calm.
 
-MOST_DEAD = 0.25
-"""Largest share of dead pixels; with more never-changing pixels the scene or the recording is still."""
+MOST_DEAD = 0.25  #: Largest share of dead pixels; with more never-changing pixels the scene or the recording is still.
 
 
+#: Largest share of rows that never change and are left out as a sky; with more of them the scene is still, or little of it moves.
 MOST_SKY = 0.75
-"""Largest share of rows that never change and are left out as a sky; with more of them the scene is still, or little of it moves."""
 
 
 class Passes:
@@ -60,27 +54,14 @@ class Passes:
 
 @dataclass(frozen=True)
 class Survey:
-    """Results of the first pass.
+    """Results of the first pass."""
 
-    Attributes
-    ----------
-    moments : PixelMoments
-        In time, of every pixel.
-    dead : ndarray of bool, shape (rows, columns)
-        Rows and pixels that carry no picture; they are left out of everything.
-    saturated : ndarray, shape (rows, columns)
-        Frames in which each pixel reaches full scale, or the largest value where that is a spike.
-    ceiling : float or None
-        The value they reach, in the file's numbers; None where nothing is saturated.
-    notes : tuple of str
-        Sentences for the report.
-    """
-
-    moments: PixelMoments
-    dead: BoolArray
+    moments: PixelMoments  #: In time, of every pixel.
+    dead: BoolArray  #: Rows and pixels that carry no picture; they are left out of everything. Shape (rows, columns).
+    #: Frames in which each pixel reaches full scale, or the largest value where that is a spike. Shape (rows, columns).
     saturated: NDArray[np.int64]
-    ceiling: float | None
-    notes: tuple[str, ...]
+    ceiling: float | None  #: The value they reach, in the file's numbers; None where nothing is saturated.
+    notes: tuple[str, ...]  #: Sentences for the report.
 
 
 def ahead(recording: Recording, prepare: Callable[[FrameArray], Prepared], memory: float = 8e6) -> Iterator[Prepared]:

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     SceneInput = Scenario | str | Path | Mapping[str, Any]
 Record = TypeVar("Record")
 
-AXES = ("time", "y", "x")
-"""Names of the last axes of an array without names."""
+AXES = ("time", "y", "x")  #: Names of the last axes of an array without names.
 
 
 def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:

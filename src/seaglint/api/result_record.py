@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHORT: Final = 8
-"""Largest number of values of a list that a notebook's table shows; ``as_dict()`` has all."""
+SHORT: Final = 8  #: Largest number of values of a list that a notebook's table shows; ``as_dict()`` has all.
 
 
 class ResultRecord(dict[str, Any]):

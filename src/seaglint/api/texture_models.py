@@ -32,15 +32,9 @@ __all__ = ["compare", "fit", "place", "sample"]
 
 @dataclass(frozen=True)
 class FittedTexture:
-    """A texture fitted to a recording; :func:`fit` makes it, :func:`sample` and :func:`place` take it.
+    """A texture fitted to a recording; :func:`fit` makes it, :func:`sample` and :func:`place` take it."""
 
-    Attributes
-    ----------
-    fitted : Fitted
-        The texture, the data and the sample that it was judged by.
-    """
-
-    fitted: Fitted
+    fitted: Fitted  #: The texture, the data and the sample that it was judged by.
 
     @property
     def stored(self) -> StoredTexture:

@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 
-PERCENTILES: Final = (0.2, 99.8)
-"""Scale limits: a few sparkles are tens of times brighter than the sea and would turn the rest black."""
+PERCENTILES: Final = (0.2, 99.8)  #: Scale limits: a few sparkles are tens of times brighter than the sea and would turn the rest black.
 
-LEVELS: Final = 255
-"""Number of levels of values, counted from 1."""
+LEVELS: Final = 255  #: Number of levels of values, counted from 1.
 
-CELLS: Final = 4096
-"""Number of bins of the histogram of plateau equalisation."""
+CELLS: Final = 4096  #: Number of bins of the histogram of plateau equalisation.
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,20 +24,13 @@ class Scale:
     ``share = ln(1 + (x - low) / width) / ln(1 + (high - low) / width)``
 
     which is linear within ``width`` of the lower limit and even in decades far above it.
-
-    Attributes
-    ----------
-    low, high : float
-        Limits.
-    width : float or None
-        As above; None for a scale that is not logarithmic.
-    steps : ndarray or None
-        Brightness [0, 1] at the :data:`CELLS` + 1 edges of even cells from ``low`` to ``high``, of a scale by plateau equalisation.
     """
 
+    #: ``low``, ``high``: Limits.
     low: float
     high: float
-    width: float | None = None
+    width: float | None = None  #: As above; None for a scale that is not logarithmic.
+    #: Brightness [0, 1] at the :data:`CELLS` + 1 edges of even cells from ``low`` to ``high``, of a scale by plateau equalisation.
     steps: FloatArray | None = None
 
     @property

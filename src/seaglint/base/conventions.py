@@ -18,8 +18,7 @@ from seaglint.base.errors import DomainError
 
 FloatArray = NDArray[np.float64]
 
-Progress = Callable[[int, int], None]
-"""Called with (pieces of work done, pieces in all): once at the start and after each piece."""
+Progress = Callable[[int, int], None]  #: Called with (pieces of work done, pieces in all): once at the start and after each piece.
 
 
 def unit_vector(azimuth: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-Allowed = tuple[float, float] | str | None
-"""Allowed values: a closed range, a list of words, or None where neither applies."""
+Allowed = tuple[float, float] | str | None  #: Allowed values: a closed range, a list of words, or None where neither applies.
 
 
 class SeaglintError(Exception):
@@ -21,24 +20,12 @@ class SeaglintError(Exception):
 
 @dataclass(frozen=True)
 class Mistake:
-    """Single mistake in a scenario.
+    """Single mistake in a scenario."""
 
-    Attributes
-    ----------
-    key : str
-        Where it stands: ``"sensor.height_m"``, ``"render.layers[0]"``.
-    value : object
-        Given value; None where a key is missing.
-    allowed : (float, float), str or None
-        Closed range, or words; None where the text alone says it.
-    text : str
-        The whole sentence.
-    """
-
-    key: str
-    value: Any
-    allowed: Allowed
-    text: str
+    key: str  #: Where it stands: ``"sensor.height_m"``, ``"render.layers[0]"``.
+    value: Any  #: Given value; None where a key is missing.
+    allowed: Allowed  #: Closed range, or words; None where the text alone says it.
+    text: str  #: The whole sentence.
 
 
 class ScenarioError(SeaglintError):

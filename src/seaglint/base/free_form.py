@@ -7,14 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
+#: Object of a JSON text as it is written or was read: texts, numbers, truth values, None, lists and further objects by name.
 JsonObject = dict[str, Any]
-"""Object of a JSON text as it is written or was read: texts, numbers, truth values, None, lists and further objects by name."""
 
-TomlTables = dict[str, Any]
-"""Tables of a TOML file, or a part of them, before they are checked: values and further tables by key."""
+TomlTables = dict[str, Any]  #: Tables of a TOML file, or a part of them, before they are checked: values and further tables by key.
 
-Attributes = dict[str, Any]
-"""Attributes of a file or a variable: texts, numbers and arrays by name."""
+Attributes = dict[str, Any]  #: Attributes of a file or a variable: texts, numbers and arrays by name.
 
-TableRow = dict[str, Any]
-"""Row of a tidy table: texts and numbers by the name of their column; None where there is nothing."""
+TableRow = dict[str, Any]  #: Row of a tidy table: texts and numbers by the name of their column; None where there is nothing.

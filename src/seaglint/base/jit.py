@@ -173,8 +173,7 @@ def njit_parallel(function: F) -> F:
     return _compiled(function, parallel=True, **COUNTED)
 
 
-SHARES_PER_THREAD = 8
-"""Parts of the work for each thread; with several parts a slow one does not delay the other threads."""
+SHARES_PER_THREAD = 8  #: Parts of the work for each thread; with several parts a slow one does not delay the other threads.
 
 
 def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:

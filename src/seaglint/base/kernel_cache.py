@@ -32,17 +32,15 @@ PACKAGE: Final = Path(__file__).parents[1]
 
 PREFIX: Final = "seaglint-kernels-"
 
+#: Packages of which every file enters the digest: their plain functions may become kernels elsewhere.
 ROOMS: Final = ("optics", "sea", "air", "facet", "radiance", "imaging", "objects", "clutter", "detection")
-"""Packages of which every file enters the digest: their plain functions may become kernels elsewhere."""
 
-KEPT: Final = 5
-"""Number of folders of other source versions that are not removed, such as those of other branches."""
+KEPT: Final = 5  #: Number of folders of other source versions that are not removed, such as those of other branches.
 
-IN_USE: Final = 86400.0
-"""Time from its start during which a program may still compile [s]; its folder is not removed meanwhile."""
+IN_USE: Final = 86400.0  #: Time from its start during which a program may still compile [s]; its folder is not removed meanwhile.
 
+#: Longest wait for another process that compiles the same function [s]; after it this process compiles the function too.
 TURN: Final = 600.0
-"""Longest wait for another process that compiles the same function [s]; after it this process compiles the function too."""
 
 
 def sources_digest(package: Path = PACKAGE) -> str:
@@ -75,8 +73,8 @@ def sources_digest(package: Path = PACKAGE) -> str:
     return digest.hexdigest()
 
 
+#: File of the digests of what sources do, by digests of their bytes, named by what makes them: parsing takes a second or two.
 DIGESTS: Final = f"syntax-digests-{hashlib.blake2b(Path(_syntax_file).read_bytes(), digest_size=4).hexdigest()}.json"
-"""File of the digests of what sources do, by digests of their bytes, named by what makes them: parsing takes a second or two."""
 
 
 def _known_digests() -> dict[str, str]:

@@ -33,11 +33,9 @@ types: Any = numba.types  # most of them without types that a checker knows
 
 PLAN: Final = Path(__file__).with_name("kernel_plan.txt")
 
-MOST_HELPERS: Final = 7
-"""Processes that compile beside the first one [1]: the longest function alone takes a third of all the time."""
+MOST_HELPERS: Final = 7  #: Processes that compile beside the first one [1]: the longest function alone takes a third of all the time.
 
-FEWEST_MISSING: Final = 3
-"""Functions that must be missing before helpers start [1]; starting a process takes as long as compiling a few."""
+FEWEST_MISSING: Final = 3  #: Functions that must be missing before helpers start [1]; starting a process takes as long as compiling a few.
 
 
 class PlannedKernel(NamedTuple):
@@ -194,8 +192,8 @@ def _end_helpers() -> None:
             helper.wait(5.0)
 
 
+#: Their pipes stay open while this process lives; when it ends, however it ends, they read the end of their input.
 _helpers: list[subprocess.Popen[bytes]] = []
-"""Their pipes stay open while this process lives; when it ends, however it ends, they read the end of their input."""
 
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
 

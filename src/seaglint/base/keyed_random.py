@@ -11,20 +11,16 @@ import math
 
 from seaglint.base.jit import kernel
 
-WORD = 0xFFFFFFFF
-"""Mask of 32 bits."""
+WORD = 0xFFFFFFFF  #: Mask of 32 bits.
 
-SLOTS = 32
-"""Number of instants of a process whose events are drawn at once, one per bit."""
+SLOTS = 32  #: Number of instants of a process whose events are drawn at once, one per bit.
 
+#: Spacing of these instants in mean intervals: each holds an event with the chance 1/8, three random bits that are all set.
 SPACING = -math.log1p(-1.0 / 8.0)
-"""Spacing of these instants in mean intervals: each holds an event with the chance 1/8, three random bits that are all set."""
 
-LOOK_BACK = 16
-"""Number of slots searched for an event; the chance to find none is 1e-29."""
+LOOK_BACK = 16  #: Number of slots searched for an event; the chance to find none is 1e-29.
 
-BOOST_BELOW = 4.0
-"""Gamma shape below which deviates are drawn one higher and scaled by ``U^(1/shape)``, which is exact."""
+BOOST_BELOW = 4.0  #: Gamma shape below which deviates are drawn one higher and scaled by ``U^(1/shape)``, which is exact.
 
 
 @kernel

@@ -8,63 +8,50 @@ from __future__ import annotations
 import math
 from typing import Final
 
+#: Wind speeds at 10 m for which the roughness law of the sea is evaluated [m/s]; far wider than the data behind it.
 WIND_PROFILE: Final = (0.0, 40.0)
-"""Wind speeds at 10 m for which the roughness law of the sea is evaluated [m/s]; far wider than the data behind it."""
 
-COX_MUNK_WIND: Final = (0.0, 20.0)
-"""Wind speeds for which Cox and Munk's fits of a clean sea are used without ``extrapolate`` [m/s]."""
+COX_MUNK_WIND: Final = (0.0, 20.0)  #: Wind speeds for which Cox and Munk's fits of a clean sea are used without ``extrapolate`` [m/s].
 
+#: Wind speeds for which Cox and Munk's fit of a slick sea is used without ``extrapolate`` [m/s]: the winds of all their photographs.
+#:
+#: Stronger winds break the slick.
 COX_MUNK_SLICK_WIND: Final = (0.0, 14.0)
-"""Wind speeds for which Cox and Munk's fit of a slick sea is used without ``extrapolate`` [m/s]: the winds of all their photographs.
 
-Stronger winds break the slick.
-"""
-
+#: Winds at 10 m for which Bréon and Henriot's fit is used without ``extrapolate`` [m/s].
+#:
+#: The limit is a choice: c21 grows with the square of the wind, and the mass added where the series turns negative is 8e-5 at 15 m/s and
+#: 1.8e-3 at 20 m/s.
 BREON_HENRIOT_WIND: Final = (0.0, 15.0)
-"""Winds at 10 m for which Bréon and Henriot's fit is used without ``extrapolate`` [m/s].
 
-The limit is a choice: c21 grows with the square of the wind, and the mass added where the series turns negative is 8e-5 at 15 m/s and
-1.8e-3 at 20 m/s.
-"""
-
+#: Winds of the Navy maritime aerosol, and of the air tables made with it [m/s]; LOWTRAN7 silently takes any stronger wind for 20 m/s.
 NAVY_AEROSOL_WIND: Final = (0.0, 20.0)
-"""Winds of the Navy maritime aerosol, and of the air tables made with it [m/s]; LOWTRAN7 silently takes any stronger wind for 20 m/s."""
 
+#: Largest rms jitter of a line of sight: as a share of the picture's smaller side, and in pixels, whichever is more.
+#:
+#: Beyond it blur takes most of a picture's light from outside the picture, where nothing is known.
 SHAKEN: Final = (0.25, 16.0)
-"""Largest rms jitter of a line of sight: as a share of the picture's smaller side, and in pixels, whichever is more.
 
-Beyond it blur takes most of a picture's light from outside the picture, where nothing is known.
-"""
+SMEARED: Final = 64.0  #: Pixels over which a line of sight may drift in an exposure where the picture's side is shorter.
 
-SMEARED: Final = 64.0
-"""Pixels over which a line of sight may drift in an exposure where the picture's side is shorter."""
+TABLE_HEIGHTS: Final = (2.0, 10_000.0)  #: Sensor heights that the air tables cover [m].
 
-TABLE_HEIGHTS: Final = (2.0, 10_000.0)
-"""Sensor heights that the air tables cover [m]."""
+TABLE_BANDS_UM: Final = ((2.0, 5.5), (7.5, 14.0))  #: Wavelengths that the air tables cover [um]; a band lies inside one of them.
 
-TABLE_BANDS_UM: Final = ((2.0, 5.5), (7.5, 14.0))
-"""Wavelengths that the air tables cover [um]; a band lies inside one of them."""
+LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)  #: Sensor heights for which LOWTRAN7 is run [m]: those for which the geometry is valid.
 
-LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)
-"""Sensor heights for which LOWTRAN7 is run [m]: those for which the geometry is valid."""
-
+#: Height above which there is no air [m]: the top of the model atmospheres, and the greatest height of a sensor.
 TOP_OF_AIR: Final = 100_000.0
-"""Height above which there is no air [m]: the top of the model atmospheres, and the greatest height of a sensor."""
 
-PROFILE_HEIGHTS: Final = (0.01, TOP_OF_AIR)
-"""Sensor heights from which air from a profile is summed [m]."""
+PROFILE_HEIGHTS: Final = (0.01, TOP_OF_AIR)  #: Sensor heights from which air from a profile is summed [m].
 
+#: Wavelengths for which LOWTRAN7's program is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1.
 LOWTRAN_BAND_UM: Final = (0.2, 28.0)
-"""Wavelengths for which LOWTRAN7's program is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1."""
 
-PROFILE_BAND_UM: Final = (0.7, 14.7)
-"""Wavelengths of the band laws that air from a profile is summed with [um]."""
+PROFILE_BAND_UM: Final = (0.7, 14.7)  #: Wavelengths of the band laws that air from a profile is summed with [um].
 
-WIDEST_PINHOLE_DEG: Final = 170.0
-"""Field of view that a plane image is allowed [deg]; at 180 deg it would be infinite."""
+WIDEST_PINHOLE_DEG: Final = 170.0  #: Field of view that a plane image is allowed [deg]; at 180 deg it would be infinite.
 
-MOST_SPEED: Final = 1000.0
-"""Largest speed between two keyframes [m/s]; a higher one is probably a mistyped number."""
+MOST_SPEED: Final = 1000.0  #: Largest speed between two keyframes [m/s]; a higher one is probably a mistyped number.
 
-MOST_TURN: Final = math.radians(720.0)
-"""Largest rate of any angle between two keyframes [rad/s]: two turns a second."""
+MOST_TURN: Final = math.radians(720.0)  #: Largest rate of any angle between two keyframes [rad/s]: two turns a second.

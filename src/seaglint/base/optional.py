@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from seaglint.base.errors import BackendError
 
+#: Requirements of the optional packages, equal to those of the extras in ``pyproject.toml``.
 REQUIREMENTS: Final = (
     "arviz-stats>=0.6",
     "astropy>=6.1",
@@ -30,7 +31,6 @@ REQUIREMENTS: Final = (
     "trimesh>=4.5",
     "wavespectra>=4.3",
 )
-"""Requirements of the optional packages, equal to those of the extras in ``pyproject.toml``."""
 
 _REQUIREMENT: Final = {re.split("[<>=]", text)[0]: text for text in REQUIREMENTS}
 

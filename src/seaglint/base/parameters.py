@@ -9,51 +9,30 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any, Final, NamedTuple, TypeVar, get_args, get_type_hints
 
+#: Headings of the parameters of requests, in the order of a help page that has headings.
 GROUPS: Final = ("Object", "Detector", "Recording", "Scenes", "Design", "Range", "Results", "Run")
-"""Headings of the parameters of requests, in the order of a help page that has headings."""
 
-LINE: Final = "{request}"
-"""Line of a docstring for which :func:`documented` writes the parameters of a request."""
+LINE: Final = "{request}"  #: Line of a docstring for which :func:`documented` writes the parameters of a request.
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Parameter(NamedTuple):
-    """Description of one parameter, beside its type and default in a record.
+    """Description of one parameter, beside its type and default in a record."""
 
-    Attributes
-    ----------
-    help : str
-        Meaning with unit, in a line; other parameters stand in backticks.
-    group : str
-        Heading under which a help page has it, one of :data:`GROUPS`.
-    form : str
-        Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
-        (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
-        numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may
-        be objects in Python); empty where the type says it.
-    metavar : str
-        Stand-in for the value on a help page; the type's own where empty.
-    least : float, optional
-        Smallest value allowed.
-    option : str
-        Option that sets it, where that is not the parameter's own name.
-    subject : str
-        Words that documentation has before the help, where a help page has the option's name for them.
-    detail : str
-        Sentences that documentation adds to the help.
-    python : str
-        Sentences that documentation has instead of the help, for what is an object in Python and a file or a text on a command line.
-    """
-
-    help: str
-    group: str = ""
+    help: str  #: Meaning with unit, in a line; other parameters stand in backticks.
+    group: str = ""  #: Heading under which a help page has it, one of :data:`GROUPS`.
+    #: Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
+    #: (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
+    #: numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may be
+    #: objects in Python); empty where the type says it.
     form: str = ""
-    metavar: str = ""
-    least: float | None = None
-    option: str = ""
-    subject: str = ""
-    detail: str = ""
+    metavar: str = ""  #: Stand-in for the value on a help page; the type's own where empty.
+    least: float | None = None  #: Smallest value allowed.
+    option: str = ""  #: Option that sets it, where that is not the parameter's own name.
+    subject: str = ""  #: Words that documentation has before the help, where a help page has the option's name for them.
+    detail: str = ""  #: Sentences that documentation adds to the help.
+    #: Sentences that documentation has instead of the help, for what is an object in Python and a file or a text on a command line.
     python: str = ""
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import logging
 from typing import Final
 
-REPORTS: Final = logging.getLogger("seaglint.reports")
-"""Logger of such facts."""
+REPORTS: Final = logging.getLogger("seaglint.reports")  #: Logger of such facts.
 
 
 def leave_reports_to_parent() -> None:

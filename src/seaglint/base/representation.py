@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any, Final
 
-ABSENT: Final = "–"
-"""Text shown in place of a number that does not exist."""
+ABSENT: Final = "–"  #: Text shown in place of a number that does not exist.
 
 _CELL: Final = "padding:.15rem .6rem;text-align:left;border-bottom:1px solid rgba(128,128,128,.3);vertical-align:top"
 

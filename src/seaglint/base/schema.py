@@ -15,15 +15,11 @@ class Variable:
     """One output variable."""
 
     name: str
-    units: str
-    """Unit as UDUNITS text; empty where there is none."""
+    units: str  #: Unit as UDUNITS text; empty where there is none.
     long_name: str
-    standard_name: str | None = None
-    """CF standard name; empty where none fits."""
-    symbol: str = ""
-    """Unit as it is written on plots; empty where it is the text of ``units``."""
-    dtype: str = "float32"
-    """Data type of an image in files."""
+    standard_name: str | None = None  #: CF standard name; empty where none fits.
+    symbol: str = ""  #: Unit as it is written on plots; empty where it is the text of ``units``.
+    dtype: str = "float32"  #: Data type of an image in files.
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -38,8 +34,8 @@ class Variable:
         return f"{self.long_name} [{unit}]" if unit else self.long_name
 
 
+#: Images that every command and function takes where none is named, the first that exists: what a detector gives, else its radiance.
 IMAGES: Final = ("signal", "radiance", "texture")
-"""Images that every command and function takes where none is named, the first that exists: what a detector gives, else its radiance."""
 
 _RADIANCE = ("W m-2 sr-1", "W m⁻² sr⁻¹")
 
@@ -48,6 +44,7 @@ def _radiance(name: str, long_name: str) -> Variable:
     return Variable(name, _RADIANCE[0], long_name, symbol=_RADIANCE[1])
 
 
+#: Variables by name.
 VARIABLES: Final[dict[str, Variable]] = {
     variable.name: variable
     for variable in (
@@ -132,18 +129,16 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("wavelength_bounds", "um", "edges of the band", symbol="µm"),
     )
 }
-"""Variables by name."""
 
+#: Name of a variable that an image may carry beside its radiance.
 Layer = Literal[
     "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage", "slope", "glint_share", "object_id"
 ]
-"""Name of a variable that an image may carry beside its radiance."""
 
-LAYERS: Final[tuple[str, ...]] = get_args(Layer)
-"""Names of all layers, in the order in which they are listed."""
+LAYERS: Final[tuple[str, ...]] = get_args(Layer)  #: Names of all layers, in the order in which they are listed.
 
+#: Number of uW cm-2 sr-1 in one W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports.
 ARTICLE_RADIANCE_PER_SI: Final = 100.0
-"""Number of uW cm-2 sr-1 in one W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""
 
 ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"
 

@@ -7,14 +7,12 @@ from typing import Final
 
 from seaglint.base.errors import BackendError
 
-VARIABLE: Final = "NUMBA_NUM_THREADS"
-"""Environment variable with the largest number of threads of kernels."""
+VARIABLE: Final = "NUMBA_NUM_THREADS"  #: Environment variable with the largest number of threads of kernels.
 
-MOST: Final = 256
-"""Threads that any machine is allowed."""
+MOST: Final = 256  #: Threads that any machine is allowed.
 
+#: Threads for each processor above which a number over :data:`MOST` is taken for a mistake: each costs memory, and all run slower.
 MOST_PER_PROCESSOR: Final = 4
-"""Threads for each processor above which a number over :data:`MOST` is taken for a mistake: each costs memory, and all run slower."""
 
 
 def require_thread_setting() -> None:

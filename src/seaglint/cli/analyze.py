@@ -123,12 +123,11 @@ def _alarm(entry: AlarmSummary) -> str:
     )
 
 
-FLOOR = 0.0051
-"""Level of the goodness bootstrap's smallest answer, 1 in 200: not one of its draws was as far from the fit."""
+FLOOR = 0.0051  #: Level of the goodness bootstrap's smallest answer, 1 in 200: not one of its draws was as far from the fit.
 
 
+#: Independent values below which no family is called the best, as in :mod:`seaglint.clutter.goodness`, which is slow to import.
 FEWEST_JUDGED = 50
-"""Independent values below which no family is called the best, as in :mod:`seaglint.clutter.goodness`, which is slow to import."""
 
 
 def _best(fits: dict[str, FitSummary]) -> str:

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
 
 
-SEA_KELVIN = 288.15
-"""Temperature of the sea in a scenario that says none [K]."""
+SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario that says none [K].
 
 
 class DeckFormat(StrEnum):
@@ -328,8 +327,7 @@ def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> Non
     log(f"{output} written")
 
 
-_WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")
-"""Kinds of files that may hold several places."""
+_WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")  #: Kinds of files that may hold several places.
 
 
 _HELD = {

@@ -23,6 +23,7 @@ class CommandEntry:
     made_by: str | None = None
 
 
+#: Commands by what a person wants.
 GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Begin": {
         "init": CommandEntry("scenario_file.init", "Write a commented scenario file."),
@@ -59,7 +60,6 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
         "dataset": CommandEntry("dataset.dataset", "Render labelled pictures of an ensemble: masks, boxes, tables.", "Command"),
     },
 }
-"""Commands by what a person wants."""
 
 _ENTRIES: Final = {name: entry for members in GROUPS.values() for name, entry in members.items()}
 

@@ -15,8 +15,7 @@ from seaglint.cli.terminal.records import takes_records
 from seaglint.cli.terminal.run_options import RunOptions
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest
 
-MOST_LISTED = 20
-"""Lines of what is wrong with a data set, of which more are only counted."""
+MOST_LISTED = 20  #: Lines of what is wrong with a data set, of which more are only counted.
 
 
 def _formats() -> str:

@@ -18,8 +18,7 @@ from seaglint.cli.terminal.records import RecordCommand, Without, option_of, tak
 from seaglint.cli.terminal.run_options import ALONE, ResultOptions, RunOptions
 from seaglint.studies.detect.requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
 
-BARE: Final = "SOURCE"
-"""Name under which the command without a name is registered; nobody types it."""
+BARE: Final = "SOURCE"  #: Name under which the command without a name is registered; nobody types it.
 
 
 EveryTail = Annotated[bool, typer.Option("--tails", help="print unreliable extrapolated rates too", rich_help_panel="Results")]

@@ -28,28 +28,23 @@ from seaglint.climate.seas import WindSlopes
 from seaglint.facet.local_sun import STEADY
 from seaglint.facet.mirror import SunDisc, aim_disc, sun_disc
 
+#: Azimuths to each side of the Sun between which at most one border is searched [rad].
 _BESIDE: Final = np.radians([2.0, 5.0, 10.0, 18.0, 30.0, 50.0, 90.0, 180.0])
-"""Azimuths to each side of the Sun between which at most one border is searched [rad]."""
 
+#: Logarithm of radiance below the least threshold beyond which the outer azimuths are skipped, as glint only decreases there.
 _FAR: Final = 7.0
-"""Logarithm of radiance below the least threshold beyond which the outer azimuths are skipped, as glint only decreases there."""
 
-_CLOSE: Final = 2e-4
-"""Logarithm of radiance to which borders are refined: a tenth of the accuracy of the tables of light."""
+_CLOSE: Final = 2e-4  #: Logarithm of radiance to which borders are refined: a tenth of the accuracy of the tables of light.
 
 _LEAST: Final = 1e-300
 _TURNS: Final = 40
 
 
 class _AzimuthPlan(NamedTuple):
-    nodes: FloatArray
-    """Azimuths from the Sun, ascending [rad]."""
-    start: int
-    """Index of the brightest node."""
-    falls: bool
-    """True if glint decreases to both sides of it: the range holds no second approach to the Sun."""
-    thresholds: FloatArray
-    """Logarithms of the thresholds."""
+    nodes: FloatArray  #: Azimuths from the Sun, ascending [rad].
+    start: int  #: Index of the brightest node.
+    falls: bool  #: True if glint decreases to both sides of it: the range holds no second approach to the Sun.
+    thresholds: FloatArray  #: Logarithms of the thresholds.
     depression: tuple[float, float]
 
 

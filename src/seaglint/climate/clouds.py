@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 
+#: Law of the probability of a free Sun: 1 - cover; 1 unless the sky is overcast; or by :func:`clear_line`.
 CloudLaw = Literal["cover", "overcast", "line-of-sight"]
-"""Law of the probability of a free Sun: 1 - cover; 1 unless the sky is overcast; or by :func:`clear_line`."""
 
-OVERCAST: Final = 0.99
-"""Least cover of an overcast sky [1]: reports in eighths and fractions rounded to hundredths mean 1 by it."""
+OVERCAST: Final = 0.99  #: Least cover of an overcast sky [1]: reports in eighths and fractions rounded to hundredths mean 1 by it.
 
 
 def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatArray:

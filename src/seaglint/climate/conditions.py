@@ -18,27 +18,16 @@ from seaglint.climate.ephemeris import year_span
 from seaglint.climate.weather_table import MONTHS, IntArray, WeatherTable, month_used
 
 _DAY: Final = 86_400.0
-_SMALL: Final = 16
-"""Number of rows up to which each is a range of winds of its own."""
+_SMALL: Final = 16  #: Number of rows up to which each is a range of winds of its own.
 
 
 @dataclass(frozen=True)
 class Times:
-    """Range of equally likely times.
+    """Range of equally likely times."""
 
-    Attributes
-    ----------
-    year : int
-        Calendar year, UTC.
-    months : tuple of int
-        Months that count; all where empty.
-    hours : (float, float)
-        Hours of the day that count, UTC.
-    """
-
-    year: int
-    months: tuple[int, ...] = ()
-    hours: tuple[float, float] = (0.0, 24.0)
+    year: int  #: Calendar year, UTC.
+    months: tuple[int, ...] = ()  #: Months that count; all where empty.
+    hours: tuple[float, float] = (0.0, 24.0)  #: Hours of the day that count, UTC.
 
     def draw(self, day: FloatArray, hour: FloatArray) -> FloatArray:
         """Times at uniform numbers for the day and the hour [s since 1970-01-01 UTC]."""
@@ -83,25 +72,14 @@ class GeographicRegion:
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """Weather row, time and place of every draw; times and places are NaN where the Sun is given.
+    """Weather row, time and place of every draw; times and places are NaN where the Sun is given."""
 
-    Attributes
-    ----------
-    rows : ndarray of int
-        Rows of the table.
-    time : ndarray
-        Seconds since 1970-01-01 UTC [s].
-    latitude, longitude : ndarray
-        North and east positive [deg].
-    weight : ndarray, optional
-        Weight of each draw [1], 1 on average; all the same where it is not given.
-    """
-
-    rows: IntArray
-    time: FloatArray
+    rows: IntArray  #: Rows of the table.
+    time: FloatArray  #: Seconds since 1970-01-01 UTC [s].
+    #: ``latitude``, ``longitude``: North and east positive [deg].
     latitude: FloatArray
     longitude: FloatArray
-    weight: FloatArray | None = None
+    weight: FloatArray | None = None  #: Weight of each draw [1], 1 on average; all the same where it is not given.
 
 
 def months_of(time: FloatArray) -> NDArray[np.int64]:

@@ -13,11 +13,10 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 
-_BY_DAY: Final = 15.0 / 16.0
-"""Share of the draws given to the arc; a dyadic one keeps Sobol points even on both sides."""
+_BY_DAY: Final = 15.0 / 16.0  #: Share of the draws given to the arc; a dyadic one keeps Sobol points even on both sides.
 
+#: Elevation of the Sun at the ends of the arc [rad]: refraction, radius of the disc and 0.3 deg for places far from the sensor.
 _DUSK: Final = math.radians(-1.2)
-"""Elevation of the Sun at the ends of the arc [rad]: refraction, radius of the disc and 0.3 deg for places far from the sensor."""
 
 _YEAR: Final = 365.2422 * 86_400.0
 _HALF_DAY: Final = 12.0
@@ -26,10 +25,8 @@ _HALF_DAY: Final = 12.0
 class Hours(NamedTuple):
     """Hours of the day and the weight of each [(n,)]."""
 
-    hour: FloatArray
-    """Hours UTC [h]."""
-    weight: FloatArray
-    """Ratio of the required density (even over the allowed hours) to that of the draws [1]; 1 on average."""
+    hour: FloatArray  #: Hours UTC [h].
+    weight: FloatArray  #: Ratio of the required density (even over the allowed hours) to that of the draws [1]; 1 on average.
 
 
 def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,14 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 
-ICE_POINT: Final = 273.15
-"""Temperature of 0 degC [K]."""
+ICE_POINT: Final = 273.15  #: Temperature of 0 degC [K].
 
+#: Latitude below which the tropical model atmosphere is used [deg]: halfway between its 15 deg and the midlatitude model's 45 deg.
 TROPICAL_BELOW: Final = 30.0
-"""Latitude below which the tropical model atmosphere is used [deg]: halfway between its 15 deg and the midlatitude model's 45 deg."""
 
-SUBARCTIC_FROM: Final = 52.5
-"""Latitude from which the subarctic models are used [deg]: halfway between 45 and 60 deg."""
+SUBARCTIC_FROM: Final = 52.5  #: Latitude from which the subarctic models are used [deg]: halfway between 45 and 60 deg.
 
 _MAGNUS: Final = (17.625, 243.04)
 

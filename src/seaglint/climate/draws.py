@@ -13,12 +13,10 @@ from scipy.stats import t as student
 from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
 
-SCRAMBLINGS: Final = 16
-"""Least number of independent scramblings: Student's factor is 2.13 then, against 1.96 for infinitely many."""
+SCRAMBLINGS: Final = 16  #: Least number of independent scramblings: Student's factor is 2.13 then, against 1.96 for infinitely many.
 
 LEVEL: Final = 0.95
-_FEW: Final = 10
-"""Number of hits below which a count's own interval is included: means of so few are not normal."""
+_FEW: Final = 10  #: Number of hits below which a count's own interval is included: means of so few are not normal.
 
 
 @dataclass(frozen=True)

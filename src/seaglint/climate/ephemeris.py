@@ -19,15 +19,12 @@ from seaglint.base.errors import DomainError
 from seaglint.base.jit import in_threads, kernel, njit
 
 STANDARD_PRESSURE: Final = 1013.25
-STANDARD_TEMPERATURE: Final = 12.0
-"""Default air for refraction [hPa], [degC]: pvlib's standard atmosphere at the sea."""
+STANDARD_TEMPERATURE: Final = 12.0  #: Default air for refraction [hPa], [degC]: pvlib's standard atmosphere at the sea.
 
 _STEP: Final = 21_600.0
-_DELTA_T: Final = 67.0
-"""Terrestrial minus universal time [s]; 10 s more move the Sun by 1e-4 deg."""
+_DELTA_T: Final = 67.0  #: Terrestrial minus universal time [s]; 10 s more move the Sun by 1e-4 deg.
 
-_RISE: Final = 0.5667
-"""Refraction at the horizon of the algorithm [deg]; a Sun lower by it and the disc's radius is not refracted."""
+_RISE: Final = 0.5667  #: Refraction at the horizon of the algorithm [deg]; a Sun lower by it and the disc's radius is not refracted.
 
 _FLATTENING: Final = 0.99664719
 _EQUATOR: Final = 6_378_140.0
@@ -36,28 +33,19 @@ _EQUATOR: Final = 6_378_140.0
 class SunPositions(NamedTuple):
     """Directions and distances of the Sun's centre [(n,)]."""
 
-    zenith: FloatArray
-    """Apparent zenith angle, refraction included [rad]."""
-    azimuth: FloatArray
-    """Azimuth clockwise from north [rad]."""
-    irradiance_factor: FloatArray
-    """Ratio of the irradiance to that at 1 au, ``1/d^2`` [1]."""
+    zenith: FloatArray  #: Apparent zenith angle, refraction included [rad].
+    azimuth: FloatArray  #: Azimuth clockwise from north [rad].
+    irradiance_factor: FloatArray  #: Ratio of the irradiance to that at 1 au, ``1/d^2`` [1].
 
 
 @dataclass(frozen=True, eq=False)
 class Ephemeris:
-    """Ephemeris of the Sun between two times. Make it with :meth:`between`.
+    """Ephemeris of the Sun between two times. Make it with :meth:`between`."""
 
-    Attributes
-    ----------
-    first, last : float
-        Seconds since 1970-01-01 UTC that it covers.
-    """
-
+    #: ``first``, ``last``: Seconds since 1970-01-01 UTC that it covers.
     first: float
     last: float
-    _table: FloatArray
-    """Right ascension and declination [rad], distance [au], equation of the equinoxes [rad] at the steps [(steps, 4)]."""
+    _table: FloatArray  #: Right ascension and declination [rad], distance [au], equation of the equinoxes [rad] at the steps [(steps, 4)].
 
     @classmethod
     def between(cls, first: float, last: float) -> Ephemeris:

@@ -9,27 +9,13 @@ from seaglint.base.free_form import JsonObject, TableRow
 
 @dataclass(frozen=True)
 class ThresholdChance:
-    """Chance that glint exceeds a threshold.
+    """Chance that glint exceeds a threshold."""
 
-    Attributes
-    ----------
-    threshold_w_m2_sr : float
-        Threshold [W m-2 sr-1].
-    probability : float
-        Chance, or share of looks that are detected [1].
-    interval : list of float
-        Ends of its 95 % interval [1].
-    false_alarms_per_hour : float, optional
-        False alarms of all pixels [h-1], where they are the quantity asked for.
-    false_alarms_per_hour_interval : list of float, optional
-        Ends of their 95 % interval [h-1].
-    """
-
-    threshold_w_m2_sr: float
-    probability: float
-    interval: list[float]
-    false_alarms_per_hour: float | None = None
-    false_alarms_per_hour_interval: list[float] | None = None
+    threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
+    probability: float  #: Chance, or share of looks that are detected [1].
+    interval: list[float]  #: Ends of its 95 % interval [1].
+    false_alarms_per_hour: float | None = None  #: False alarms of all pixels [h-1], where they are the quantity asked for.
+    false_alarms_per_hour_interval: list[float] | None = None  #: Ends of their 95 % interval [h-1].
 
     def as_row(self) -> TableRow:
         """Return the numbers; those of false alarms only where they are asked for."""
@@ -39,33 +25,19 @@ class ThresholdChance:
 
 @dataclass(frozen=True)
 class StratumChance:
-    """Chance of glint among the draws between two values of a quantity.
+    """Chance of glint among the draws between two values of a quantity."""
 
-    Attributes
-    ----------
-    threshold_w_m2_sr : float
-        Threshold [W m-2 sr-1].
-    by : str
-        Quantity, with its unit.
-    low, high : float
-        Its range; the upper end is outside, and None without an end.
-    share : float
-        Share of all draws [1].
-    value, interval_low, interval_high : float
-        Chance of glint among these draws, and its 95 % interval [1].
-    contribution : float or None
-        Share of all glint that these draws bring [1]; None without any.
-    """
-
-    threshold_w_m2_sr: float
-    by: str
+    threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
+    by: str  #: Quantity, with its unit.
+    #: ``low``, ``high``: Its range; the upper end is outside, and None without an end.
     low: float
     high: float | None
-    share: float
+    share: float  #: Share of all draws [1].
+    #: ``value``, ``interval_low``, ``interval_high``: Chance of glint among these draws, and its 95 % interval [1].
     value: float
     interval_low: float
     interval_high: float
-    contribution: float | None
+    contribution: float | None  #: Share of all glint that these draws bring [1]; None without any.
 
 
 @dataclass(frozen=True)
@@ -95,50 +67,24 @@ class DrawnWeather:
 
 @dataclass(frozen=True)
 class LikelihoodSummary:
-    """Chances of glint, where they come from, and how they were drawn.
+    """Chances of glint, where they come from, and how they were drawn."""
 
-    Attributes
-    ----------
-    quantity, case : str
-        Quantity asked for, and kind of look.
-    results : list of ThresholdChance
-        Chance of each threshold.
-    sun_up : SunUp
-        Share of the draws in which the Sun is up.
-    sun_free_of_clouds : float
-        Share in which clouds leave it free [1].
-    contrast_exceeded_by_glint : list of ExceededContrast
-        Radiances by the share of looks that exceed them.
-    samples, scramblings : int
-        Number of draws, and of independent sets of them.
-    azimuths : {"integrated", "drawn"}
-        Treatment of the azimuth of looks.
-    confidence : float
-        Level of the intervals [1].
-    clouds : str
-        Law of the Sun behind clouds.
-    weather : DrawnWeather
-        Table of weather.
-    strata : list of StratumChance
-        Chances by threshold and condition.
-    notes : list of str
-        Remarks.
-    """
-
+    #: ``quantity``, ``case``: Quantity asked for, and kind of look.
     quantity: str
     case: str
-    results: list[ThresholdChance]
-    sun_up: SunUp
-    sun_free_of_clouds: float
-    contrast_exceeded_by_glint: list[ExceededContrast]
+    results: list[ThresholdChance]  #: Chance of each threshold.
+    sun_up: SunUp  #: Share of the draws in which the Sun is up.
+    sun_free_of_clouds: float  #: Share in which clouds leave it free [1].
+    contrast_exceeded_by_glint: list[ExceededContrast]  #: Radiances by the share of looks that exceed them.
+    #: ``samples``, ``scramblings``: Number of draws, and of independent sets of them.
     samples: int
     scramblings: int
-    azimuths: str
-    confidence: float
-    clouds: str
-    weather: DrawnWeather
-    strata: list[StratumChance]
-    notes: list[str]
+    azimuths: str  #: Treatment of the azimuth of looks.
+    confidence: float  #: Level of the intervals [1].
+    clouds: str  #: Law of the Sun behind clouds.
+    weather: DrawnWeather  #: Table of weather.
+    strata: list[StratumChance]  #: Chances by threshold and condition.
+    notes: list[str]  #: Remarks.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""

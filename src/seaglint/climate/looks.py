@@ -29,53 +29,37 @@ from seaglint.facet.mirror import FacetDensity, SunDisc, aim_disc, chance_kernel
 from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.shadowing.smith import visible_area_kernel
 
-DUSK: Final = 0.3
-"""Depression of the Sun from which it is above no horizon in view [rad]."""
+DUSK: Final = 0.3  #: Depression of the Sun from which it is above no horizon in view [rad].
 
-_FAINT: Final = 1e-300
-"""Radiance of a lit sea with negligible glint [W m-2 sr-1], so that it is above 0 wherever the Sun is up."""
+_FAINT: Final = 1e-300  #: Radiance of a lit sea with negligible glint [W m-2 sr-1], so that it is above 0 wherever the Sun is up.
 
+#: Quantities of a look, in the order of the kernel's array.
+#:
+#: These are index of the model atmosphere in the table, U10 [m/s], azimuth it blows to [rad], sensor's height [m], the Sun's direction
+#: [rad] and ``1/d^2``, azimuth of the look and its depression [rad].
 COLUMNS: Final = ("model", "wind", "wind_to", "height", "solar_zenith", "solar_azimuth", "irradiance_factor", "azimuth", "depression")
-"""Quantities of a look, in the order of the kernel's array.
-
-These are index of the model atmosphere in the table, U10 [m/s], azimuth it blows to [rad], sensor's height [m], the Sun's direction [rad]
-and ``1/d^2``, azimuth of the look and its depression [rad].
-"""
 
 
 @dataclass(frozen=True)
 class Search:
-    """Directions about each look among which the brightest is used; by default the look alone.
+    """Directions about each look among which the brightest is used; by default the look alone."""
 
-    Attributes
-    ----------
-    depressions, azimuths : int
-        Directions tried at first, even in the squeezed elevation and over the azimuths.
-    refinements : int
-        Halvings of the steps about the brightest.
-    half_width : float
-        Azimuths to each side [rad].
-    """
-
+    #: ``depressions``, ``azimuths``: Directions tried at first, even in the squeezed elevation and over the azimuths.
     depressions: int = 1
     azimuths: int = 1
-    refinements: int = 0
-    half_width: float = 0.0
+    refinements: int = 0  #: Halvings of the steps about the brightest.
+    half_width: float = 0.0  #: Azimuths to each side [rad].
 
 
 @dataclass(frozen=True, eq=False)
 class Looks:
     """Results of looks [(n,) each]; 0 where no Sun is up or no sea in view, and the least number where glint is negligible."""
 
-    radiance: FloatArray
-    """Radiance of the mirrored Sun at the sensor [W m-2 sr-1]."""
-    chance: FloatArray
-    """Share of the viewed area that mirrors the Sun [1]."""
+    radiance: FloatArray  #: Radiance of the mirrored Sun at the sensor [W m-2 sr-1].
+    chance: FloatArray  #: Share of the viewed area that mirrors the Sun [1].
     cos_incidence: FloatArray
-    elevation: FloatArray
-    """Elevation of the viewer at the sea there [rad]; negative where the look misses the sea."""
-    sun_up: FloatArray
-    """Sine of the elevation there of the visible part of the Sun [1]."""
+    elevation: FloatArray  #: Elevation of the viewer at the sea there [rad]; negative where the look misses the sea.
+    sun_up: FloatArray  #: Sine of the elevation there of the visible part of the Sun [1].
 
 
 def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Search = Search()) -> Looks:
@@ -121,25 +105,19 @@ class _LookPlan(NamedTuple):
 class Way(NamedTuple):
     """Position of a direction among the nodes of the light."""
 
-    wind: int
-    """First nodes of wind and height."""
+    wind: int  #: First nodes of wind and height.
     height: int
-    coarse: tuple[float, float]
-    """Coordinates of wind and height among the nodes of the mean reflectance."""
-    across: float
-    """Coordinate of the view, 0 to 1."""
-    weights: FloatArray
-    """Weights of the cubics; those of view and Sun are filled later [(4, 4)]."""
+    coarse: tuple[float, float]  #: Coordinates of wind and height among the nodes of the mean reflectance.
+    across: float  #: Coordinate of the view, 0 to 1.
+    weights: FloatArray  #: Weights of the cubics; those of view and Sun are filled later [(4, 4)].
 
 
 class SeaState(NamedTuple):
     """Sea at one wind, equal for all directions."""
 
     density: FacetDensity
-    wind: float
-    """Wind in steps of the table."""
-    law: float
-    """Coordinate of its rms slope among the tables of the law of hiding."""
+    wind: float  #: Wind in steps of the table.
+    law: float  #: Coordinate of its rms slope among the tables of the law of hiding.
     sun_deviation: float
     series: float
     wave_azimuth: float

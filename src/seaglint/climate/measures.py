@@ -38,18 +38,10 @@ def deviation(evaluated: Looks, height: FloatArray, solid_angle: float, length: 
 
 @dataclass(frozen=True, eq=False)
 class DetectionCurve:
-    """Probability of detection against contrast, linear between its points and constant beyond them.
+    """Probability of detection against contrast, linear between its points and constant beyond them."""
 
-    Attributes
-    ----------
-    contrast : ndarray
-        Ascending, target less what is about it [W m-2 sr-1].
-    pd : ndarray
-        Chance of detection there [1].
-    """
-
-    contrast: FloatArray
-    pd: FloatArray
+    contrast: FloatArray  #: Ascending, target less what is about it [W m-2 sr-1].
+    pd: FloatArray  #: Chance of detection there [1].
 
     def __call__(self, contrast: FloatArray) -> FloatArray:
         """Probabilities at contrasts [1]."""

@@ -30,45 +30,34 @@ from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.article import ArticleAtmosphere, wavelength_mean
 
-AirAt = Callable[[str, float], Atmosphere]
-"""Function that returns the air of a model atmosphere at a wind [m/s]."""
+AirAt = Callable[[str, float], Atmosphere]  #: Function that returns the air of a model atmosphere at a wind [m/s].
 
 _VIEWS: Final = 32
 _SUNS: Final = 32
-_TERMS: Final = 12
-"""Number of terms of the reflectance; the rest is below 1e-5."""
+_TERMS: Final = 12  #: Number of terms of the reflectance; the rest is below 1e-5.
 
-_COARSE: Final = (4, 6, 8, 12)
-"""Numbers of winds, heights, views and Suns of the mean reflectance."""
+_COARSE: Final = (4, 6, 8, 12)  #: Numbers of winds, heights, views and Suns of the mean reflectance.
 
 _SUN_SCALE: Final = 0.012
+#: Numbers of nodes of winds, views, Suns and heights (for each unit of their coordinate), and of terms of the reflectance.
 _HEIGHTS_PER_UNIT: Final = 3.0
-"""Numbers of nodes of winds, views, Suns and heights (for each unit of their coordinate), and of terms of the reflectance."""
 _LEAST: Final = 1e-60
 
 
 class MirroredLight(NamedTuple):
     """Table of mirrored sunlight as kernels read it. Make it with :func:`mirrored_light`."""
 
-    winds: FloatArray
-    """Nodes of wind [m/s, (models, winds)]; four equal tables where the air does not depend on wind."""
-    pieces: FloatArray
-    """Indices of the first node of every piece without a kink, and of the last node [(models, pieces + 1)]."""
-    heights: FloatArray
-    """Coordinates of sensor heights (:func:`height_coordinate`) [(heights,)], one or at least four."""
-    height_pieces: FloatArray
-    """Indices of the first node of every layer of air, and of the last node."""
-    depression: tuple[float, float]
-    """Range of depressions that are evaluated [rad]."""
+    winds: FloatArray  #: Nodes of wind [m/s, (models, winds)]; four equal tables where the air does not depend on wind.
+    pieces: FloatArray  #: Indices of the first node of every piece without a kink, and of the last node [(models, pieces + 1)].
+    heights: FloatArray  #: Coordinates of sensor heights (:func:`height_coordinate`) [(heights,)], one or at least four.
+    height_pieces: FloatArray  #: Indices of the first node of every layer of air, and of the last node.
+    depression: tuple[float, float]  #: Range of depressions that are evaluated [rad].
+    #: Least depression of the nodes [rad]: that of the looks from one height, the horizon from many, whose nodes then vary smoothly.
     lowest: float
-    """Least depression of the nodes [rad]: that of the looks from one height, the horizon from many, whose nodes then vary smoothly."""
-    values: FloatArray
-    """Logarithm of radiance at reflectance 1 [W m-2 sr-1, (models, winds, heights, views, Suns)]."""
-    coarse_winds: FloatArray
-    """Nodes of the mean reflectance [m/s, (models, winds)]."""
+    values: FloatArray  #: Logarithm of radiance at reflectance 1 [W m-2 sr-1, (models, winds, heights, views, Suns)].
+    coarse_winds: FloatArray  #: Nodes of the mean reflectance [m/s, (models, winds)].
     coarse_heights: FloatArray
-    shapes: FloatArray
-    """Mean reflectance [(models, winds, heights, views, Suns, terms)]."""
+    shapes: FloatArray  #: Mean reflectance [(models, winds, heights, views, Suns, terms)].
 
 
 def mirrored_light(

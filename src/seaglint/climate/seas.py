@@ -17,48 +17,38 @@ from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import projected_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-SlopesAt = Callable[[float], SlopeStatistics]
-"""Function that returns the slopes of the sea at a wind [m/s] that blows towards azimuth 0."""
+SlopesAt = Callable[[float], SlopeStatistics]  #: Function that returns the slopes of the sea at a wind [m/s] that blows towards azimuth 0.
 
-_STEP: Final = 0.2
-"""Step of winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it."""
+_STEP: Final = 0.2  #: Step of winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it.
 
+#: Steps of the rms slope, which the law of hiding depends on; shares of facets are interpolated linearly between them, within 1e-3.
 _DEVIATIONS: Final = 0.006
-"""Steps of the rms slope, which the law of hiding depends on; shares of facets are interpolated linearly between them, within 1e-3."""
 
 _AREA_WIND: Final = 2.0
 _EDGES: Final = 31
 _TURNS: Final = 19
-_SUNS: Final = 12
-"""Number of azimuths of the Sun in a half circle over which the number of bands is averaged."""
+_SUNS: Final = 12  #: Number of azimuths of the Sun in a half circle over which the number of bands is averaged.
 
 
 class WindSlopes(NamedTuple):
     """Slopes against the wind, as kernels read them. Made by :func:`seas`."""
 
-    first: float
-    """Lowest wind, and step [m/s]."""
+    first: float  #: Lowest wind, and step [m/s].
     step: float
+    #: Slope parameters of each wind [(winds, 9)].
+    #:
+    #: These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves
+    #: from the wind's [rad].
     slopes: FloatArray
-    """Slope parameters of each wind [(winds, 9)].
-
-    These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves
-    from the wind's [rad].
-    """
     is_gaussian: bool
     sun_leg: bool
     first_deviation: float
     deviation_step: float
-    ratio: FloatArray
-    """Tables of the nested law [(rms slopes, rows, columns)]; empty ones for Smith's."""
-    coupling: FloatArray
-    """Tables of facets seen and lit [(rms slopes, view, Sun, slope)]."""
-    lean: FloatArray
-    """Tables of the lean of facets [(rms slopes, views, slopes)]."""
-    gains: FloatArray
-    """Gains of the lean at each wind [(winds, azimuths)]."""
-    area: FloatArray
-    """Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
+    ratio: FloatArray  #: Tables of the nested law [(rms slopes, rows, columns)]; empty ones for Smith's.
+    coupling: FloatArray  #: Tables of facets seen and lit [(rms slopes, view, Sun, slope)].
+    lean: FloatArray  #: Tables of the lean of facets [(rms slopes, views, slopes)].
+    gains: FloatArray  #: Gains of the lean at each wind [(winds, azimuths)].
+    area: FloatArray  #: Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those.
 
 
 def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> WindSlopes:

@@ -18,14 +18,10 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class GeographicBox:
-    """Range of latitudes and longitudes, borders included.
+    """Range of latitudes and longitudes, borders included."""
 
-    Attributes
-    ----------
-    west, south, east, north : float
-        Borders [deg], longitudes in any convention; ``west`` beyond ``east`` crosses the date line.
-    """
-
+    #: ``west``, ``south``, ``east``, ``north``: Borders [deg], longitudes in any convention; ``west`` beyond ``east`` crosses the date
+    #: line.
     west: float
     south: float
     east: float
@@ -46,15 +42,10 @@ class GeographicBox:
 
 @dataclass(frozen=True)
 class Polygon:
-    """Area between corners joined by straight lines in latitude and longitude.
+    """Area between corners joined by straight lines in latitude and longitude."""
 
-    Attributes
-    ----------
-    corners : tuple of (float, float)
-        Longitude and latitude of three corners or more [deg]; the last is joined to the first. No wider than 180 deg to either side of
-        the first.
-    """
-
+    #: Longitude and latitude of three corners or more [deg]; the last is joined to the first. No wider than 180 deg to either side of the
+    #: first.
     corners: tuple[tuple[float, float], ...]
 
     def __post_init__(self) -> None:
@@ -80,27 +71,13 @@ class Polygon:
 
 @dataclass(frozen=True)
 class Selection:
-    """Criteria for rows; None selects all of them.
+    """Criteria for rows; None selects all of them."""
 
-    Attributes
-    ----------
-    box : GeographicBox, optional
-        Places inside.
-    polygon : Polygon, optional
-        Places inside.
-    months : tuple of int, optional
-        Months 1-12.
-    hours : tuple of int, optional
-        Hours of UTC 0-23; 6 holds 6:00 to 6:59.
-    region : str, optional
-        Text of the column ``region``.
-    """
-
-    box: GeographicBox | None = None
-    polygon: Polygon | None = None
-    months: tuple[int, ...] | None = None
-    hours: tuple[int, ...] | None = None
-    region: str | None = None
+    box: GeographicBox | None = None  #: Places inside.
+    polygon: Polygon | None = None  #: Places inside.
+    months: tuple[int, ...] | None = None  #: Months 1-12.
+    hours: tuple[int, ...] | None = None  #: Hours of UTC 0-23; 6 holds 6:00 to 6:59.
+    region: str | None = None  #: Text of the column ``region``.
 
     def __post_init__(self) -> None:
         if self.months is not None and (not self.months or not all(1 <= m <= 12 for m in self.months)):

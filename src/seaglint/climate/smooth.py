@@ -25,6 +25,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.climate.weather_table import IntArray, WeatherTable
 
+#: Columns that can be smoothed, with their bounds; directions are periodic.
 BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "wind_speed_m_s": (0.0, np.inf),
     "wind_from_deg": (-np.inf, np.inf),
@@ -35,7 +36,6 @@ BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "visibility_km": (0.0, np.inf),
     "significant_height_m": (0.0, np.inf),
 }
-"""Columns that can be smoothed, with their bounds; directions are periodic."""
 
 
 def bandwidths(table: WeatherTable, names: Sequence[str] = ("wind_speed_m_s", "cloud_cover")) -> dict[str, float]:

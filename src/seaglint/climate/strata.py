@@ -18,30 +18,18 @@ LATITUDES: Final = np.arange(-90.0, 91.0, 10.0)
 
 @dataclass(frozen=True)
 class Stratum:
-    """Stratum of draws between two values of a quantity.
+    """Stratum of draws between two values of a quantity."""
 
-    Attributes
-    ----------
-    by : str
-        Quantity, with its unit.
-    low, high : float
-        Its range; the upper end is outside.
-    share : float
-        Share of all draws [1].
-    value, interval_low, interval_high : float
-        Chance of glint among these draws, and its 95 % interval [1].
-    contribution : float
-        Share of all glint that these draws bring [1]; NaN without any.
-    """
-
-    by: str
+    by: str  #: Quantity, with its unit.
+    #: ``low``, ``high``: Its range; the upper end is outside.
     low: float
     high: float
-    share: float
+    share: float  #: Share of all draws [1].
+    #: ``value``, ``interval_low``, ``interval_high``: Chance of glint among these draws, and its 95 % interval [1].
     value: float
     interval_low: float
     interval_high: float
-    contribution: float
+    contribution: float  #: Share of all glint that these draws bring [1]; NaN without any.
 
 
 def strata(

@@ -10,14 +10,11 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.climate.weather_table import RANGES, TEXTS, WeatherTable
 
-SECTORS: Final = 16
-"""Number of sectors of the wind rose, the first centred on north."""
+SECTORS: Final = 16  #: Number of sectors of the wind rose, the first centred on north.
 
-SPEED_EDGES: Final = (0.0, 2.0, 5.0, 8.0, 11.0, 14.0, 20.0, np.inf)
-"""Classes of wind speed [m/s]."""
+SPEED_EDGES: Final = (0.0, 2.0, 5.0, 8.0, 11.0, 14.0, 20.0, np.inf)  #: Classes of wind speed [m/s].
 
-CLOUD_EDGES: Final = tuple(np.round((np.arange(10) - 0.5) / 8.0, 4))
-"""Classes of cloud cover: those of the nine oktas, 0 to 8."""
+CLOUD_EDGES: Final = tuple(np.round((np.arange(10) - 0.5) / 8.0, 4))  #: Classes of cloud cover: those of the nine oktas, 0 to 8.
 
 
 def wind_rose(table: WeatherTable) -> FloatArray:
@@ -61,8 +58,7 @@ class MonthMeans:
 
     month: int
     rows: int
-    probability: float
-    """Share of the table's weight."""
+    probability: float  #: Share of the table's weight.
     wind_speed_m_s: float
     cloud_cover: float
 

@@ -19,6 +19,10 @@ from seaglint.base.errors import DomainError
 IntArray = NDArray[np.int64]
 TextArray = NDArray[np.str_]
 
+#: Columns of numbers and the closed range of each, from possible observations, so that a wrong unit is noticed.
+#:
+#: Wind at 10 m, direction that it comes from clockwise from north, cloud cover and humidity as shares of 1 (humidity above 1 is
+#: supersaturated air).
 RANGES: Final[Mapping[str, tuple[float, float]]] = {
     "weight": (0.0, np.inf),
     "wind_speed_m_s": (0.0, 100.0),
@@ -34,17 +38,10 @@ RANGES: Final[Mapping[str, tuple[float, float]]] = {
     "latitude_deg": (-90.0, 90.0),
     "longitude_deg": (-180.0, 180.0),
 }
-"""Columns of numbers and the closed range of each, from possible observations, so that a wrong unit is noticed.
 
-Wind at 10 m, direction that it comes from clockwise from north, cloud cover and humidity as shares of 1 (humidity above 1 is supersaturated
-air).
-"""
+TEXTS: Final = ("region", "atmosphere")  #: Columns of text: a user's label, and the name of a model atmosphere; an empty text is missing.
 
-TEXTS: Final = ("region", "atmosphere")
-"""Columns of text: a user's label, and the name of a model atmosphere; an empty text is missing."""
-
-NEEDED: Final = ("wind_speed_m_s", "cloud_cover")
-"""Columns that every table must have, though single values may be missing."""
+NEEDED: Final = ("wind_speed_m_s", "cloud_cover")  #: Columns that every table must have, though single values may be missing.
 
 MONTHS: Final = ("January", "February", "March", "April", "May", "June", "July", "August", "September", "October", "November", "December")
 

@@ -14,6 +14,7 @@ from seaglint.base.free_form import TomlTables
 from seaglint.base.optional import optional
 from seaglint.cluster.dask import DaskWorkers, Say, client_of, quiet, require_dask
 
+#: Queues by the key ``kind``, with their class of dask-jobqueue.
 KINDS: Final = {
     "slurm": "SLURMCluster",
     "pbs": "PBSCluster",
@@ -23,10 +24,8 @@ KINDS: Final = {
     "moab": "MoabCluster",
     "htcondor": "HTCondorCluster",
 }
-"""Queues by the key ``kind``, with their class of dask-jobqueue."""
 
-TIMEOUT: Final = 600.0
-"""Time within which the queue must give the first worker, where the file does not say [s]."""
+TIMEOUT: Final = 600.0  #: Time within which the queue must give the first worker, where the file does not say [s].
 
 
 def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:

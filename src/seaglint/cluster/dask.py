@@ -20,23 +20,17 @@ from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, 
 from seaglint.cluster.machine import Machine, this_machine
 from seaglint.cluster.remote import describe, do, packed
 
-CONNECT: Final = 5.0
-"""Time within which a scheduler must answer [s]."""
+CONNECT: Final = 5.0  #: Time within which a scheduler must answer [s].
 
-PATIENCE: Final = 60.0
-"""Time that a scheduler or all workers may be away before a job is abandoned [s]."""
+PATIENCE: Final = 60.0  #: Time that a scheduler or all workers may be away before a job is abandoned [s].
 
-LOOK: Final = 2.0
-"""Time between two queries of the list of workers [s]."""
+LOOK: Final = 2.0  #: Time between two queries of the list of workers [s].
 
-AHEAD: Final = 2
-"""Units assigned to each worker in advance: one in progress, and the next."""
+AHEAD: Final = 2  #: Units assigned to each worker in advance: one in progress, and the next.
 
-BATCH: Final = 4
-"""Divisor of the batch size: units are sent when there is room for a ``BATCH``-th of the workers."""
+BATCH: Final = 4  #: Divisor of the batch size: units are sent when there is room for a ``BATCH``-th of the workers.
 
-TOGETHER: Final = 1e-4
-"""Time for each worker in which records are gathered into one request [s]: a request costs as much as many records."""
+TOGETHER: Final = 1e-4  #: Time for each worker in which records are gathered into one request [s]: a request costs as much as many records.
 
 Say = Callable[[str], None]
 

@@ -19,23 +19,16 @@ Settings = TypeVar("Settings")
 Unit = TypeVar("Unit")
 Record = TypeVar("Record")
 
-ATTEMPTS: Final = 3
-"""Number of attempts of a unit before it counts as failed."""
+ATTEMPTS: Final = 3  #: Number of attempts of a unit before it counts as failed.
 
 
 @dataclass(frozen=True)
 class Job(Generic[Settings, Unit, Record]):
-    """Work of many units that each worker prepares for once.
+    """Work of many units that each worker prepares for once."""
 
-    Attributes
-    ----------
-    start : callable
-        ``start(settings)`` prepares and returns a function of a unit. A function of a module, so that workers find it by its name.
-    settings : object
-        Small values that pickle: text, numbers, paths, scenarios. No arrays. Relative paths count from the working directory of who asks.
-    """
-
+    #: ``start(settings)`` prepares and returns a function of a unit. A function of a module, so that workers find it by its name.
     start: Callable[[Settings], Callable[[Unit], Record]]
+    #: Small values that pickle: text, numbers, paths, scenarios. No arrays. Relative paths count from the working directory of who asks.
     settings: Settings
 
 
@@ -44,12 +37,9 @@ class Done(Generic[Unit, Record]):
     """Outcome of a unit that is done."""
 
     unit: Unit
-    record: Record
-    """Return value of the unit's function."""
-    seconds: float
-    """Time of the unit in its worker [s]."""
-    worker: str
-    """Name of the worker."""
+    record: Record  #: Return value of the unit's function.
+    seconds: float  #: Time of the unit in its worker [s].
+    worker: str  #: Name of the worker.
 
 
 @dataclass(frozen=True)
@@ -57,12 +47,9 @@ class Failed(Generic[Unit]):
     """Outcome of a unit that failed :data:`ATTEMPTS` times, on other workers where there are some."""
 
     unit: Unit
-    error: str
-    """Last error, one line."""
-    traceback: str
-    """Traceback of the last error; empty where the worker vanished."""
-    attempts: int
-    """Number of attempts."""
+    error: str  #: Last error, one line.
+    traceback: str  #: Traceback of the last error; empty where the worker vanished.
+    attempts: int  #: Number of attempts.
 
 
 class Workers(Protocol):

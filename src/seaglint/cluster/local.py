@@ -24,11 +24,9 @@ from typing import Any, Final
 from seaglint.base.errors import BackendError, DomainError, SeaglintError
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 
-MOST: Final = 1024
-"""Largest number of processes."""
+MOST: Final = 1024  #: Largest number of processes.
 
-GRACE: Final = 2.0
-"""Time that units in progress have to end after cancellation, before their processes are killed [s]."""
+GRACE: Final = 2.0  #: Time that units in progress have to end after cancellation, before their processes are killed [s].
 
 _ONE_THREAD: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -42,8 +40,7 @@ class _LocalTask:
     """Unit in progress."""
 
     unit: Any
-    tried_by: list[int] = field(default_factory=list)
-    """Process numbers of its attempts."""
+    tried_by: list[int] = field(default_factory=list)  #: Process numbers of its attempts.
 
 
 class _Worker:

@@ -11,12 +11,9 @@ from typing import NamedTuple
 class Machine(NamedTuple):
     """Machine of a process, with all that its results depend on."""
 
-    version: str
-    """Version of seaglint."""
-    sources: str
-    """Digest of the sources of all kernels."""
-    processor: str
-    """Type of the processor, as stores record it: the last bits of results can differ between types."""
+    version: str  #: Version of seaglint.
+    sources: str  #: Digest of the sources of all kernels.
+    processor: str  #: Type of the processor, as stores record it: the last bits of results can differ between types.
     host: str
     process: int
 

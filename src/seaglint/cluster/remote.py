@@ -13,11 +13,10 @@ from typing import Any, Final
 from seaglint.base.errors import one_line
 from seaglint.cluster.job import Done, Failed, Job, attempt, outgoing
 
+#: Lock that lets the threads of one worker take turns: they share the threads of kernels and of linear algebra.
 _one_at_a_time: Final = threading.Lock()
-"""Lock that lets the threads of one worker take turns: they share the threads of kernels and of linear algebra."""
 
-_started: dict[str, Callable[[Any], Any]] = {}
-"""The latest job, by its digest."""
+_started: dict[str, Callable[[Any], Any]] = {}  #: The latest job, by its digest.
 
 
 def packed(job: Job[Any, Any, Any]) -> bytes:

@@ -30,36 +30,22 @@ from seaglint.base.conventions import FloatArray
 
 Reference = Literal["tiles", "region", "margins"]
 
+#: Least number of independent times for comparing tiles with themselves.
+#:
+#: With fewer, subtracting the mean removes too much of the variance.
 FEWEST_TIMES: Final = 12.0
-"""Least number of independent times for comparing tiles with themselves.
 
-With fewer, subtracting the mean removes too much of the variance.
-"""
-
-FEWEST_DEGREES: Final = 4.0
-"""Least number of degrees of freedom for stating a variance (a factor of two either way)."""
+FEWEST_DEGREES: Final = 4.0  #: Least number of degrees of freedom for stating a variance (a factor of two either way).
 
 
 @dataclass(frozen=True)
 class ClusterVariance:
-    """Variance of a rate over correlated cells.
+    """Variance of a rate over correlated cells."""
 
-    Attributes
-    ----------
-    variance : float or None
-        Variance of the rate [1]; None where it cannot be estimated, with the reason in ``note``.
-    degrees : float
-        Degrees of freedom of that estimate [1].
-    inflation : float
-        Variance over that of independent pixels, the design effect [1].
-    note : str or None
-        Why there is no variance, or what it takes as given.
-    """
-
-    variance: float | None
-    degrees: float
-    inflation: float
-    note: str | None = None
+    variance: float | None  #: Variance of the rate [1]; None where it cannot be estimated, with the reason in ``note``.
+    degrees: float  #: Degrees of freedom of that estimate [1].
+    inflation: float  #: Variance over that of independent pixels, the design effect [1].
+    note: str | None = None  #: Why there is no variance, or what it takes as given.
 
 
 def _autocovariance(e: FloatArray) -> FloatArray:

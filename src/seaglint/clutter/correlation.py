@@ -23,47 +23,29 @@ FEWEST_FRAMES = 8
 
 @dataclass(frozen=True)
 class SpatialCorrelation:
-    """Autocorrelation along the picture's axes.
+    """Autocorrelation along the picture's axes."""
 
-    Attributes
-    ----------
-    x, y : ndarray, shape (lags,)
-        Correlation at 0, 1, 2 ... px along columns (x, horizontally) and rows (y, vertically); NaN at lags no two pixels have.
-    length_x, length_y : float
-        Where it falls to 1/e [px]; NaN for constant data or where it does not fall so far. Less than one pixel: the
-        straight line from lag 0 to 1, 0.63 px for white noise.
-    scale_x, scale_y : float
-        Integral scale, ``1 + 2 sum rho`` up to its first value below zero [px].
-    """
-
+    #: ``x``, ``y``: Correlation at 0, 1, 2 ... px along columns (x, horizontally) and rows (y, vertically); NaN at lags no two pixels have.
+    #: Shape (lags,).
     x: FloatArray
     y: FloatArray
+    #: ``length_x``, ``length_y``: Where it falls to 1/e [px]; NaN for constant data or where it does not fall so far. Less than one pixel:
+    #: the straight line from lag 0 to 1, 0.63 px for white noise.
     length_x: float
     length_y: float
+    #: ``scale_x``, ``scale_y``: Integral scale, ``1 + 2 sum rho`` up to its first value below zero [px].
     scale_x: float
     scale_y: float
 
 
 @dataclass(frozen=True)
 class TemporalCorrelation:
-    """Autocorrelation in time, mean over pixels.
+    """Autocorrelation in time, mean over pixels."""
 
-    Attributes
-    ----------
-    rho : ndarray, shape (lags,)
-        Correlation at 0, 1, 2 ... frames.
-    time : float
-        Where it falls to 1/e [s]; [frames] where no frame rate was given. NaN as for lengths, and with fewer than 8 frames.
-    scale : float
-        Integral scale, ``1 + 2 sum rho`` up to its first value below zero [frames].
-    reason : str
-        Why there is no time; empty if there is.
-    """
-
-    rho: FloatArray
-    time: float
-    scale: float
-    reason: str = ""
+    rho: FloatArray  #: Correlation at 0, 1, 2 ... frames. Shape (lags,).
+    time: float  #: Where it falls to 1/e [s]; [frames] where no frame rate was given. NaN as for lengths, and with fewer than 8 frames.
+    scale: float  #: Integral scale, ``1 + 2 sum rho`` up to its first value below zero [frames].
+    reason: str = ""  #: Why there is no time; empty if there is.
 
 
 def spatial_correlation(

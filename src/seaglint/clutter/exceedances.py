@@ -17,11 +17,10 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.base.jit import njit
 from seaglint.clutter.filters import as_frames
 
-MAX_LAG: Final = 255
-"""Default number of lags [frames]: with the present frame four words of 64 bits per pixel."""
+MAX_LAG: Final = 255  #: Default number of lags [frames]: with the present frame four words of 64 bits per pixel.
 
+#: De Bruijn sequence: all 64 windows of six bits of this number differ, so that its product with 2^n has n written in its top bits.
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
-"""De Bruijn sequence: all 64 windows of six bits of this number differ, so that its product with 2^n has n written in its top bits."""
 
 _PLACES = np.argsort([((0x03F79D71B4CB0A89 << n) & (2**64 - 1)) >> 58 for n in range(64)])
 
@@ -71,21 +70,11 @@ def _joint(index: np.ndarray, t: int, last: np.ndarray, history: np.ndarray, joi
 
 @dataclass(frozen=True)
 class JointProbability:
-    """Autocorrelation of exceedances as in the source article (Fig. 6): probability that a pixel exceeds now and ``lag`` frames later.
+    """Autocorrelation of exceedances as in the source article (Fig. 6): probability that a pixel exceeds now and ``lag`` frames later."""
 
-    Attributes
-    ----------
-    lag : ndarray of int
-        0 ... L [frames].
-    joint : ndarray
-        R(lag) = P(b(t) = 1 and b(t + lag) = 1) [1]; R(0) is the rate p. NaN where no pair of frames exists.
-    rate : float
-        p [1].
-    """
-
-    lag: NDArray[np.int64]
-    joint: NDArray[np.float64]
-    rate: float
+    lag: NDArray[np.int64]  #: 0 ... L [frames].
+    joint: NDArray[np.float64]  #: R(lag) = P(b(t) = 1 and b(t + lag) = 1) [1]; R(0) is the rate p. NaN where no pair of frames exists.
+    rate: float  #: p [1].
 
     @property
     def correlation(self) -> NDArray[np.float64]:
@@ -167,34 +156,20 @@ class JointExceedances:
 
 @dataclass(frozen=True)
 class Events:
-    """Events of exceedances that touch in space (eight neighbours) or from one frame to the next (same or neighbouring pixel).
+    """Events of exceedances that touch in space (eight neighbours) or from one frame to the next (same or neighbouring pixel)."""
 
-    Attributes
-    ----------
-    first, duration : ndarray of int
-        First frame, and number of frames from first to last [frames].
-    size : ndarray of int
-        Exceeding pixels over all its frames [px].
-    peak : ndarray
-        Largest z [standard deviations]; ``row`` and ``column`` are where it occurred [px].
-    cut : ndarray of bool
-        Seen in the first or the last frame: the true duration is longer or equal.
-    frames, pixels : int
-        Frames looked at, and valid pixels over all frames.
-    threshold : float
-        In standard deviations [1].
-    """
-
+    #: ``first``, ``duration``: First frame, and number of frames from first to last [frames].
     first: NDArray[np.int64]
     duration: NDArray[np.int64]
-    size: NDArray[np.int64]
-    peak: NDArray[np.float64]
+    size: NDArray[np.int64]  #: Exceeding pixels over all its frames [px].
+    peak: NDArray[np.float64]  #: Largest z [standard deviations]; ``row`` and ``column`` are where it occurred [px].
     row: NDArray[np.int64]
     column: NDArray[np.int64]
-    cut: NDArray[np.bool_]
+    cut: NDArray[np.bool_]  #: Seen in the first or the last frame: the true duration is longer or equal.
+    #: ``frames``, ``pixels``: Frames looked at, and valid pixels over all frames.
     frames: int
     pixels: int
-    threshold: float
+    threshold: float  #: In standard deviations [1].
 
     def __len__(self) -> int:
         """Number of events."""

@@ -29,14 +29,12 @@ from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.false_alarms import BIN, RateCurve
 
-FEWEST_EVENTS: Final = 40
-"""Least number of events above u for fitting a tail: with 40 the shape is known to about 0.2."""
+FEWEST_EVENTS: Final = 40  #: Least number of events above u for fitting a tail: with 40 the shape is known to about 0.2.
 
-TRUSTED_SPAN: Final = 10.0
-"""Largest ratio of the ends of the 95 % interval at which an extrapolated rate is trusted."""
+TRUSTED_SPAN: Final = 10.0  #: Largest ratio of the ends of the 95 % interval at which an extrapolated rate is trusted.
 
+#: Number of data sets of which an extrapolated rate has at least one exceedance to be trusted; the data do not determine a rarer tail.
 TRUSTED_SETS: Final = 10.0
-"""Number of data sets of which an extrapolated rate has at least one exceedance to be trusted; the data do not determine a rarer tail."""
 
 _DRAWS = 1000
 _TEST_SIZE = 300  # from about 100 on, the null distribution of the distance no longer depends on the number of values
@@ -45,21 +43,11 @@ _HOPELESS, _HEAVY = 20.0, 0.5  # of 1500 draws of 300, the largest distance is 2
 
 @dataclass(frozen=True)
 class ParetoFit:
-    """Generalised Pareto distribution of excesses over a threshold.
+    """Generalised Pareto distribution of excesses over a threshold."""
 
-    Attributes
-    ----------
-    shape : float
-        xi [1]; 0 is an exponential tail, above 0 a power law, below 0 a tail that ends at ``-scale / shape``.
-    scale : float
-        beta [unit of the excesses].
-    log_likelihood : float
-        At the maximum [1].
-    """
-
-    shape: float
-    scale: float
-    log_likelihood: float
+    shape: float  #: xi [1]; 0 is an exponential tail, above 0 a power law, below 0 a tail that ends at ``-scale / shape``.
+    scale: float  #: beta [unit of the excesses].
+    log_likelihood: float  #: At the maximum [1].
 
     def survival(self, excess: ArrayLike) -> FloatArray:
         """Probability P(X > excess) [1]."""
@@ -154,33 +142,17 @@ def _draw(fit: ParetoFit, n: int, generator: np.random.Generator) -> FloatArray:
 
 @dataclass(frozen=True)
 class TailFit:
-    """Extrapolated rate-threshold relation of one region and filter.
+    """Extrapolated rate-threshold relation of one region and filter."""
 
-    Attributes
-    ----------
-    threshold : float
-        u, from which on the tail is described [standard deviations].
-    events : int
-        Events above u, taken as independent observations.
-    rate : float
-        Exceeding pixels per pixel and frame at u [1].
-    fit : ParetoFit
-        Distribution of the pixels' excess over u.
-    shape_interval : (float, float)
-        95 % interval of the shape [1].
-    goodness_p : float
-        Significance of the Anderson-Darling distance between data and fit, from 99 draws from the fit that are fitted anew [1].
-    trusted_to_sigma, trusted_to_rate : float
-        Threshold and rate up to which the 95 % interval of the rate spans less than a factor of :data:`TRUSTED_SPAN` and one exceedance in
-        :data:`TRUSTED_SETS` data sets is not undercut; given that the form of the tail holds.
-    """
-
-    threshold: float
-    events: int
-    rate: float
-    fit: ParetoFit
-    shape_interval: tuple[float, float]
+    threshold: float  #: u, from which on the tail is described [standard deviations].
+    events: int  #: Events above u, taken as independent observations.
+    rate: float  #: Exceeding pixels per pixel and frame at u [1].
+    fit: ParetoFit  #: Distribution of the pixels' excess over u.
+    shape_interval: tuple[float, float]  #: 95 % interval of the shape [1].
+    #: Significance of the Anderson-Darling distance between data and fit, from 99 draws from the fit that are fitted anew [1].
     goodness_p: float
+    #: ``trusted_to_sigma``, ``trusted_to_rate``: Threshold and rate up to which the 95 % interval of the rate spans less than a factor of
+    #: :data:`TRUSTED_SPAN` and one exceedance in :data:`TRUSTED_SETS` data sets is not undercut; given that the form of the tail holds.
     trusted_to_sigma: float
     trusted_to_rate: float
     _draws: tuple[FloatArray, FloatArray, FloatArray]

@@ -27,26 +27,21 @@ from seaglint.clutter.exceedances import MAX_LAG, Events, EventTracker, JointExc
 from seaglint.clutter.filters import as_frames
 from seaglint.clutter.thresholds import gaussian_rate
 
-BIN: Final = 0.02
-"""Width of a bin of the histogram of z [standard deviations]."""
+BIN: Final = 0.02  #: Width of a bin of the histogram of z [standard deviations].
 
-LOWEST: Final = -10.0
-"""Lower end of the histogram [standard deviations]; lower values are in the first bin."""
+LOWEST: Final = -10.0  #: Lower end of the histogram [standard deviations]; lower values are in the first bin.
 
+#: Upper end of the histogram [standard deviations]: a single bright pixel among 22 500. Higher values are in the last bin.
 HIGHEST: Final = 150.0
-"""Upper end of the histogram [standard deviations]: a single bright pixel among 22 500. Higher values are in the last bin."""
 
 _LOWEST, _PER_SIGMA = -10.0, 50.0
 _BINS = round((HIGHEST - LOWEST) / BIN)
 
-SEGMENTS: Final = 256
-"""Largest number of time segments of the counts; when it is reached, neighbours are joined."""
+SEGMENTS: Final = 256  #: Largest number of time segments of the counts; when it is reached, neighbours are joined.
 
-LONE_SHARE: Final = 0.15
-"""Share of a region's exceedances above which a single row or column is examined."""
+LONE_SHARE: Final = 0.15  #: Share of a region's exceedances above which a single row or column is examined.
 
-LONE_TIMES: Final = 4.0
-"""Ratio of the exceedances of a row or column to those beside it above which it is reported."""
+LONE_TIMES: Final = 4.0  #: Ratio of the exceedances of a row or column to those beside it above which it is reported.
 
 
 @njit
@@ -86,40 +81,21 @@ def _tally(index: np.ndarray, columns: int, tile: int, cells: np.ndarray) -> Non
 
 @dataclass(frozen=True)
 class FalseAlarmRate:
-    """Rate of exceedances of one threshold.
+    """Rate of exceedances of one threshold."""
 
-    Attributes
-    ----------
-    threshold_sigma : float
-        Threshold [standard deviations].
-    exceedances, pixels : int
-        Pixels above it and pixels looked at, over all frames.
-    rate : float
-        Exceedances per pixel and frame [1].
-    rate_low, rate_high : float or None
-        Ends of the confidence interval [1]; None where none can be given, see ``note``.
-    level : float
-        Level of the interval [1].
-    gaussian_rate : float
-        One-sided Gaussian tail [1].
-    inflation : float or None
-        Variance of the rate over that of independent pixels [1]; pixels / inflation is the effective number.
-    correlation_time : float or None
-        1/e time of the exceedances [frames]; None with the reason in ``correlation_note``.
-    note, correlation_note : str or None
-        Why something is absent, or what the interval rests on.
-    """
-
-    threshold_sigma: float
+    threshold_sigma: float  #: Threshold [standard deviations].
+    #: ``exceedances``, ``pixels``: Pixels above it and pixels looked at, over all frames.
     exceedances: int
     pixels: int
-    rate: float
+    rate: float  #: Exceedances per pixel and frame [1].
+    #: ``rate_low``, ``rate_high``: Ends of the confidence interval [1]; None where none can be given, see ``note``.
     rate_low: float | None
     rate_high: float | None
-    level: float
-    gaussian_rate: float
-    inflation: float | None
-    correlation_time: float | None
+    level: float  #: Level of the interval [1].
+    gaussian_rate: float  #: One-sided Gaussian tail [1].
+    inflation: float | None  #: Variance of the rate over that of independent pixels [1]; pixels / inflation is the effective number.
+    correlation_time: float | None  #: 1/e time of the exceedances [frames]; None with the reason in ``correlation_note``.
+    #: ``note``, ``correlation_note``: Why something is absent, or what the interval rests on.
     note: str | None = None
     correlation_note: str | None = None
 
@@ -131,21 +107,11 @@ class FalseAlarmRate:
 
 @dataclass(frozen=True)
 class RateCurve:
-    """Rate of exceedances at every threshold, from the histogram.
+    """Rate of exceedances at every threshold, from the histogram."""
 
-    Attributes
-    ----------
-    threshold : ndarray
-        Lower edges of the bins [standard deviations].
-    exceedances : ndarray of int
-        Pixels at or above each.
-    pixels : int
-        Pixels looked at.
-    """
-
-    threshold: NDArray[np.float64]
-    exceedances: NDArray[np.int64]
-    pixels: int
+    threshold: NDArray[np.float64]  #: Lower edges of the bins [standard deviations].
+    exceedances: NDArray[np.int64]  #: Pixels at or above each.
+    pixels: int  #: Pixels looked at.
 
     @property
     def rate(self) -> NDArray[np.float64]:

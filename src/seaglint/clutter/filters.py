@@ -361,8 +361,8 @@ def autocovariance(frames: ArrayLike, reach: int) -> NDArray[np.float64]:
     return np.asarray((products / np.maximum(np.round(pairs), 1.0))[np.ix_(lags, lags)])
 
 
+#: Names of the filters that need no further input.
 NAMES: Final = ("laplacian", "difference_of_gaussians", "median_subtraction", "top_hat", "none")
-"""Names of the filters that need no further input."""
 
 
 @dataclass(frozen=True)

@@ -39,40 +39,23 @@ STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far bel
 
 @dataclass(frozen=True)
 class Fit:
-    """Fit of one family of distributions to one set of values.
+    """Fit of one family of distributions to one set of values."""
 
-    Attributes
-    ----------
-    family : str
-        One of :data:`FAMILIES`.
-    shape, loc, scale : float or None
-        Parameters as in the module's table; ``shape`` is None for the Gaussian. All None where there is no fit.
-    shape_interval, loc_interval, scale_interval : (float, float) or None
-        95 % confidence intervals; None for what was given or does not exist.
-    log_likelihood : float or None
-        Sum over the values, as if independent.
-    count : int
-        Values fitted.
-    effective_count : float
-        Number of independent values the intervals are for.
-    reason : str
-        Why there is no fit; empty if there is.
-    excluded : float
-        Share of the values that is not above ``loc`` and was left out, at most 0.02 (zeros of an integer picture).
-    """
-
-    family: Family
+    family: Family  #: One of :data:`FAMILIES`.
+    #: ``shape``, ``loc``, ``scale``: Parameters as in the module's table; ``shape`` is None for the Gaussian. All None where there is no
+    #: fit.
     shape: float | None
     loc: float | None
     scale: float | None
+    #: ``shape_interval``, ``loc_interval``, ``scale_interval``: 95 % confidence intervals; None for what was given or does not exist.
     shape_interval: tuple[float, float] | None
     loc_interval: tuple[float, float] | None
     scale_interval: tuple[float, float] | None
-    log_likelihood: float | None
-    count: int
-    effective_count: float
-    reason: str = ""
-    excluded: float = 0.0
+    log_likelihood: float | None  #: Sum over the values, as if independent.
+    count: int  #: Values fitted.
+    effective_count: float  #: Number of independent values the intervals are for.
+    reason: str = ""  #: Why there is no fit; empty if there is.
+    excluded: float = 0.0  #: Share of the values that is not above ``loc`` and was left out, at most 0.02 (zeros of an integer picture).
 
     @property
     def is_valid(self) -> bool:

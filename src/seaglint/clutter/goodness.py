@@ -24,38 +24,22 @@ from seaglint.clutter.fits import Fit, cdf, draw, scores
 METHOD = "parametric bootstrap of the fit with the effective number of independent values"
 MOST_INDEPENDENT = 2000
 FEWEST_INDEPENDENT = 8
-FEWEST_JUDGED = 50
-"""Least number of independent values for judging a fit: with fewer, a test at 5 % does not detect a distance of 0.12."""
+FEWEST_JUDGED = 50  #: Least number of independent values for judging a fit: with fewer, a test at 5 % does not detect a distance of 0.12.
 
 
 @dataclass(frozen=True)
 class Goodness:
-    """Distances between sample and fit with their levels.
+    """Distances between sample and fit with their levels."""
 
-    Attributes
-    ----------
-    ks : float
-        Largest distance between the two distribution functions [1].
-    ks_p, ad_p : float
-        Probability of such a distance or a larger one if the fit's family is right, at least ``1 / (replicates + 1)``; NaN with
-        fewer than 8 independent values.
-    ad : float
-        Anderson-Darling ``A^2`` per value times ``effective_count``: what that many independent values would show [1].
-    effective_count : float
-        Independent values.
-    replicates : int
-        Number of replicates of the bootstrap.
-    method : str
-        One line for reports.
-    """
-
-    ks: float
+    ks: float  #: Largest distance between the two distribution functions [1].
+    #: ``ks_p``, ``ad_p``: Probability of such a distance or a larger one if the fit's family is right, at least ``1 / (replicates + 1)``;
+    #: NaN with fewer than 8 independent values.
     ks_p: float
-    ad: float
-    ad_p: float
-    effective_count: float
-    replicates: int
-    method: str = METHOD
+    ad: float  #: Anderson-Darling ``A^2`` per value times ``effective_count``: what that many independent values would show [1].
+    ad_p: float  #: See ``ks_p``.
+    effective_count: float  #: Independent values.
+    replicates: int  #: Number of replicates of the bootstrap.
+    method: str = METHOD  #: One line for reports.
 
 
 def distances(probability: FloatArray, weights: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:

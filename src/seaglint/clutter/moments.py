@@ -24,25 +24,15 @@ LEAST_RELATIVE_SPREAD = 1e-12
 
 @dataclass(frozen=True)
 class Moments:
-    """Moments of a set of values; add two to merge them.
+    """Moments of a set of values; add two to merge them."""
 
-    Attributes
-    ----------
-    count : int
-        Values that are not NaN.
-    mean : float
-        Arithmetic mean, unit of the data; NaN for an empty set.
-    sum2, sum3, sum4 : float
-        ``sum (x - mean)^p``, p = 2, 3, 4.
-    minimum, maximum : float
-        Extremes; inf and -inf for an empty set.
-    """
-
-    count: int = 0
-    mean: float = np.nan
+    count: int = 0  #: Values that are not NaN.
+    mean: float = np.nan  #: Arithmetic mean, unit of the data; NaN for an empty set.
+    #: ``sum2``, ``sum3``, ``sum4``: ``sum (x - mean)^p``, p = 2, 3, 4.
     sum2: float = 0.0
     sum3: float = 0.0
     sum4: float = 0.0
+    #: ``minimum``, ``maximum``: Extremes; inf and -inf for an empty set.
     minimum: float = np.inf
     maximum: float = -np.inf
 
@@ -96,14 +86,10 @@ class Moments:
 
 @dataclass(frozen=True)
 class PixelMoments:
-    """Moments in time of every pixel: one pass over a recording gives those of every region, selected later.
+    """Moments in time of every pixel: one pass over a recording gives those of every region, selected later."""
 
-    Attributes
-    ----------
-    count, mean, sum2, sum3, sum4, minimum, maximum : ndarray, shape (rows, columns)
-        Sums as in :class:`Moments`; mean is 0 where count is 0.
-    """
-
+    #: ``count``, ``mean``, ``sum2``, ``sum3``, ``sum4``, ``minimum``, ``maximum``: Sums as in :class:`Moments`; mean is 0 where count is 0.
+    #: Shape (rows, columns).
     count: NDArray[np.int64]
     mean: FloatArray
     sum2: FloatArray

@@ -41,42 +41,25 @@ CLEAR_BORDER = 0.38
 
 @dataclass(frozen=True)
 class Segmentation:
-    """Regions of a picture, with the criteria of the decision.
+    """Regions of a picture, with the criteria of the decision."""
 
-    Attributes
-    ----------
-    glint, background, sky : ndarray of bool, shape (rows, columns)
-        Disjoint; pixels without data are in none of them. ``glint`` is empty where nothing was found.
-    found : bool
-        Whether there is a corridor.
-    separability : float
-        Otsu's criterion, variance between the two classes over total variance of the envelope [1]; NaN if not decidable.
-    contrast : float
-        Mean of the corridor above the background's in standard deviations of the background's pixels [1].
-    texture_ratio : float
-        Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
-    border_step : float
-        Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer
-        half of the background [1]; NaN where there is no border, or less contrast than a corridor has.
-    reason : str
-        Why there is none; empty if found.
-    doubt : str
-        Criteria that a corridor passes only narrowly; empty where it is clear, and where there is none.
-    method : str
-        One line for reports.
-    """
-
+    #: ``glint``, ``background``, ``sky``: Disjoint; pixels without data are in none of them. ``glint`` is empty where nothing was found.
+    #: Shape (rows, columns).
     glint: BoolArray
     background: BoolArray
     sky: BoolArray
-    found: bool
+    found: bool  #: Whether there is a corridor.
+    #: Otsu's criterion, variance between the two classes over total variance of the envelope [1]; NaN if not decidable.
     separability: float
-    contrast: float
+    contrast: float  #: Mean of the corridor above the background's in standard deviations of the background's pixels [1].
+    #: Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
     texture_ratio: float
+    #: Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer half of
+    #: the background [1]; NaN where there is no border, or less contrast than a corridor has.
     border_step: float
-    reason: str
-    doubt: str = ""
-    method: str = METHOD
+    reason: str  #: Why there is none; empty if found.
+    doubt: str = ""  #: Criteria that a corridor passes only narrowly; empty where it is clear, and where there is none.
+    method: str = METHOD  #: One line for reports.
 
 
 def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:

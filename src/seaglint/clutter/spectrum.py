@@ -15,21 +15,12 @@ SMALLEST = 8  # px; a smaller square has no frequency between its first and the 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Two-sided power spectral density.
+    """Two-sided power spectral density."""
 
-    Attributes
-    ----------
-    frequency : ndarray, shape (size,)
-        Rising from -1/2 [cycles/px], the same along both axes.
-    density : ndarray, shape (size, size)
-        Rows are frequencies along y, columns along x [unit² px²]; its sum times the cell ``1/size²`` is the variance.
-    segments : int
-        Squares averaged; 0 where none was whole, then density is NaN.
-    """
-
-    frequency: FloatArray
+    frequency: FloatArray  #: Rising from -1/2 [cycles/px], the same along both axes. Shape (size,).
+    #: Rows are frequencies along y, columns along x [unit² px²]; its sum times the cell ``1/size²`` is the variance. Shape (size, size).
     density: FloatArray
-    segments: int
+    segments: int  #: Squares averaged; 0 where none was whole, then density is NaN.
 
     @property
     def variance(self) -> float:

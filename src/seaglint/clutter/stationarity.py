@@ -25,32 +25,19 @@ SMALLEST_SIDE = 8
 
 @dataclass(frozen=True)
 class Stationarity:
-    """Local moments and the test of their equality.
+    """Local moments and the test of their equality."""
 
-    Attributes
-    ----------
-    stationary : bool or None
-        False if the hypothesis is rejected at 5 %; None if not decidable.
-    p_mean, p_variance : float
-        Levels for the blocks' means and variances, each by itself; NaN if not decidable.
-    mean, variance : ndarray, shape (blocks along y, blocks along x)
-        Mean and variance of the blocks; NaN where less than half a block is in the region.
-    block : (int, int)
-        Rows and columns of a block [px].
-    reason : str
-        Why it is not decidable; empty if it is.
-    method : str
-        One line for reports.
-    """
-
-    stationary: bool | None
+    stationary: bool | None  #: False if the hypothesis is rejected at 5 %; None if not decidable.
+    #: ``p_mean``, ``p_variance``: Levels for the blocks' means and variances, each by itself; NaN if not decidable.
     p_mean: float
     p_variance: float
+    #: ``mean``, ``variance``: Mean and variance of the blocks; NaN where less than half a block is in the region. Shape (blocks along y,
+    #: blocks along x).
     mean: FloatArray
     variance: FloatArray
-    block: tuple[int, int]
-    reason: str
-    method: str = METHOD
+    block: tuple[int, int]  #: Rows and columns of a block [px].
+    reason: str  #: Why it is not decidable; empty if it is.
+    method: str = METHOD  #: One line for reports.
 
 
 def stationarity(

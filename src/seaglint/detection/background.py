@@ -21,8 +21,7 @@ from seaglint.detection.sources import FrameSource
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 
-KEPT_BYTES: Final = 512e6
-"""Size of the statistic up to which it is held in memory; a larger one is written to a temporary file [B]."""
+KEPT_BYTES: Final = 512e6  #: Size of the statistic up to which it is held in memory; a larger one is written to a temporary file [B].
 
 _BLOCK_BYTES = 8e6
 
@@ -37,21 +36,11 @@ def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> It
 
 @dataclass(frozen=True)
 class Windows:
-    """Windows of frames that a detector uses: none spans two sequences.
+    """Windows of frames that a detector uses: none spans two sequences."""
 
-    Attributes
-    ----------
-    frames : int
-        Frames of the source.
-    length : int
-        Frames of each of its sequences; all of them where it is one.
-    lead : int
-        Earlier frames that the detector needs.
-    """
-
-    frames: int
-    length: int
-    lead: int
+    frames: int  #: Frames of the source.
+    length: int  #: Frames of each of its sequences; all of them where it is one.
+    lead: int  #: Earlier frames that the detector needs.
 
     @classmethod
     def of(cls, source: FrameSource, lead: int) -> Windows:
@@ -84,24 +73,13 @@ class Windows:
 
 @dataclass(frozen=True)
 class Threshold:
-    """Threshold and the way it was specified.
+    """Threshold and the way it was specified."""
 
-    Attributes
-    ----------
-    law : {"sigma", "frame", "fixed", "design"}
-        Standard deviations above the mean, of all frames or of each; the statistic's own units; or a designed rate of false alarms.
-    given : float
-        The number, in the law's unit.
-    sigma : float
-        Threshold in standard deviations above the mean [1].
-    estimated : bool
-        Whether it stands on the measured mean and standard deviation.
-    """
-
+    #: Standard deviations above the mean, of all frames or of each; the statistic's own units; or a designed rate of false alarms.
     law: Law
-    given: float
-    sigma: float
-    estimated: bool
+    given: float  #: The number, in the law's unit.
+    sigma: float  #: Threshold in standard deviations above the mean [1].
+    estimated: bool  #: Whether it stands on the measured mean and standard deviation.
 
 
 class Background:
@@ -226,24 +204,12 @@ class Background:
 
 @dataclass(frozen=True)
 class FalseAlarmCount:
-    """False alarms of a threshold over all windows.
+    """False alarms of a threshold over all windows."""
 
-    Attributes
-    ----------
-    alarms : FalseAlarms
-        Rates, events and the rate curve of z.
-    cells : SegmentSums
-        Cells from which intervals are computed.
-    per_pixel : Interval
-        Rate per pixel and frame [1].
-    per_frame : Interval
-        Share of frames with at least one false alarm [1].
-    """
-
-    alarms: FalseAlarms
-    cells: SegmentSums
-    per_pixel: Interval
-    per_frame: Interval
+    alarms: FalseAlarms  #: Rates, events and the rate curve of z.
+    cells: SegmentSums  #: Cells from which intervals are computed.
+    per_pixel: Interval  #: Rate per pixel and frame [1].
+    per_frame: Interval  #: Share of frames with at least one false alarm [1].
 
 
 def count_false_alarms(background: Background, threshold: Threshold, level: float = 0.95) -> FalseAlarmCount:

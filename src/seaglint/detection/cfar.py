@@ -26,8 +26,7 @@ from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
 
 Clutter = Literal["exponential", "gaussian"]
 
-HIGHEST: Final = 37.0
-"""Largest equivalent standard deviation; its tail, 1e-299, is near the least number there is."""
+HIGHEST: Final = 37.0  #: Largest equivalent standard deviation; its tail, 1e-299, is near the least number there is.
 
 _NODES: Final = np.linspace(-8.0, HIGHEST, 9001)
 

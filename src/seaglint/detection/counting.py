@@ -21,17 +21,10 @@ class Counting:
     Electrons of background and object are independent Poisson numbers, so that those of the object may be added to frames which have the
     noise of the background already. The converter has rounded these: what is added is rounded up or down at random, so that its mean
     stays, and the sum takes the converter's values again.
-
-    Attributes
-    ----------
-    electrons : float, optional
-        Electrons for each unit of the frames [1/u]; None where a sensor has no shot noise.
-    step : float
-        Step of the converter [u].
     """
 
-    electrons: float | None
-    step: float
+    electrons: float | None  #: Electrons for each unit of the frames [1/u]; None where a sensor has no shot noise.
+    step: float  #: Step of the converter [u].
 
     def draws(self, seed: int, first: int, shape: tuple[int, int, int]) -> FloatArray:
         """Two uniform numbers for each pixel, functions of seed, frame and place, shape (k, 2, rows, columns).

@@ -19,8 +19,7 @@ from seaglint.detection.scoring import Interval, Scores, interval_of_sequences
 from seaglint.detection.sources import FrameSource, PlainFrames
 from seaglint.detection.trials import InjectedObjects, run_trials
 
-COUNTED: Final = 30
-"""Least number of false alarms at a threshold whose rate is counted rather than extrapolated."""
+COUNTED: Final = 30  #: Least number of false alarms at a threshold whose rate is counted rather than extrapolated.
 
 _STEPS = 5
 _ROUNDS = 3
@@ -29,26 +28,15 @@ _DECADES = 5
 
 @dataclass(frozen=True)
 class RateThreshold:
-    """Threshold for a rate of false alarms.
+    """Threshold for a rate of false alarms."""
 
-    Attributes
-    ----------
-    sigma : float
-        In standard deviations above the mean [1].
-    p_fa, low, high : float
-        Rate per pixel and the ends of its interval [1].
-    how : {"counted", "extrapolated", "gaussian"}
-        From the pixels above it, from the tail's fit, or by the law of white noise.
-    believed : bool
-        Whether the rate is to be believed.
-    """
-
-    sigma: float
+    sigma: float  #: In standard deviations above the mean [1].
+    #: ``p_fa``, ``low``, ``high``: Rate per pixel and the ends of its interval [1].
     p_fa: float
     low: float
     high: float
-    how: str
-    believed: bool
+    how: str  #: From the pixels above it, from the tail's fit, or by the law of white noise.
+    believed: bool  #: Whether the rate is to be believed.
 
 
 def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
@@ -79,22 +67,13 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
 
 @dataclass(frozen=True)
 class NeededContrast:
-    """Contrast for a required P_d.
+    """Contrast for a required P_d."""
 
-    Attributes
-    ----------
-    contrast : float
-        Signal of an object in the pixel at whose centre it lies [u].
-    low, high : float or None
-        Contrasts at which the required P_d is at the upper and the lower end of its interval [u].
-    tried : tuple
-        Contrasts and P_d on the way, rising.
-    """
-
-    contrast: float
+    contrast: float  #: Signal of an object in the pixel at whose centre it lies [u].
+    #: ``low``, ``high``: Contrasts at which the required P_d is at the upper and the lower end of its interval [u].
     low: float | None
     high: float | None
-    tried: tuple[tuple[float, float], ...]
+    tried: tuple[tuple[float, float], ...]  #: Contrasts and P_d on the way, rising.
 
 
 def contrast_for(

@@ -23,11 +23,9 @@ from seaglint.detection.spot import SpotShape
 IntArray = NDArray[np.int64]
 Placement = Literal["random", "centre"]
 
-SHARED: Final = 100
-"""Number of injections that share a window of frames, where there is space, before another window is used."""
+SHARED: Final = 100  #: Number of injections that share a window of frames, where there is space, before another window is used.
 
-LOOSE_PITCH: Final = 32
-"""Distance of objects [px] for detectors that may use the whole frame, for which sharing is not exact."""
+LOOSE_PITCH: Final = 32  #: Distance of objects [px] for detectors that may use the whole frame, for which sharing is not exact.
 
 _BLOCK = 4096
 _EMPTY_BATCHES = 20
@@ -35,22 +33,13 @@ _EMPTY_BATCHES = 20
 
 @dataclass(frozen=True)
 class Batch:
-    """Batch of objects that share a window of frames.
+    """Batch of objects that share a window of frames."""
 
-    Attributes
-    ----------
-    window : int
-        Number of the window.
-    row, column : ndarray of int, shape (n,)
-        Pixels that hold the objects in the last frame of the window [px].
-    offset : ndarray, shape (n, 2)
-        Displacement from the pixel's centre, row and column [px].
-    """
-
-    window: int
+    window: int  #: Number of the window.
+    #: ``row``, ``column``: Pixels that hold the objects in the last frame of the window [px, (n,)].
     row: IntArray
     column: IntArray
-    offset: FloatArray
+    offset: FloatArray  #: Displacement from the pixel's centre, row and column [px, (n, 2)].
 
     @property
     def size(self) -> int:

@@ -30,8 +30,8 @@ from seaglint.base.errors import DataError
 
 Frames = NDArray[np.float32]
 
+#: Distribution of a calibrated statistic on the clutter it is designed for.
 GAUSSIAN_TAIL: Final = "equivalent standard deviations: exceeds m with probability Q(m)"
-"""Distribution of a calibrated statistic on the clutter it is designed for."""
 
 
 @runtime_checkable
@@ -134,30 +134,14 @@ def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]
 
 @dataclass(frozen=True)
 class UserDetector:
-    """Detector from a user's function; its results are checked at every call.
+    """Detector from a user's function; its results are checked at every call."""
 
-    Attributes
-    ----------
-    function : callable
-        Frames (k, rows, columns), float32, to an array (k - lead, rows, columns) of numbers.
-    name : str
-        Name in the results.
-    lead : int
-        Earlier frames needed [frames].
-    calibrated : bool
-        Whether the statistic is in equivalent standard deviations.
-    takes_nan : bool
-        Whether the function gets NaN where values are missing, rather than frames filled by :func:`filled`.
-    reach : int, optional
-        Pixels around a pixel on which its statistic depends [px]; the whole frame where nothing is said.
-    """
-
-    function: Callable[[Frames], Any]
-    name: str
-    lead: int = 0
-    calibrated: bool = False
-    takes_nan: bool = False
-    reach: int | None = None
+    function: Callable[[Frames], Any]  #: Frames (k, rows, columns), float32, to an array (k - lead, rows, columns) of numbers.
+    name: str  #: Name in the results.
+    lead: int = 0  #: Earlier frames needed [frames].
+    calibrated: bool = False  #: Whether the statistic is in equivalent standard deviations.
+    takes_nan: bool = False  #: Whether the function gets NaN where values are missing, rather than frames filled by :func:`filled`.
+    reach: int | None = None  #: Pixels around a pixel on which its statistic depends [px]; the whole frame where nothing is said.
     linear: bool = field(default=False, init=False)
 
     @property

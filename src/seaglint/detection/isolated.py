@@ -18,11 +18,9 @@ import numpy as np
 from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
 
-TIME_LIMIT: Final = 60.0
-"""Default time limit of a call [s]."""
+TIME_LIMIT: Final = 60.0  #: Default time limit of a call [s].
 
-START_LIMIT: Final = 120.0
-"""Time limit for importing the module [s]."""
+START_LIMIT: Final = 120.0  #: Time limit for importing the module [s].
 
 
 class IsolatedDetector:

@@ -24,12 +24,11 @@ from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import Kernel, MatchedFilter, as_frames, autocovariance
 from seaglint.detection.interface import Frames
 
+#: Share of the variance to which smaller eigenvalues of an estimated covariance are raised: they may come out at 0 or below.
 LEAST_EIGENVALUE: Final = 1e-6
-"""Share of the variance to which smaller eigenvalues of an estimated covariance are raised: they may come out at 0 or below."""
 
 
-TILE: Final = 64
-"""Side of tiles with a covariance of their own, where the object is not too large for it [px]."""
+TILE: Final = 64  #: Side of tiles with a covariance of their own, where the object is not too large for it [px].
 
 
 def covariance_matrix(lags: ArrayLike, shape: tuple[int, int]) -> FloatArray:

@@ -15,8 +15,7 @@ from seaglint.base.errors import DomainError
 from seaglint.detection.interface import Frames
 from seaglint.detection.registration import displacement, moved
 
-_SPLINE_REACH = 12
-"""Reach of the cubic spline of a moved frame [px]: its weights fall by 0.27 a pixel, here below 1e-6."""
+_SPLINE_REACH = 12  #: Reach of the cubic spline of a moved frame [px]: its weights fall by 0.27 a pixel, here below 1e-6.
 
 
 @dataclass(frozen=True)

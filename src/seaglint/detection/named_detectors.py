@@ -36,11 +36,9 @@ _PLAIN: Final[dict[str, Callable[[], Detector]]] = {
 
 _SHAPED: Final = ("matched", "matched-global", "matched-local", "log")
 
-CORE: Final = 0.999
-"""Share of its energy that a signature keeps where covariances are estimated."""
+CORE: Final = 0.999  #: Share of its energy that a signature keeps where covariances are estimated.
 
-NAMES: Final = (*_PLAIN, *_SHAPED)
-"""Names of the detectors of this package; the last ones need the object's shape."""
+NAMES: Final = (*_PLAIN, *_SHAPED)  #: Names of the detectors of this package; the last ones need the object's shape.
 
 
 def named(name: str) -> Detector:

@@ -18,8 +18,7 @@ from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import as_frames
 from seaglint.detection.interface import Frames, filled
 
-TOLERANCE: Final = 1e-5
-"""Ratio of the residual of the decomposition to the norm of the patch image at which the iteration ends."""
+TOLERANCE: Final = 1e-5  #: Ratio of the residual of the decomposition to the norm of the patch image at which the iteration ends.
 
 _MOST = 60
 

@@ -19,8 +19,7 @@ from seaglint.detection.spot import SpotShape
 
 Pointing = Literal["least-squares", "centroid"]
 
-FARTHEST: Final = 1.0
-"""Displacement from the brightest pixel beyond which a fit is rejected [px]."""
+FARTHEST: Final = 1.0  #: Displacement from the brightest pixel beyond which a fit is rejected [px].
 
 _STEP = 1e-3
 _ITERATIONS = 8

@@ -24,44 +24,33 @@ from seaglint.clutter.exceedances import Events
 from seaglint.clutter.extremes import TRUSTED_SETS, TRUSTED_SPAN, TailFit, fit_tail
 from seaglint.clutter.false_alarms import RateCurve
 
-LOWEST_THRESHOLD: Final = 3.0
-"""Threshold above which the events of a tail begin [standard deviations]."""
+LOWEST_THRESHOLD: Final = 3.0  #: Threshold above which the events of a tail begin [standard deviations].
 
+#: Number of largest events that are fitted: with them rates of 1e-7 from a million values cover the truth of Gaussian and gamma clutter.
 MOST_EVENTS: Final = 1500
-"""Number of largest events that are fitted: with them rates of 1e-7 from a million values cover the truth of Gaussian and gamma clutter."""
 
+#: Half width of the confidence region [standard errors].
+#:
+#: With 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples, as the tail is not of the fit's form yet.
 QUANTILE: Final = 2.1
-"""Half width of the confidence region [standard errors].
-
-With 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples, as the tail is not of the fit's form yet.
-"""
 
 _GRID = 121
 
 
-RARE: Final = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-"""Rates whose thresholds are reported [1]."""
+RARE: Final = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)  #: Rates whose thresholds are reported [1].
 
 
 @dataclass(frozen=True)
 class RareRate:
-    """Extrapolated rate of false alarms.
+    """Extrapolated rate of false alarms."""
 
-    Attributes
-    ----------
-    threshold_sigma : float
-        Threshold [standard deviations].
-    rate, low, high : float
-        Rate per pixel and the ends of its 95 % interval [1].
-    believed : bool
-        Whether the interval is narrower than a factor of :data:`seaglint.clutter.extremes.TRUSTED_SPAN`, and one exceedance in
-        :data:`seaglint.clutter.extremes.TRUSTED_SETS` data sets is not undercut.
-    """
-
-    threshold_sigma: float
+    threshold_sigma: float  #: Threshold [standard deviations].
+    #: ``rate``, ``low``, ``high``: Rate per pixel and the ends of its 95 % interval [1].
     rate: float
     low: float
     high: float
+    #: Whether the interval is narrower than a factor of :data:`seaglint.clutter.extremes.TRUSTED_SPAN`, and one exceedance in
+    #: :data:`seaglint.clutter.extremes.TRUSTED_SETS` data sets is not undercut.
     believed: bool
 
 
@@ -79,30 +68,15 @@ class StatisticSteps(Protocol):
 
 @dataclass(frozen=True)
 class RareTail:
-    """Tail of a statistic on frames without objects.
+    """Tail of a statistic on frames without objects."""
 
-    Attributes
-    ----------
-    fit : TailFit or None
-        None where nothing can be fitted, with the reason in ``note``.
-    extremal_index : float
-        Events over exceedances at the threshold of the fit [1]: one over the mean size of a cluster.
-    pixels : int
-        Values it rests on.
-    note : str or None
-        Why there is no fit.
-    region : (ndarray, ndarray)
-        Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
-    levels : StatisticSteps, optional
-        Levels of a stepped statistic: thresholds are stated as the middle between two of them.
-    """
-
-    fit: TailFit | None
-    extremal_index: float
-    pixels: int
-    note: str | None = None
+    fit: TailFit | None  #: None where nothing can be fitted, with the reason in ``note``.
+    extremal_index: float  #: Events over exceedances at the threshold of the fit [1]: one over the mean size of a cluster.
+    pixels: int  #: Values it rests on.
+    note: str | None = None  #: Why there is no fit.
+    #: Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
     region: tuple[FloatArray, FloatArray] = field(default=(np.empty(0), np.empty(0)), repr=False)
-    levels: StatisticSteps | None = None
+    levels: StatisticSteps | None = None  #: Levels of a stepped statistic: thresholds are stated as the middle between two of them.
 
     def at(self, threshold_sigma: float) -> RareRate | None:
         """Rate at a threshold [standard deviations]; None below the threshold of the fit."""

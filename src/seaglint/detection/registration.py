@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.errors import DataError
 from seaglint.detection.interface import Frames
 
-FINENESS = 50
-"""Number of parts of a pixel to which a shift is refined: far finer than the noise."""
+FINENESS = 50  #: Number of parts of a pixel to which a shift is refined: far finer than the noise.
 
 
 def _prepared(image: ArrayLike) -> NDArray[np.float64]:

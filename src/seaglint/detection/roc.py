@@ -13,28 +13,19 @@ from seaglint.clutter.cluster_variance import score_interval
 from seaglint.clutter.false_alarms import RateCurve
 from seaglint.detection.scoring import Scores
 
-POINTS: Final = 120
-"""Number of thresholds of the characteristic."""
+POINTS: Final = 120  #: Number of thresholds of the characteristic.
 
 
 @dataclass(frozen=True)
 class Roc:
-    """Operating characteristic.
+    """Operating characteristic."""
 
-    Attributes
-    ----------
-    threshold : ndarray
-        In standard deviations, rising [1].
-    p_fa, p_fa_low, p_fa_high : ndarray
-        Rate of false alarms per pixel with its band [1].
-    p_d, p_d_low, p_d_high : ndarray
-        Share of objects detected with its band [1].
-    """
-
-    threshold: FloatArray
+    threshold: FloatArray  #: In standard deviations, rising [1].
+    #: ``p_fa``, ``p_fa_low``, ``p_fa_high``: Rate of false alarms per pixel with its band [1].
     p_fa: FloatArray
     p_fa_low: FloatArray
     p_fa_high: FloatArray
+    #: ``p_d``, ``p_d_low``, ``p_d_high``: Share of objects detected with its band [1].
     p_d: FloatArray
     p_d_low: FloatArray
     p_d_high: FloatArray

@@ -20,20 +20,15 @@ from seaglint.detection.injection import Batch
 
 IntArray = NDArray[np.int64]
 
-SEGMENTS: Final = 256
-"""Largest number of time segments in which exceedances are counted."""
+SEGMENTS: Final = 256  #: Largest number of time segments in which exceedances are counted.
 
-TILES: Final = 32
-"""Largest number of tiles of a frame along an axis."""
+TILES: Final = 32  #: Largest number of tiles of a frame along an axis.
 
-COARSER: Final = 4
-"""Number of tiles and segments of the background in one of the injections' cells: an object is rarer than a pixel."""
+COARSER: Final = 4  #: Number of tiles and segments of the background in one of the injections' cells: an object is rarer than a pixel.
 
-FEWEST: Final = 10
-"""Least number of occurrences for estimating their clustering."""
+FEWEST: Final = 10  #: Least number of occurrences for estimating their clustering.
 
-FEWEST_SEQUENCES: Final = 6
-"""Least number of independent sequences whose scatter alone gives the intervals."""
+FEWEST_SEQUENCES: Final = 6  #: Least number of independent sequences whose scatter alone gives the intervals.
 
 _WINDOW = 0.25
 
@@ -74,30 +69,18 @@ def best(values: FloatArray) -> tuple[FloatArray, IntArray]:
 
 @dataclass(frozen=True)
 class Scores:
-    """Scores of injected objects of one contrast.
+    """Scores of injected objects of one contrast."""
 
-    Attributes
-    ----------
-    contrast : float
-        Signal of an object in the pixel at whose centre it lies [u].
-    score : ndarray, shape (n,)
-        Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector says
-        nothing once the object is there.
-    window, row, column : ndarray of int, shape (n,)
-        Window of frames and pixel that hold the object.
-    error : ndarray, shape (n, 2)
-        Estimated less true place, row and column [px]; NaN where none was estimated.
-    offset : ndarray, shape (n, 2)
-        Displacement from the pixel's centre [px].
-    """
-
-    contrast: float
+    contrast: float  #: Signal of an object in the pixel at whose centre it lies [u].
+    #: Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector says nothing
+    #: once the object is there. Shape (n,).
     score: FloatArray
+    #: ``window``, ``row``, ``column``: Window of frames and pixel that hold the object. Shape (n,).
     window: IntArray
     row: IntArray
     column: IntArray
-    error: FloatArray
-    offset: FloatArray
+    error: FloatArray  #: Estimated less true place, row and column [px]; NaN where none was estimated. Shape (n, 2).
+    offset: FloatArray  #: Displacement from the pixel's centre [px, (n, 2)].
 
     @classmethod
     def joined(cls, contrast: float, parts: list[tuple[Batch, FloatArray, FloatArray]]) -> Scores:
@@ -229,25 +212,14 @@ class SegmentSums:
 
 @dataclass(frozen=True)
 class Interval:
-    """Rate with its confidence interval.
+    """Rate with its confidence interval."""
 
-    Attributes
-    ----------
-    rate : float
-        [1]
-    low, high : float or None
-        Ends [1]; None where none can be given, see ``note``.
-    inflation : float
-        Variance over that of independent trials [1]; trials / inflation is the effective number.
-    note : str or None
-        Why there is none, or what it rests on.
-    """
-
-    rate: float
+    rate: float  #: [1]
+    #: ``low``, ``high``: Ends [1]; None where none can be given, see ``note``.
     low: float | None
     high: float | None
-    inflation: float
-    note: str | None = None
+    inflation: float  #: Variance over that of independent trials [1]; trials / inflation is the effective number.
+    note: str | None = None  #: Why there is none, or what it rests on.
 
     @property
     def ends(self) -> list[float] | None:

@@ -17,8 +17,8 @@ from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, Unfiltered, as_frames
 from seaglint.detection.interface import Detector, Frames
 
+#: Filters whose output for a sum of frames is the sum of their outputs.
 _LINEAR: Final = (Unfiltered, Laplacian, DifferenceOfGaussians, Kernel, MatchedFilter)
-"""Filters whose output for a sum of frames is the sum of their outputs."""
 
 _DIRECTIONS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))
 

@@ -22,8 +22,7 @@ from seaglint.clutter.false_alarms import BIN, FalseAlarms, RateCurve
 from seaglint.detection.background import Background, Law
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, QUANTILE, RareTail, rare_tail, survival
 
-FEWEST_LEVELS: Final = 3
-"""Least number of levels for fitting a tail: one more than it has parameters."""
+FEWEST_LEVELS: Final = 3  #: Least number of levels for fitting a tail: one more than it has parameters.
 
 _SAMPLE = 200_000
 _SHARE = 20  # least number of values per level for a stepped statistic

@@ -24,8 +24,7 @@ from seaglint.detection.scoring import Scores, around, best, match_offsets
 from seaglint.detection.sources import FrameSource
 from seaglint.detection.spot import SpotShape
 
-LARGEST_CONTRAST: Final = 1e30
-"""Largest contrast in single precision, with a margin for the sums of detectors [u]."""
+LARGEST_CONTRAST: Final = 1e30  #: Largest contrast in single precision, with a margin for the sums of detectors [u].
 
 
 @dataclass(frozen=True)
@@ -102,21 +101,11 @@ class InjectedObjects:
 
 @dataclass(frozen=True)
 class Trials:
-    """Scores of all injected objects.
+    """Scores of all injected objects."""
 
-    Attributes
-    ----------
-    scores : tuple of Scores
-        One for each contrast.
-    saturated : tuple of int
-        Objects of each contrast that would go beyond saturation, where they are cut.
-    stopped : str or None
-        Reason why fewer objects than requested were tried.
-    """
-
-    scores: tuple[Scores, ...]
-    saturated: tuple[int, ...]
-    stopped: str | None
+    scores: tuple[Scores, ...]  #: One for each contrast.
+    saturated: tuple[int, ...]  #: Objects of each contrast that would go beyond saturation, where they are cut.
+    stopped: str | None  #: Reason why fewer objects than requested were tried.
 
 
 class _Batches:

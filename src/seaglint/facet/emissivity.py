@@ -49,24 +49,12 @@ class RefractiveIndex(Protocol):
 
 @dataclass(frozen=True)
 class FacetNodes:
-    """Quadrature over the visible facets; all arrays have the shape of the view zenith plus one axis of nodes.
+    """Quadrature over the visible facets; all arrays have the shape of the view zenith plus one axis of nodes."""
 
-    Attributes
-    ----------
-    cos_incidence : ndarray
-        Cosine of the angle between facet normal and viewer [1].
-    reflected_zenith : ndarray
-        Zenith angle of the direction the mirrored ray arrives from [rad].
-    weight : ndarray
-        Share of the visible projected area [1]; adds up to 1 over the nodes.
-    meets_sea : ndarray of bool
-        Whether the mirrored ray comes from below the horizontal, from the sea.
-    """
-
-    cos_incidence: FloatArray
-    reflected_zenith: FloatArray
-    weight: FloatArray
-    meets_sea: NDArray[np.bool_]
+    cos_incidence: FloatArray  #: Cosine of the angle between facet normal and viewer [1].
+    reflected_zenith: FloatArray  #: Zenith angle of the direction the mirrored ray arrives from [rad].
+    weight: FloatArray  #: Share of the visible projected area [1]; adds up to 1 over the nodes.
+    meets_sea: NDArray[np.bool_]  #: Whether the mirrored ray comes from below the horizontal, from the sea.
 
 
 def _frame_shape(slopes: SlopeStatistics, azimuth: float, along: FloatArray, across: FloatArray) -> FloatArray:

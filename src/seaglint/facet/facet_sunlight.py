@@ -31,8 +31,7 @@ from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, Shelter, counted_kern
 from seaglint.sea.shadowing.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing.smith import quick_visible_area_kernel
 
-NEGLIGIBLE_EXPONENT = 30.0
-"""Exponent below which slope densities are taken as zero: exp(-30) of their peak, 1e-13 of the glint's."""
+NEGLIGIBLE_EXPONENT = 30.0  #: Exponent below which slope densities are taken as zero: exp(-30) of their peak, 1e-13 of the glint's.
 
 
 class FacetTables(NamedTuple):

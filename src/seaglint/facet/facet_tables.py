@@ -43,24 +43,12 @@ class PathTerms(NamedTuple):
 
 @dataclass(frozen=True)
 class FacetDomain:
-    """Domain over which the facets of one level of detail are tabulated.
+    """Domain over which the facets of one level of detail are tabulated."""
 
-    Attributes
-    ----------
-    slopes : SlopeStatistics
-        Slopes that the facets carry.
-    resolved : (float, float)
-        Slope variance of the waves that tilt them, along and across the wind [1].
-    law : FacetLaw
-        Law by which the facets hide each other.
-    sines : (float, float)
-        Least and greatest sine of the grazing angle [1].
-    """
-
-    slopes: SlopeStatistics
-    resolved: tuple[float, float]
-    law: FacetLaw
-    sines: tuple[float, float]
+    slopes: SlopeStatistics  #: Slopes that the facets carry.
+    resolved: tuple[float, float]  #: Slope variance of the waves that tilt them, along and across the wind [1].
+    law: FacetLaw  #: Law by which the facets hide each other.
+    sines: tuple[float, float]  #: Least and greatest sine of the grazing angle [1].
 
 
 def facet_slopes(

@@ -32,30 +32,22 @@ from seaglint.facet.local_sun import STEADY, SunTable, turn_kernel, visible_sun
 from seaglint.facet.mirror import FacetDensity, SunDisc, chance_kernel, sun_disc
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
+#: Least rms slope of the quadrature [1]: a mirror's edge is blurred by 0.2 % of the Sun's radius and needs no formula of its own.
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
-"""Least rms slope of the quadrature [1]: a mirror's edge is blurred by 0.2 % of the Sun's radius and needs no formula of its own."""
 
+#: Least ratio of the two rms slopes: at the roughest slopes without wind, 0.055, half of the Sun's radius in slopes.
 _THINNEST: Final = 0.02
-"""Least ratio of the two rms slopes: at the roughest slopes without wind, 0.055, half of the Sun's radius in slopes."""
 
+#: Depression of the Sun at the sensor's foot from which it is above no horizon in view [rad]: the horizon is this far from 250 km up.
 _DUSK: Final = 0.3
-"""Depression of the Sun at the sensor's foot from which it is above no horizon in view [rad]: the horizon is this far from 250 km up."""
 
 
 @dataclass(frozen=True)
 class GlintGeometry:
-    """Mirrored Sun at each pixel: chance and incidence.
+    """Mirrored Sun at each pixel: chance and incidence."""
 
-    Attributes
-    ----------
-    chance : ndarray
-        P, share of the viewed area that mirrors the visible part of the Sun [1].
-    cos_incidence : ndarray
-        Cosine of the angle of incidence on the mirroring facets [1].
-    """
-
-    chance: FloatArray
-    cos_incidence: FloatArray
+    chance: FloatArray  #: P, share of the viewed area that mirrors the visible part of the Sun [1].
+    cos_incidence: FloatArray  #: Cosine of the angle of incidence on the mirroring facets [1].
 
 
 def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -78,18 +70,10 @@ def floored(slopes: SlopeStatistics) -> SlopeStatistics:
 
 @dataclass(frozen=True, eq=False)
 class GlintModel:
-    """Model of the mirrored Sun over a sea, for any number of views. Make it with :meth:`prepare`.
+    """Model of the mirrored Sun over a sea, for any number of views. Make it with :meth:`prepare`."""
 
-    Attributes
-    ----------
-    slopes : SlopeStatistics
-        Slopes of the sea, no variance below the quadrature's floor.
-    shadowing : Shadowing
-        Legs that are shadowed, and how.
-    """
-
-    slopes: SlopeStatistics
-    shadowing: Shadowing
+    slopes: SlopeStatistics  #: Slopes of the sea, no variance below the quadrature's floor.
+    shadowing: Shadowing  #: Legs that are shadowed, and how.
     _sea: FacetDensity
     _disc: SunDisc
     _legs: Legs

@@ -14,13 +14,12 @@ from seaglint.base.conventions import FloatArray, depression_of_range
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.sea_view import SeaView
 
+#: Number of azimuths from the Sun, uniform in the sine of their half: a third of a degree apart near the Sun, in its aureole.
 AZIMUTHS: Final = 361
-"""Number of azimuths from the Sun, uniform in the sine of their half: a third of a degree apart near the Sun, in its aureole."""
 
 _AROUND: Final = 2.0 * np.arcsin(np.linspace(0.0, 1.0, AZIMUTHS))
 
-PATH_ROWS: Final = 257
-"""Number of paths to the sea, uniform in the logarithm of the slant path, as their own tables have them."""
+PATH_ROWS: Final = 257  #: Number of paths to the sea, uniform in the logarithm of the slant path, as their own tables have them.
 
 
 class Haze(NamedTuple):
@@ -40,8 +39,7 @@ class SunlitPath(NamedTuple):
     row: np.ndarray
 
 
-NO_HAZE: Final = Haze(np.zeros((0, 0)), 0.0)
-"""Haze of air that scatters nothing, or at night."""
+NO_HAZE: Final = Haze(np.zeros((0, 0)), 0.0)  #: Haze of air that scatters nothing, or at night.
 
 
 def is_dark(table: ScatteredTable) -> bool:

@@ -33,61 +33,36 @@ from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_ker
 from seaglint.sea.shadowing.smith import leg_passage_kernel, visible_area_kernel
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
+#: Shadowing law: Smith's (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.shadowing.nested`).
 Law = Literal["smith", "nested"]
-"""Shadowing law: Smith's (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.shadowing.nested`)."""
 
 
 @dataclass(frozen=True, eq=False)
 class FacetLaw:
-    """Law by which the slopes that facets carry hide each other, on waves that are geometry. Made by :meth:`Shadowing.facet_law`.
+    """Law by which the slopes that facets carry hide each other, on waves that are geometry. Made by :meth:`Shadowing.facet_law`."""
 
-    Attributes
-    ----------
-    bands : float
-        Bands of equal slope variance; 1 is Smith's law, and less is less of it in the Sun's way.
-    deviation : float
-        Rms slope of the whole sea along one direction [1].
-    shelter : Shelter
-        Shelter that geometry gives.
-    gains : ndarray
-        Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.lean.lean_gains`; empty
-        where they do not lean.
-    wind : float
-        Azimuth that the gains count from [rad].
-    """
-
-    bands: float
-    deviation: float
-    shelter: Shelter = NO_SHELTER
+    bands: float  #: Bands of equal slope variance; 1 is Smith's law, and less is less of it in the Sun's way.
+    deviation: float  #: Rms slope of the whole sea along one direction [1].
+    shelter: Shelter = NO_SHELTER  #: Shelter that geometry gives.
+    #: Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.lean.lean_gains`; empty
+    #: where they do not lean.
     gains: FloatArray = field(default_factory=lambda: np.zeros(0))
-    wind: float = 0.0
+    wind: float = 0.0  #: Azimuth that the gains count from [rad].
 
 
-SMITHS: Final = FacetLaw(1.0, 0.0)
-"""Smith's law."""
+SMITHS: Final = FacetLaw(1.0, 0.0)  #: Smith's law.
 
 
 @dataclass(frozen=True)
 class Shadowing:
-    """Legs that waves shadow, and the shadowing law. The constants of this module and :meth:`of` name the usual combinations.
+    """Legs that waves shadow, and the shadowing law. The constants of this module and :meth:`of` name the usual combinations."""
 
-    Attributes
-    ----------
-    law : {"smith", "nested"}
-        Law of both legs.
-    sun : bool
-        Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
-    bands : float, optional
-        Bands of equal slope variance of the nested law; 1 is Smith's. Where nothing is said, those of :meth:`settled`, or
-        :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where no azimuth is known.
-    lean : bool
-        Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.lean`).
-    """
-
-    law: Law = "nested"
-    sun: bool = True
+    law: Law = "nested"  #: Law of both legs.
+    sun: bool = True  #: Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
+    #: Bands of equal slope variance of the nested law; 1 is Smith's. Where nothing is said, those of :meth:`settled`, or
+    #: :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where no azimuth is known.
     bands: float | None = None
-    lean: bool = True
+    lean: bool = True  #: Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.lean`).
 
     @classmethod
     def of(cls, word: str, bands: float | None = None) -> Shadowing:
@@ -160,26 +135,18 @@ class Legs(NamedTuple):
     """Shadowing under one Sun, as kernels read it. Made by :func:`legs_of`."""
 
     sun: bool
-    hidden: float
-    """Smith's Lambda of the Sun's leg."""
+    hidden: float  #: Smith's Lambda of the Sun's leg.
     azimuth: float
     sine: float
     cosine: float
-    edge: float
-    """Cotangent of the Sun's zenith angle over the rms slope along its azimuth."""
+    edge: float  #: Cotangent of the Sun's zenith angle over the rms slope along its azimuth.
     deviation: float
-    series: float
-    """Ratio of ``1 + hidden`` to that of Gaussian slopes."""
-    ratio: FloatArray
-    """Table of the nested law; empty for Smith's."""
-    coupling: FloatArray
-    """Table of facets seen and lit; empty for independent legs."""
-    lean: FloatArray
-    """Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.lean`); empty for Smith's law."""
-    gains: FloatArray
-    """Gains of the lean over azimuths from the wind's [(azimuths,)]."""
-    wind: float
-    """Azimuth the wind blows TO [rad]."""
+    series: float  #: Ratio of ``1 + hidden`` to that of Gaussian slopes.
+    ratio: FloatArray  #: Table of the nested law; empty for Smith's.
+    coupling: FloatArray  #: Table of facets seen and lit; empty for independent legs.
+    lean: FloatArray  #: Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.lean`); empty for Smith's law.
+    gains: FloatArray  #: Gains of the lean over azimuths from the wind's [(azimuths,)].
+    wind: float  #: Azimuth the wind blows TO [rad].
 
 
 def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimuth: float, *, shining: bool) -> Legs:

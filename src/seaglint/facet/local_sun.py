@@ -23,8 +23,7 @@ from seaglint.base.constants import EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
 
-_LEAST: Final = 1e-6
-"""Turn of the vertical below which the Sun is that at the sensor's foot [rad]: an arc of 6 m."""
+_LEAST: Final = 1e-6  #: Turn of the vertical below which the Sun is that at the sensor's foot [rad]: an arc of 6 m.
 
 
 class SunTable(NamedTuple):
@@ -38,8 +37,7 @@ class SunTable(NamedTuple):
     values: np.ndarray
 
 
-STEADY: Final = SunTable(0.0, 1.0, np.zeros(0))
-"""Sun table with the same sunlight everywhere."""
+STEADY: Final = SunTable(0.0, 1.0, np.zeros(0))  #: Sun table with the same sunlight everywhere.
 
 
 def turn_at(arc: ArrayLike) -> FloatArray:

@@ -20,8 +20,8 @@ from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.shadowing.smith import visible_area_kernel
 from seaglint.sea.slopes.slope_statistics import series_bracket
 
+#: Ratio of the Sun's radius in slopes to the rms slope below which seven points on the disc are exact to 1e-3 even at 4 sigma.
 _BROAD: Final = 0.4
-"""Ratio of the Sun's radius in slopes to the rms slope below which seven points on the disc are exact to 1e-3 even at 4 sigma."""
 
 _WINDOW: Final = 6.0  # standard deviations of a narrow density that are integrated; the rest holds 2e-9
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
@@ -32,8 +32,7 @@ _HEX_X = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.cos(_HEX_ANGLE)])
 _HEX_Y = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.sin(_HEX_ANGLE)])
 _HEX_W = np.array([0.25] + 6 * [0.125])
 
-_NEGLIGIBLE: Final = 9.0
-"""Rms slopes beyond which the density is taken as zero (3e-18 of its peak)."""
+_NEGLIGIBLE: Final = 9.0  #: Rms slopes beyond which the density is taken as zero (3e-18 of its peak).
 
 _series_kernel = kernel(series_bracket)
 
@@ -45,24 +44,20 @@ class FacetDensity(NamedTuple):
     mss_cross: float
     deviation_up: float
     deviation_cross: float
-    peak: float
-    """Gaussian density of zero slope, over 4 [1/slope²]."""
+    peak: float  #: Gaussian density of zero slope, over 4 [1/slope²].
     wind_sine: float
     wind_cosine: float
     is_gaussian: bool
+    #: Coefficients of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples.
     coefficients: FloatArray
-    """Coefficients of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples."""
 
 
 class SunDisc(NamedTuple):
     """Solar disc as kernels read it, at the sensor's foot."""
 
-    points: FloatArray
-    """Directions of the disc's centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)]."""
-    rule: FloatArray
-    """Gauss-Legendre points and weights [(2, 24)]."""
-    first: float
-    """First sine of elevation, steps and values of a :class:`~seaglint.facet.local_sun.SunTable`; an array, no nested tuple."""
+    points: FloatArray  #: Directions of the disc's centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)].
+    rule: FloatArray  #: Gauss-Legendre points and weights [(2, 24)].
+    first: float  #: First sine of elevation, steps and values of a :class:`~seaglint.facet.local_sun.SunTable`; an array, no nested tuple.
     per_step: float
     strength: FloatArray
 

@@ -28,29 +28,25 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.facet.thermal import FARTHEST_TURNED_AWAY, band_reflectance
 from seaglint.sea.shadowing.nested import nested_exponent_kernel
 
+#: Root-mean-square error of the sky's spectra, relative to each, left by the spectral shapes; sums over the band keep a tenth.
 SPECTRAL_ERROR: Final = 3e-3
-"""Root-mean-square error of the sky's spectra, relative to each, left by the spectral shapes; sums over the band keep a tenth."""
 
+#: Root-mean-square error, relative to each, of the mirrored spectra times the path's transmittance, left by the band terms.
 TERM_ERROR: Final = 1e-4
-"""Root-mean-square error, relative to each, of the mirrored spectra times the path's transmittance, left by the band terms."""
 
+#: Number of sky nodes uniform in the square root of the sine of elevation; amplitudes are smooth, as the aureole depends on the angle.
 ELEVATIONS: Final = 129
-"""Number of sky nodes uniform in the square root of the sine of elevation; amplitudes are smooth, as the aureole depends on the angle."""
 
-ANGLES: Final = 513
-"""Number of nodes uniform in the sine of half the scattering angle, 0.22 deg apart at the Sun."""
+ANGLES: Final = 513  #: Number of nodes uniform in the sine of half the scattering angle, 0.22 deg apart at the Sun.
 
-SUNS: Final = 5
-"""Number of zenith angles of the Sun over the sea in view, where it differs."""
+SUNS: Final = 5  #: Number of zenith angles of the Sun over the sea in view, where it differs.
 
-REACH: Final = 4.5
-"""Largest facet slope that is summed, in standard deviations: 7e-6 of the slopes lie beyond."""
+REACH: Final = 4.5  #: Largest facet slope that is summed, in standard deviations: 7e-6 of the slopes lie beyond.
 
+#: Largest panel of six nodes along the view and step across it, in slope: four and a half degrees of mirrored light from node to node.
 ALONG_PANEL, ACROSS_STEP = 0.2, 0.04
-"""Largest panel of six nodes along the view and step across it, in slope: four and a half degrees of mirrored light from node to node."""
 
-SMOOTHEST: Final = 0.004
-"""Least resolved deviation of slopes; smoother facets blur the sky by half a degree, the Sun's own width."""
+SMOOTHEST: Final = 0.004  #: Least resolved deviation of slopes; smoother facets blur the sky by half a degree, the Sun's own width.
 
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)

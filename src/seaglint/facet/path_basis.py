@@ -16,46 +16,27 @@ from seaglint.base.conventions import FloatArray
 from seaglint.facet.sea_view import BandSum
 from seaglint.optics.band import Band
 
+#: Largest error of any range's transmittance spectrum, RMS over the band relative to its mean. Band products, which average over the
+#: spectrum, are then within 5e-5 of all terms, for seven terms in 3.5-5 um.
 RELATIVE_ERROR = 2e-3
-"""Largest error of any range's transmittance spectrum, RMS over the band relative to its mean. Band products, which average over the
-spectrum, are then within 5e-5 of all terms, for seven terms in 3.5-5 um."""
 
-PRODUCT_ERROR = 1e-4
-"""RMS error relative to the products, over facets and ranges, that :func:`fewest_terms` leaves."""
+PRODUCT_ERROR = 1e-4  #: RMS error relative to the products, over facets and ranges, that :func:`fewest_terms` leaves.
 
-TOGETHER = 4
-"""Number of terms that kernels process at once; the thermal tables have a multiple of it."""
+TOGETHER = 4  #: Number of terms that kernels process at once; the thermal tables have a multiple of it.
 
-NODES = 320
-"""Number of ranges at which the atmosphere is evaluated; the coefficients between them are splined in log range."""
+NODES = 320  #: Number of ranges at which the atmosphere is evaluated; the coefficients between them are splined in log range.
 
 
 @dataclass(frozen=True)
 class PathBasis:
-    """Transmittance and path radiance from one sensor height, ready for band products.
+    """Transmittance and path radiance from one sensor height, ready for band products."""
 
-    Attributes
-    ----------
-    wavenumber_cm : (n,) [cm-1]
-        Samples inside the band.
-    grid : slice
-        Where they stand on the atmosphere's grid.
-    phi : (k, n)
-        Basis of transmittance spectra.
-    weights : (n,) [cm-1]
-        Quadrature weights of the band.
-    coefficients : (m, k)
-        ``a_k`` at the requested ranges.
-    path_radiance : (m,) [W m-2 sr-1]
-        Thermal path radiance in the band.
-    """
-
-    wavenumber_cm: FloatArray
-    grid: slice
-    phi: FloatArray
-    weights: FloatArray
-    coefficients: FloatArray
-    path_radiance: FloatArray
+    wavenumber_cm: FloatArray  #: Samples inside the band.
+    grid: slice  #: Where they stand on the atmosphere's grid.
+    phi: FloatArray  #: Basis of transmittance spectra.
+    weights: FloatArray  #: Quadrature weights of the band.
+    coefficients: FloatArray  #: ``a_k`` at the requested ranges.
+    path_radiance: FloatArray  #: Thermal path radiance in the band.
 
     def project(self, spectra: FloatArray) -> FloatArray:
         """Band integrals ``int R phi_k X dnu``: (..., n) [X] to (..., k) [X cm-1]."""

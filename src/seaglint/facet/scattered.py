@@ -34,34 +34,27 @@ from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.sea.shadowing.nested import between_bands, nested_ratio_kernel, ratio_table
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, series_bracket
 
-_ROWS: Final = 48
-"""Number of elevations of the viewer at which the mirrored sky is tabulated."""
+_ROWS: Final = 48  #: Number of elevations of the viewer at which the mirrored sky is tabulated.
 
-_MIRRORED: Final = 48
-"""Number of azimuth intervals of the mirrored sky, over the full circle."""
+_MIRRORED: Final = 48  #: Number of azimuth intervals of the mirrored sky, over the full circle.
 
+#: Number of azimuth intervals of the path, on one side of the Sun. The intervals are denser near the Sun, by the factors below.
 _STRAIGHT: Final = 64
-"""Number of azimuth intervals of the path, on one side of the Sun. The intervals are denser near the Sun, by the factors below."""
 
 _CROWDING: Final = {_MIRRORED: 3.0, _STRAIGHT: 5.0}
 
-_TERMS: Final = 8
-"""Number of Chebyshev terms of the reflectance: the scattered sky needs it within 1e-4."""
+_TERMS: Final = 8  #: Number of Chebyshev terms of the reflectance: the scattered sky needs it within 1e-4.
 
 _ACROSS: Final = 17
 _ALONG_X, _ALONG_W = np.polynomial.legendre.leggauss(32)
-_CUT: Final = 5.0
-"""Largest slope that is summed, in standard deviations."""
+_CUT: Final = 5.0  #: Largest slope that is summed, in standard deviations.
 
 _ELEVATIONS: Final = 129
-_AZIMUTHS: Final = 181
-"""Numbers of nodes of the sky over the sea: even in the square root of elevation, and in azimuth."""
+_AZIMUTHS: Final = 181  #: Numbers of nodes of the sky over the sea: even in the square root of elevation, and in azimuth.
 
-_FEW_LINES: Final = 64
-"""Number of paths up to which each is summed by itself: a table costs as much as twice as many."""
+_FEW_LINES: Final = 64  #: Number of paths up to which each is summed by itself: a table costs as much as twice as many.
 
-_LEAST_SLOPE: Final = 1e-4
-"""Least rms slope that is summed [1]: mirrors see a spot of the sky 0.01 deg wide."""
+_LEAST_SLOPE: Final = 1e-4  #: Least rms slope that is summed [1]: mirrors see a spot of the sky 0.01 deg wide.
 
 _series_kernel = kernel(series_bracket)
 
@@ -205,15 +198,9 @@ def _fill_mirrored(
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """Azimuth nodes about the Sun, denser near it: ``azimuth = pi sinh(c u)/sinh(c)``, u in 0..1.
+    """Azimuth nodes about the Sun, denser near it: ``azimuth = pi sinh(c u)/sinh(c)``, u in 0..1."""
 
-    Attributes
-    ----------
-    azimuth : ndarray
-        From the Sun [rad, (nodes,)].
-    """
-
-    azimuth: FloatArray
+    azimuth: FloatArray  #: From the Sun [rad, (nodes,)].
     _u: FloatArray
     _crowding: float
 
@@ -262,15 +249,9 @@ class SeaRows:
 
 @dataclass(frozen=True, eq=False)
 class ScatteredSun:
-    """Scattered sunlight over one view's sea. Make it with :meth:`prepare`.
+    """Scattered sunlight over one view's sea. Make it with :meth:`prepare`."""
 
-    Attributes
-    ----------
-    view : SeaView
-        Who looks at which sea.
-    """
-
-    view: SeaView
+    view: SeaView  #: Who looks at which sea.
     _reflectance: ReflectanceSeries
     _facets: _Facets
     _sky: FloatArray

@@ -21,33 +21,22 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-_CREST: Final = 20.0
-"""Largest height of waves beyond the sea's horizon that may be in view [m]."""
+_CREST: Final = 20.0  #: Largest height of waves beyond the sea's horizon that may be in view [m].
 
+#: Number of elevations of the Sun at which its light is tabulated: error below 2e-3 for a Sun 2 deg above the horizon, seen from 10 km.
 _SUN_NODES: Final = 257
-"""Number of elevations of the Sun at which its light is tabulated: error below 2e-3 for a Sun 2 deg above the horizon, seen from 10 km."""
 
+#: Model of the sea without the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article).
 Background = Literal["facets", "blackbody"]
-"""Model of the sea without the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
 
 
 @dataclass(frozen=True, eq=False)
 class BandSum:
-    """Quadrature of a band on an atmosphere's spectral samples. Make it with :meth:`of`.
+    """Quadrature of a band on an atmosphere's spectral samples. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    weights : ndarray
-        Response times step [cm-1, (n,)].
-    grid : slice
-        The samples used, of all of the atmosphere's.
-    wavenumber_cm : ndarray
-        Their wavenumbers [cm-1, (n,)].
-    """
-
-    weights: FloatArray
-    grid: slice
-    wavenumber_cm: FloatArray
+    weights: FloatArray  #: Response times step [cm-1, (n,)].
+    grid: slice  #: The samples used, of all of the atmosphere's.
+    wavenumber_cm: FloatArray  #: Their wavenumbers [cm-1, (n,)].
 
     @classmethod
     def of(cls, band: Band, atmosphere: Atmosphere) -> BandSum:
@@ -70,48 +59,24 @@ class BandSum:
 
 @dataclass(frozen=True, eq=False)
 class SeaView:
-    """Sensor, sea, air, Sun and band of a view, without its directions.
+    """Sensor, sea, air, Sun and band of a view, without its directions."""
 
-    Attributes
-    ----------
-    atmosphere : Atmosphere
-        Transmittance, path radiance, Sun and sky.
-    band : Band
-        Spectral response; inside the atmosphere's grid.
-    water : WaterIndex
-        Refractive index of the sea.
-    slopes : SlopeStatistics
-        Statistics of its slopes.
-    sea_temperature : float
-        Temperature of the sea's skin [K].
-    sensor_height : float
-        Height of the sensor [m].
-    solar_zenith, solar_azimuth : float
-        Direction from the sea at the sensor's foot to the Sun's centre, apparent [rad]; below the horizon is valid. Elsewhere it is that
-        against the vertical there (:mod:`seaglint.facet.local_sun`).
-    sun_distance_factor : float
-        ``1/d^2`` with d the distance of the Sun in au [1].
-    shadowing : Shadowing
-        Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; their own
-        sky is not hidden by waves in any mode but for the facets that see the sea.
-    background : {"facets", "blackbody"}
-        See :data:`Background`.
-    scattering : bool
-        Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
-    """
-
-    atmosphere: Atmosphere
-    band: Band
-    water: WaterIndex
-    slopes: SlopeStatistics
-    sea_temperature: float
-    sensor_height: float
+    atmosphere: Atmosphere  #: Transmittance, path radiance, Sun and sky.
+    band: Band  #: Spectral response; inside the atmosphere's grid.
+    water: WaterIndex  #: Refractive index of the sea.
+    slopes: SlopeStatistics  #: Statistics of its slopes.
+    sea_temperature: float  #: Temperature of the sea's skin [K].
+    sensor_height: float  #: Height of the sensor [m].
+    #: ``solar_zenith``, ``solar_azimuth``: Direction from the sea at the sensor's foot to the Sun's centre, apparent [rad]; below the
+    #: horizon is valid. Elsewhere it is that against the vertical there (:mod:`seaglint.facet.local_sun`).
     solar_zenith: float
     solar_azimuth: float = 0.0
-    sun_distance_factor: float = 1.0
+    sun_distance_factor: float = 1.0  #: ``1/d^2`` with d the distance of the Sun in au [1].
+    #: Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; their own
+    #: sky is not hidden by waves in any mode but for the facets that see the sea.
     shadowing: Shadowing = NESTED
-    background: Background = "facets"
-    scattering: bool = True
+    background: Background = "facets"  #: See :data:`Background`.
+    scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):

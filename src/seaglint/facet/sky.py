@@ -30,8 +30,7 @@ class SkyAbove(NamedTuple):
     haze: Haze
 
 
-NO_SKY: Final = SkyAbove(np.zeros((1, 0)), NO_HAZE)
-"""Sky without rows."""
+NO_SKY: Final = SkyAbove(np.zeros((1, 0)), NO_HAZE)  #: Sky without rows.
 
 
 def thermal_sky(view: SeaView, elevation: FloatArray) -> FloatArray:

@@ -17,11 +17,10 @@ from seaglint.base.jit import kernel, njit
 from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.sunlight import Sunlight
 
-DISC_ROWS = (17, 6)
-"""Number of rows of a :class:`DiscLine`, for an error of the glint below 1.5e-3, and number of their fields."""
+DISC_ROWS = (17, 6)  #: Number of rows of a :class:`DiscLine`, for an error of the glint below 1.5e-3, and number of their fields.
 
+#: Ratio of the Sun's image to the slope variance above which its sharp edge counts: below it the glint's peak moves by less than 0.4 %.
 SHARP_DISC = 0.1
-"""Ratio of the Sun's image to the slope variance above which its sharp edge counts: below it the glint's peak moves by less than 0.4 %."""
 
 
 class Disc(NamedTuple):

@@ -18,20 +18,17 @@ from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
+#: Number of zenith angles of the sky table, denser near the horizon (square root of elevation): error below 1e-6 of the sky.
 _SKY_NODES: Final = 241
-"""Number of zenith angles of the sky table, denser near the horizon (square root of elevation): error below 1e-6 of the sky."""
 
-_SKY_RANK: Final = 1e-7
-"""Relative singular value of the sky table below which components are dropped: error below 1e-6 of the sky."""
+_SKY_RANK: Final = 1e-7  #: Relative singular value of the sky table below which components are dropped: error below 1e-6 of the sky.
 
+#: Number of view azimuths from along to across the wind: even harmonics to the tenth leave 2e-8 of the background (Cox-Munk, 1-14 m/s).
 _AZIMUTHS: Final = 6
-"""Number of view azimuths from along to across the wind: even harmonics to the tenth leave 2e-8 of the background (Cox-Munk, 1-14 m/s)."""
 
-_SKEWED_AZIMUTHS: Final = 13
-"""Number of view azimuths from down to up the wind for skewed slopes: all harmonics up to the twelfth."""
+_SKEWED_AZIMUTHS: Final = 13  #: Number of view azimuths from down to up the wind for skewed slopes: all harmonics up to the twelfth.
 
-_CHUNK: Final = 64
-"""Number of view zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB."""
+_CHUNK: Final = 64  #: Number of view zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB.
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +36,10 @@ class SkyTable:
     """Thermal sky over the sea, as a short sum of products: ``L(zenith, nu) = sum_r u_r(zenith) v_r(nu)``.
 
     Few products are enough (the sky grows with the air looked through), and the average over facets is taken of ``u_r`` alone.
-
-    Attributes
-    ----------
-    angular : CubicSpline
-        ``u_r`` against the square root of elevation [(..., r)].
-    spectral : ndarray
-        ``v_r`` [W m-2 sr-1 per cm-1, (r, n)].
     """
 
-    angular: CubicSpline[np.float64]
-    spectral: FloatArray
+    angular: CubicSpline[np.float64]  #: ``u_r`` against the square root of elevation [(..., r)].
+    spectral: FloatArray  #: ``v_r`` [W m-2 sr-1 per cm-1, (r, n)].
 
     @classmethod
     def of(cls, atmosphere: Atmosphere, grid: slice = slice(None)) -> SkyTable:

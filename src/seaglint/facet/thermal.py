@@ -27,25 +27,24 @@ from seaglint.optics.sea_water import WaterIndex
 from seaglint.sea.shadowing.nested import nested_exponent_kernel
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-INCIDENCE_NODES = 513
-"""Number of nodes uniform in the cosine of incidence; linear interpolation of the reflectance is then within 2e-5."""
+INCIDENCE_NODES = 513  #: Number of nodes uniform in the cosine of incidence; linear interpolation of the reflectance is then within 2e-5.
 
+#: Number of nodes uniform in the square root of the reflected ray's cosine, dense at the horizon, where the sky changes fast.
 SKY_NODES = 129
-"""Number of nodes uniform in the square root of the reflected ray's cosine, dense at the horizon, where the sky changes fast."""
 
+#: Quadrature over the facet's slopes: Gauss-Legendre on both sides of the slope that mirrors the horizon, Gauss-Hermite across.
 ALONG_NODES, CROSS_NODES = 14, 5
-"""Quadrature over the facet's slopes: Gauss-Legendre on both sides of the slope that mirrors the horizon, Gauss-Hermite across."""
 
+#: Largest tilt away from the viewer, in deviations of the roughness, that is tabulated; facets tilted more are not seen.
 FARTHEST_TURNED_AWAY = -3.0
-"""Largest tilt away from the viewer, in deviations of the roughness, that is tabulated; facets tilted more are not seen."""
 
 
+#: Scale over which the sky's aureole changes [rad], and steps of tables in deviations of the aureole blurred by the facets' slopes: linear
+#: interpolation is within 1 % of its peak.
 AUREOLE, AUREOLE_STEP = math.radians(4.0), 0.25
-"""Scale over which the sky's aureole changes [rad], and steps of tables in deviations of the aureole blurred by the facets' slopes: linear
-interpolation is within 1 % of its peak."""
 
+#: Azimuth from the Sun beyond which steps of azimuth grow [rad]: they are four times as wide 60 deg aside.
 AUREOLE_SCALE = math.radians(15.0)
-"""Azimuth from the Sun beyond which steps of azimuth grow [rad]: they are four times as wide 60 deg aside."""
 
 
 class ThermalLine(NamedTuple):

@@ -10,63 +10,37 @@ from seaglint.base.free_form import JsonObject, TableRow, TomlTables
 
 @dataclass(frozen=True)
 class Chip:
-    """Pixels about one missed object or false alarm.
+    """Pixels about one missed object or false alarm."""
 
-    Attributes
-    ----------
-    score : float
-        Statistic there [standard deviations]; -99 where there is none.
-    frame : int
-        Number of the window.
-    row, column : int
-        Middle [px].
-    pixels : list of list of float or None
-        Values [units of the source]; None beyond the frame.
-    """
-
-    score: float
-    frame: int
+    score: float  #: Statistic there [standard deviations]; -99 where there is none.
+    frame: int  #: Number of the window.
+    #: ``row``, ``column``: Middle [px].
     row: int
     column: int
-    pixels: list[list[float | None]]
+    pixels: list[list[float | None]]  #: Values [units of the source]; None beyond the frame.
 
 
 @dataclass(frozen=True)
 class Chips:
-    """Missed objects and false alarms as pictures.
+    """Missed objects and false alarms as pictures."""
 
-    Attributes
-    ----------
-    missed, false : tuple of Chip
-        Missed objects, with the object in them; highest false alarms.
-    missed_contrast_pixel : float, optional
-        Contrast of the missed ones in their pixel [units of the source].
-    """
-
+    #: ``missed``, ``false``: Missed objects, with the object in them; highest false alarms.
     missed: tuple[Chip, ...]
     false: tuple[Chip, ...]
-    missed_contrast_pixel: float | None
+    missed_contrast_pixel: float | None  #: Contrast of the missed ones in their pixel [units of the source].
 
 
 @dataclass(frozen=True)
 class FalseAlarmMap:
-    """False alarms over the field, in tiles.
+    """False alarms over the field, in tiles."""
 
-    Attributes
-    ----------
-    exceedances, pixels : list of list of int
-        Pixels above the threshold, and pixels judged, of each tile.
-    down, right : list of float
-        Edges of the tiles: elevation and azimuth [deg], or row and column [px].
-    in_degrees : bool
-        Whether the field is a grid of directions, and edges are angles.
-    """
-
+    #: ``exceedances``, ``pixels``: Pixels above the threshold, and pixels judged, of each tile.
     exceedances: list[list[int]]
     pixels: list[list[int]]
+    #: ``down``, ``right``: Edges of the tiles: elevation and azimuth [deg], or row and column [px].
     down: list[float]
     right: list[float]
-    in_degrees: bool
+    in_degrees: bool  #: Whether the field is a grid of directions, and edges are angles.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers, with edges under their names."""
@@ -83,52 +57,24 @@ class FalseAlarmMap:
 
 @dataclass(frozen=True)
 class Judged:
-    """Performance of a detector in one scene or recording.
+    """Performance of a detector in one scene or recording."""
 
-    Attributes
-    ----------
-    result : JsonObject
-        Numbers that ``seaglint detect --json`` prints.
-    rows : list of TableRow
-        Row of the table for each contrast.
-    roc : dict of list of float
-        Columns of the operating characteristics.
-    map : FalseAlarmMap
-        False alarms over the field.
-    chips : Chips
-        Missed objects and false alarms.
-    stopped : str, optional
-        Why no further seas were drawn: precision, time budget or frames.
-    """
-
-    result: JsonObject
-    rows: list[TableRow]
-    roc: dict[str, list[float]]
-    map: FalseAlarmMap
-    chips: Chips
-    stopped: str | None
+    result: JsonObject  #: Numbers that ``seaglint detect --json`` prints.
+    rows: list[TableRow]  #: Row of the table for each contrast.
+    roc: dict[str, list[float]]  #: Columns of the operating characteristics.
+    map: FalseAlarmMap  #: False alarms over the field.
+    chips: Chips  #: Missed objects and false alarms.
+    stopped: str | None  #: Why no further seas were drawn: precision, time budget or frames.
 
 
 @dataclass(frozen=True)
 class DetectionCase:
-    """Case of a study: what was set, and what came of it.
+    """Case of a study: what was set, and what came of it."""
 
-    Attributes
-    ----------
-    parameters : TableRow
-        Keys that were varied, with their values.
-    scenario : TomlTables
-        Scenario as one table; empty of a recording.
-    judged : Judged, optional
-        What the detector does; None where the case failed.
-    error : str, optional
-        Why it failed.
-    """
-
-    parameters: TableRow
-    scenario: TomlTables = field(default_factory=dict)
-    judged: Judged | None = None
-    error: str | None = None
+    parameters: TableRow  #: Keys that were varied, with their values.
+    scenario: TomlTables = field(default_factory=dict)  #: Scenario as one table; empty of a recording.
+    judged: Judged | None = None  #: What the detector does; None where the case failed.
+    error: str | None = None  #: Why it failed.
 
     @property
     def done(self) -> Judged:

@@ -22,15 +22,9 @@ _MARK = "seaglint-detection-parts"
 
 @dataclass(frozen=True)
 class Parts:
-    """Folder of parts; make it with :meth:`at`.
+    """Folder of parts; make it with :meth:`at`."""
 
-    Attributes
-    ----------
-    folder : Path
-        RESULT.parts.
-    """
-
-    folder: Path
+    folder: Path  #: RESULT.parts.
 
     @classmethod
     def at(cls, base: Path, *, resume: bool, overwrite: bool) -> Parts:

@@ -10,52 +10,24 @@ from seaglint.base.free_form import JsonObject, TableRow
 
 @dataclass(frozen=True)
 class RangePoint:
-    """Detection of an object at one range.
+    """Detection of an object at one range."""
 
-    Attributes
-    ----------
-    range_m : float
-        Range [m].
-    p_d : float
-        Share of objects that are detected [1]; 0 where nothing of it is seen.
-    p_d_interval : list of float or None
-        Ends of its 95 % interval [1].
-    visible_share : float
-        Mean share of the object that waves do not hide [1].
-    contrast_pixel : float
-        Contrast in its pixel [W m-2 sr-1].
-    threshold_sigma : float or None
-        Threshold of the wanted rate of false alarms [standard deviations].
-    note : str or None
-        Why nothing is seen, or how it is looked for.
-    believed : bool or None
-        Whether that threshold is to be believed; None where nothing was judged.
-    background_sigma : float or None
-        Standard deviation of the statistic without objects; None where nothing was judged.
-    background : str or None
-        Rows whose statistics are taken: sea, sky, or those about the horizon; None where nothing was judged.
-    horizon_rows : int or None
-        Rows from the object up to the horizon, below 0 down to it; 0 where it lies behind the object, None where it is not among the
-        rows drawn, or nothing was judged [px].
-    window_rows : int or None
-        Rows above and below a pixel at which the detector looks [px]; None for whole frames, or where nothing was judged.
-    detector : str or None
-        Detector judged; None where nothing was judged.
-    """
-
-    range_m: float
-    p_d: float = 0.0
-    p_d_interval: list[float] | None = None
-    visible_share: float = 0.0
-    contrast_pixel: float = 0.0
-    threshold_sigma: float | None = None
-    note: str | None = None
-    believed: bool | None = None
-    background_sigma: float | None = None
-    background: str | None = None
+    range_m: float  #: Range [m].
+    p_d: float = 0.0  #: Share of objects that are detected [1]; 0 where nothing of it is seen.
+    p_d_interval: list[float] | None = None  #: Ends of its 95 % interval [1].
+    visible_share: float = 0.0  #: Mean share of the object that waves do not hide [1].
+    contrast_pixel: float = 0.0  #: Contrast in its pixel [W m-2 sr-1].
+    threshold_sigma: float | None = None  #: Threshold of the wanted rate of false alarms [standard deviations].
+    note: str | None = None  #: Why nothing is seen, or how it is looked for.
+    believed: bool | None = None  #: Whether that threshold is to be believed; None where nothing was judged.
+    background_sigma: float | None = None  #: Standard deviation of the statistic without objects; None where nothing was judged.
+    background: str | None = None  #: Rows whose statistics are taken: sea, sky, or those about the horizon; None where nothing was judged.
+    #: Rows from the object up to the horizon, below 0 down to it; 0 where it lies behind the object, None where it is not among the rows
+    #: drawn, or nothing was judged [px].
     horizon_rows: int | None = None
+    #: Rows above and below a pixel at which the detector looks [px]; None for whole frames, or where nothing was judged.
     window_rows: int | None = None
-    detector: str | None = None
+    detector: str | None = None  #: Detector judged; None where nothing was judged.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text; of a range at which nothing was judged without what judging gives."""
@@ -70,70 +42,32 @@ class RangePoint:
 
 @dataclass(frozen=True)
 class TriedDetector:
-    """Detector that was tried at one range, before the search.
+    """Detector that was tried at one range, before the search."""
 
-    Attributes
-    ----------
-    detector : str
-        Name of the detector.
-    range_m : float
-        Range [m].
-    contrast_margin : float or None
-        Contrast of the object, at the share that waves leave in view in as many seas as the wanted P_d, over that which the detector
-        needs for that P_d at the wanted rate of false alarms [1], at most 32; None where it is below 1/8, or cannot be judged.
-    note : str or None
-        Why it cannot be judged.
-    """
-
-    detector: str
-    range_m: float
+    detector: str  #: Name of the detector.
+    range_m: float  #: Range [m].
+    #: Contrast of the object, at the share that waves leave in view in as many seas as the wanted P_d, over that which the detector needs
+    #: for that P_d at the wanted rate of false alarms [1], at most 32; None where it is below 1/8, or cannot be judged.
     contrast_margin: float | None
-    note: str | None = None
+    note: str | None = None  #: Why it cannot be judged.
 
 
 @dataclass(frozen=True)
 class DetectionRange:
-    """Range up to which an object is detected.
+    """Range up to which an object is detected."""
 
-    Attributes
-    ----------
-    object : str
-        Name of the object.
-    bearing_deg : float or None
-        Bearing from the Sun [deg]; None along the sensor's own line of sight.
-    p_d : float
-        Share of objects at which one counts as detected [1].
-    range_m : float or None
-        Range of detection [m]; None beyond the limits.
-    note : str or None
-        Why there is none.
-    range_interval_m : list of float or None
-        Last range with that share and first one without [m]; None where it has no end.
-    points : list of RangePoint
-        Ranges tried, nearest first.
-    parameters : TableRow
-        Keys that were varied, with their values.
-    warnings : list of str
-        Why the range is to be doubted.
-    first_estimate_m : float or None
-        Range by the Gaussian law, before any frame was searched [m].
-    detector : str or None
-        Detector of this range.
-    tried : list of TriedDetector
-        Detectors among which it was chosen, in the order in which they were tried; empty where it was stated.
-    """
-
-    object: str
-    bearing_deg: float | None
-    p_d: float
-    range_m: float | None
-    note: str | None
-    range_interval_m: list[float | None]
-    points: list[RangePoint]
-    parameters: TableRow = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
-    first_estimate_m: float | None = None
-    detector: str | None = None
+    object: str  #: Name of the object.
+    bearing_deg: float | None  #: Bearing from the Sun [deg]; None along the sensor's own line of sight.
+    p_d: float  #: Share of objects at which one counts as detected [1].
+    range_m: float | None  #: Range of detection [m]; None beyond the limits.
+    note: str | None  #: Why there is none.
+    range_interval_m: list[float | None]  #: Last range with that share and first one without [m]; None where it has no end.
+    points: list[RangePoint]  #: Ranges tried, nearest first.
+    parameters: TableRow = field(default_factory=dict)  #: Keys that were varied, with their values.
+    warnings: list[str] = field(default_factory=list)  #: Why the range is to be doubted.
+    first_estimate_m: float | None = None  #: Range by the Gaussian law, before any frame was searched [m].
+    detector: str | None = None  #: Detector of this range.
+    #: Detectors among which it was chosen, in the order in which they were tried; empty where it was stated.
     tried: list[TriedDetector] = field(default_factory=list)
 
     @property

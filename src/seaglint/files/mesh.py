@@ -13,17 +13,14 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import optional
 from seaglint.objects.primitives import Mesh
 
-SUFFIXES: Final = (".stl", ".obj", ".ply", ".glb")
-"""Endings of the formats that are read."""
+SUFFIXES: Final = (".stl", ".obj", ".ply", ".glb")  #: Endings of the formats that are read.
 
-METRES: Final = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}
-"""Length of each unit [m]."""
+METRES: Final = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}  #: Length of each unit [m].
 
-MOST_TRIANGLES: Final = 4_000_000
-"""Largest number of triangles of a file: a million take some seconds to check and 0.5 GB."""
+MOST_TRIANGLES: Final = 4_000_000  #: Largest number of triangles of a file: a million take some seconds to check and 0.5 GB.
 
+#: Rotation from the axes of glTF (y up, z forward, x to port) to starboard, forward and up.
 _Y_UP: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
-"""Rotation from the axes of glTF (y up, z forward, x to port) to starboard, forward and up."""
 
 
 @dataclass(frozen=True, eq=False)

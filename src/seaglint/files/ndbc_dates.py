@@ -10,8 +10,7 @@ from typing import Final
 _WHOLE: Final = re.compile(r"\d{1,4}")
 _PIVOT: Final = 70  # NDBC's first buoys are of the 1970s
 
-YEAR_NAMES: Final = ("YY", "YYYY")
-"""Headings of the column of years; from 2007 on the line begins with ``#``."""
+YEAR_NAMES: Final = ("YY", "YYYY")  #: Headings of the column of years; from 2007 on the line begins with ``#``.
 
 
 def headings_of(line: str) -> list[str]:

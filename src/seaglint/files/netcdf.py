@@ -24,17 +24,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-NETCDF3: Final = (b"CDF\x01", b"CDF\x02")
-"""First bytes of NetCDF 3, of 32-bit and of 64-bit offsets."""
+NETCDF3: Final = (b"CDF\x01", b"CDF\x02")  #: First bytes of NetCDF 3, of 32-bit and of 64-bit offsets.
 
-NETCDF_MAGIC: Final = (b"\x89HDF", *NETCDF3, b"CDF\x05")
-"""First bytes of NetCDF files of any version."""
+NETCDF_MAGIC: Final = (b"\x89HDF", *NETCDF3, b"CDF\x05")  #: First bytes of NetCDF files of any version.
 
 
+#: Number of 16 bits that netCDF4 masks as missing wherever a variable has no ``_FillValue``, fill mode off or not: of counts the saturated
+#: ones. A ``_FillValue`` that does not occur would keep them, and make xarray read floats.
 MISTAKEN: Final = 65535
-"""Number of 16 bits that netCDF4 masks as missing wherever a variable has no ``_FillValue``, fill mode off or not: of counts the saturated
-ones. A ``_FillValue`` that does not occur would keep them, and make xarray read floats.
-"""
 
 
 def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:

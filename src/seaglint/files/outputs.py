@@ -20,8 +20,7 @@ _KINDS: Final = (
     "png jpg jpeg bmp tif tiff gif mp4 mkv avi mov webm ply stl obj glb zip tar gz tgz bz2 xz 7z xlsx py ipynb"
 )
 
-FILE_ENDINGS: Final = frozenset(f".{kind}" for kind in _KINDS.split(" "))
-"""Endings of files: what ends so is no folder."""
+FILE_ENDINGS: Final = frozenset(f".{kind}" for kind in _KINDS.split(" "))  #: Endings of files: what ends so is no folder.
 
 
 def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iterable[str | Path] = ()) -> Path:

@@ -14,8 +14,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, StorageError
 from seaglint.files.outputs import moved_when_whole, refuse_existing
 
-MOST_VERTICES: Final = 2**31 - 1
-"""Largest number of vertices, since readers take the indices of faces for signed 32-bit numbers."""
+MOST_VERTICES: Final = 2**31 - 1  #: Largest number of vertices, since readers take the indices of faces for signed 32-bit numbers.
 
 _VERTEX: Final = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")])
 _FACE: Final = np.dtype([("count", "u1"), ("corner", "<i4", (3,))])

@@ -16,11 +16,11 @@ from seaglint.base.free_form import Attributes
 from seaglint.optics.band import Band
 from seaglint.version import __version__
 
+#: Attributes that may differ between two halves of one sequence; all others must agree for a sequence to be resumed.
 VOLATILE: Final = frozenset({"history", "created_with", "processor", "processors_mixed", "unfinished"})
-"""Attributes that may differ between two halves of one sequence; all others must agree for a sequence to be resumed."""
 
+#: Value of the attribute ``processors_mixed``.
 PROCESSORS_MIXED: Final = "frames were made on processors of several types: between them pixels may differ in the last bits"
-"""Value of the attribute ``processors_mixed``."""
 
 _PACKAGES: Final = ("numpy", "scipy", "numba", "zarr")
 

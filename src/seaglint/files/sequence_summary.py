@@ -20,8 +20,8 @@ from seaglint.optics.band import Band, apparent_temperature
 if TYPE_CHECKING:
     import xarray as xr
 
+#: A pixel counts as glint when it is this many times as bright as a blackbody at the water's temperature: the Sun gives most of it.
 GLINT_FACTOR: Final = 2.0
-"""A pixel counts as glint when it is this many times as bright as a blackbody at the water's temperature: the Sun gives most of it."""
 
 _GRID_STEP: Final = 5.0  # cm-1; the blackbody is smooth, so the step only has to resolve the response
 _FALLBACK_SEA: Final = 288.15
@@ -43,18 +43,12 @@ class Summary:
     """Statistics of a sequence over all pixels and frames."""
 
     frames: int
-    mean: float
-    """Mean radiance [W m-2 sr-1]."""
-    peak: float
-    """Largest radiance [W m-2 sr-1]."""
-    mean_apparent_temperature: float
-    """Apparent temperature of the mean radiance [K]."""
-    peak_apparent_temperature: float
-    """Apparent temperature of the largest radiance [K]."""
-    glint_fraction: float
-    """Share of the pixels more than :data:`GLINT_FACTOR` times as bright as a blackbody at the water's temperature."""
-    non_finite: int
-    """Pixels that are NaN or infinite."""
+    mean: float  #: Mean radiance [W m-2 sr-1].
+    peak: float  #: Largest radiance [W m-2 sr-1].
+    mean_apparent_temperature: float  #: Apparent temperature of the mean radiance [K].
+    peak_apparent_temperature: float  #: Apparent temperature of the largest radiance [K].
+    glint_fraction: float  #: Share of the pixels more than :data:`GLINT_FACTOR` times as bright as a blackbody at the water's temperature.
+    non_finite: int  #: Pixels that are NaN or infinite.
 
     @property
     def line(self) -> str:

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Final
 
+#: Lists of all nested work, pieces last: a signal in a piece ends the whole too, and a piece that begins after it ends at once.
 _listening: Final[list[list[int]]] = []
-"""Lists of all nested work, pieces last: a signal in a piece ends the whole too, and a piece that begins after it ends at once."""
 
 
 @contextmanager

@@ -25,25 +25,14 @@ Texture = GaussianTexture | AutobinomialTexture
 
 @dataclass(frozen=True)
 class StoredTexture:
-    """Texture with its data and the quality of its fit.
+    """Texture with its data and the quality of its fit."""
 
-    Attributes
-    ----------
-    texture : GaussianTexture or AutobinomialTexture
-    source : dict
-        File, region, size, units, frame rate of the data.
-    fit : dict
-        Errors of the parameters and criteria.
-    quality : dict
-        Agreement of samples and data (:meth:`seaglint.textures.quality.Comparison.as_dict`, and held-out data).
-    notes : tuple of str
-    """
-
-    texture: Texture
-    source: Mapping[str, Any] = field(default_factory=dict)
-    fit: Mapping[str, Any] = field(default_factory=dict)
+    texture: Texture  #: GaussianTexture or AutobinomialTexture.
+    source: Mapping[str, Any] = field(default_factory=dict)  #: File, region, size, units, frame rate of the data.
+    fit: Mapping[str, Any] = field(default_factory=dict)  #: Errors of the parameters and criteria.
+    #: Agreement of samples and data (:meth:`seaglint.textures.quality.Comparison.as_dict`, and held-out data).
     quality: Mapping[str, Any] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: tuple of str.
 
     @property
     def units(self) -> str:

@@ -21,50 +21,34 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression, horizon_range
 from seaglint.imaging.camera.image_grid import Camera
 
-RAYS_PER_ROW: Final = 8
-"""Number of rays followed through each row of pixels."""
+RAYS_PER_ROW: Final = 8  #: Number of rays followed through each row of pixels.
 
+#: Number of rays from which on fewer are followed through a row, for their memory (10 kB each), down to :data:`FEWEST_RAYS`.
 MOST_RAYS: Final = 6000
-"""Number of rays from which on fewer are followed through a row, for their memory (10 kB each), down to :data:`FEWEST_RAYS`."""
 
 FEWEST_RAYS: Final = 2
 
+#: Neighbouring rays whose places in the standard picture are this many times farther apart than they are see different things.
 BROKEN: Final = 8.0
-"""Neighbouring rays whose places in the standard picture are this many times farther apart than they are see different things."""
 
-HALVINGS: Final = 12
-"""Number of times that the gap between such rays is halved."""
+HALVINGS: Final = 12  #: Number of times that the gap between such rays is halved.
 
-STRAYED: Final = 0.012
-"""Angle from the straight line to a point within which its images are sought [rad]."""
+STRAYED: Final = 0.012  #: Angle from the straight line to a point within which its images are sought [rad].
 
-FINER: Final = 3
-"""Rows of the standard picture in a row of the camera."""
+FINER: Final = 3  #: Rows of the standard picture in a row of the camera.
 
-BEYOND: Final = 2e5
-"""Rays are followed this much farther than twice the standard horizon [m]."""
+BEYOND: Final = 2e5  #: Rays are followed this much farther than twice the standard horizon [m].
 
-GRAZING: Final = 1e-7
-"""Smallest elevation above the standard horizon's, below which sea is looked up [rad]."""
+GRAZING: Final = 1e-7  #: Smallest elevation above the standard horizon's, below which sea is looked up [rad].
 
 
 @dataclass(frozen=True, eq=False)
 class Bending:
-    """Bending of the lines of sight of a sensor at one height.
+    """Bending of the lines of sight of a sensor at one height."""
 
-    Attributes
-    ----------
-    index : LayeredIndex
-        The air.
-    height : float
-        Height of the sensor [m].
-    air_temperature : float
-        Temperature of the lowest air [K], which emits before sea beyond the standard horizon.
-    """
-
-    index: LayeredIndex
-    height: float
-    air_temperature: float
+    index: LayeredIndex  #: The air.
+    height: float  #: Height of the sensor [m].
+    air_temperature: float  #: Temperature of the lowest air [K], which emits before sea beyond the standard horizon.
 
     @property
     def farthest(self) -> float:
@@ -129,22 +113,13 @@ class Bending:
 
 @dataclass(frozen=True, eq=False)
 class RowShift:
-    """Rows of a camera as mixtures of rows of a finer, standard picture. Make it with :meth:`of`.
+    """Rows of a camera as mixtures of rows of a finer, standard picture. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    camera, standard : Camera
-        Grid of the picture, and that of the standard one.
-    bending : Bending
-        The air.
-    rays : RayPaths
-        Rays of the rows, from the top down.
-    """
-
+    #: ``camera``, ``standard``: Grid of the picture, and that of the standard one.
     camera: Camera
     standard: Camera
-    bending: Bending
-    rays: RayPaths
+    bending: Bending  #: The air.
+    rays: RayPaths  #: Rays of the rows, from the top down.
     _sea: list[csr_array] = field(default_factory=list)
 
     @classmethod

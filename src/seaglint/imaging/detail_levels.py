@@ -17,12 +17,11 @@ from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Bounds, Surface,
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 
-_ARCS = 2000
-"""Number of ranges at which the beginning of levels is searched: to half a per cent."""
+_ARCS = 2000  #: Number of ranges at which the beginning of levels is searched: to half a per cent.
 
 
+#: Number of lines that sample a wave, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km.
 _LINES_PER_WAVE = 4.0
-"""Number of lines that sample a wave, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km."""
 
 
 @dataclass(frozen=True, eq=False)

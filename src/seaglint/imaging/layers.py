@@ -15,41 +15,29 @@ from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
 from seaglint.base.schema import LAYERS
 
-TOTAL: Final = 0
-"""Channel of all radiance [W m-2 sr-1]."""
+TOTAL: Final = 0  #: Channel of all radiance [W m-2 sr-1].
 
-SUN: Final = 1
-"""Mirrored Sun [W m-2 sr-1]."""
+SUN: Final = 1  #: Mirrored Sun [W m-2 sr-1].
 
-SPREAD: Final = 2
-"""Mean of the variances of sparkles below a pixel [W2 m-4 sr-2]."""
+SPREAD: Final = 2  #: Mean of the variances of sparkles below a pixel [W2 m-4 sr-2].
 
-EMITTED: Final = 3
-"""Emission of the sea behind the path [W m-2 sr-1]."""
+EMITTED: Final = 3  #: Emission of the sea behind the path [W m-2 sr-1].
 
-PATH: Final = 4
-"""Radiance of the path [W m-2 sr-1]."""
+PATH: Final = 4  #: Radiance of the path [W m-2 sr-1].
 
-DISTANCE: Final = 5
-"""Distance to the sea times the share of the pixel that the sea fills [m]."""
+DISTANCE: Final = 5  #: Distance to the sea times the share of the pixel that the sea fills [m].
 
-COVERAGE: Final = 6
-"""Share of the pixel that the sea fills [1]."""
+COVERAGE: Final = 6  #: Share of the pixel that the sea fills [1].
 
-SLOPE: Final = 7
-"""Slope of the sea away from the sensor times the share of the pixel that the sea fills [1]."""
+SLOPE: Final = 7  #: Slope of the sea away from the sensor times the share of the pixel that the sea fills [1].
 
-CHANNELS: Final = 8
-"""Number of all channels."""
+CHANNELS: Final = 8  #: Number of all channels.
 
-FEWEST: Final = 3
-"""Number of channels that every frame has: the first three."""
+FEWEST: Final = 3  #: Number of channels that every frame has: the first three.
 
-SKY: Final = 8
-"""Plane of the mirrored sky, and of the sky itself: total radiance less Sun, emission and path."""
+SKY: Final = 8  #: Plane of the mirrored sky, and of the sky itself: total radiance less Sun, emission and path.
 
-LEAST_SEEN: Final = 1e-9
-"""Least share of sea in a pixel that sees any; smaller ones are rounding."""
+LEAST_SEEN: Final = 1e-9  #: Least share of sea in a pixel that sees any; smaller ones are rounding.
 
 _PLANES: Final = {
     "path_radiance": (PATH,),
@@ -63,8 +51,7 @@ _PLANES: Final = {
     "object_id": (),
 }
 
-LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})
-"""Layers that need no other channels than those of every frame."""
+LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})  #: Layers that need no other channels than those of every frame.
 
 
 class Layers(Mapping[str, NDArray[np.float32]]):
@@ -126,8 +113,7 @@ def planes_for(names: Collection[str]) -> NDArray[np.int64]:
     return np.array(planes, np.int64)
 
 
-BLOCK = 16
-"""Rows that are transposed together [1]: columns and rows of a block stay in the processor's cache."""
+BLOCK = 16  #: Rows that are transposed together [1]: columns and rows of a block stay in the processor's cache.
 
 
 @njit

@@ -33,23 +33,18 @@ from seaglint.imaging.wave_shadow import sun_over_waves
 from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
+#: Number of arcs at which the path is tabulated, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3.
 PATH_NODES = 2048
-"""Number of arcs at which the path is tabulated, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3."""
 
-SKY_ROWS = 1025
-"""Number of elevations of the sky table, uniform in the square root of the elevation above the horizon."""
+SKY_ROWS = 1025  #: Number of elevations of the sky table, uniform in the square root of the elevation above the horizon.
 
-SAMPLES = (2, 8)
-"""Least and largest number of rays along each side of a pixel; between them, as many as put four on the shortest wave."""
+SAMPLES = (2, 8)  #: Least and largest number of rays along each side of a pixel; between them, as many as put four on the shortest wave.
 
-CALM_SAMPLES = 4
-"""Number of rays along each side of a pixel where no waves are resolved."""
+CALM_SAMPLES = 4  #: Number of rays along each side of a pixel where no waves are resolved.
 
-CLOSE = 1e-3
-"""Height above the sea at which a ray has arrived [lattice spacings]."""
+CLOSE = 1e-3  #: Height above the sea at which a ray has arrived [lattice spacings].
 
-MOST_STEPS = 200_000
-"""Largest number of steps of a ray; only rays that skim the sea for tens of kilometres need thousands."""
+MOST_STEPS = 200_000  #: Largest number of steps of a ray; only rays that skim the sea for tens of kilometres need thousands.
 
 
 class Air(NamedTuple):

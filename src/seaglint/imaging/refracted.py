@@ -23,27 +23,18 @@ from seaglint.imaging.swept import SweptScene
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.sea.field import WaveField
 
+#: Layers of light, which more air before the sea weakens.
 RADIANCES: Final = ("radiance", "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance")
-"""Layers of light, which more air before the sea weakens."""
 
-MEANS: Final = ("range", "slope")
-"""Layers that are means over what a pixel sees."""
+MEANS: Final = ("range", "slope")  #: Layers that are means over what a pixel sees.
 
 
 @dataclass(frozen=True, eq=False)
 class RefractedScene:
-    """Scene whose rows are shifted as a profile bends its lines of sight.
+    """Scene whose rows are shifted as a profile bends its lines of sight."""
 
-    Attributes
-    ----------
-    standard : SweptScene
-        The scene with standard refraction, in finer rows.
-    shift : RowShift
-        Rows of the camera as mixtures of those.
-    """
-
-    standard: SweptScene
-    shift: RowShift
+    standard: SweptScene  #: The scene with standard refraction, in finer rows.
+    shift: RowShift  #: Rows of the camera as mixtures of those.
 
     @property
     def view(self) -> SeaView:

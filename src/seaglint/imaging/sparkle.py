@@ -38,28 +38,23 @@ from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.layers import SPREAD, SUN, TOTAL
 from seaglint.radiance.variance import patches
 
+#: Number of cells in one direction up to which a pixel is their average; beyond, pixels are independent.
+#:
+#: A box of 10 x 10 cells has 7 % less variance than independent ones; the pixel and the average of many each take half of that.
 MOST_CELLS = 10.0
-"""Number of cells in one direction up to which a pixel is their average; beyond, pixels are independent.
 
-A box of 10 x 10 cells has 7 % less variance than independent ones; the pixel and the average of many each take half of that."""
-
+#: Half of the extra cells of a random box: over n cells in a row it has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2)).
 BORDER = 1.0 / 6.0
-"""Half of the extra cells of a random box: over n cells in a row it has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2))."""
 
-COMPONENTS = 2
-"""Number of independent parts of a pixel of many cells; it changes in steps of half its fluctuation."""
+COMPONENTS = 2  #: Number of independent parts of a pixel of many cells; it changes in steps of half its fluctuation.
 
-SECTORS = 64
-"""Number of lattice directions in a full circle; a pixel is then at most 2.8 deg from one."""
+SECTORS = 64  #: Number of lattice directions in a full circle; a pixel is then at most 2.8 deg from one.
 
-FILLED = 0.7
-"""Largest share of a standing cell in the pixel's width in either direction, so that neighbours do not share one."""
+FILLED = 0.7  #: Largest share of a standing cell in the pixel's width in either direction, so that neighbours do not share one.
 
-NEGLIGIBLE = 1e-4
-"""Relative variance of the mirrored Sun, weighted by its square, below which sparkles are omitted: 1 % of the glint."""
+NEGLIGIBLE = 1e-4  #: Relative variance of the mirrored Sun, weighted by its square, below which sparkles are omitted: 1 % of the glint.
 
-SURVEYED = 24
-"""Number of rows and columns at which this variance is evaluated."""
+SURVEYED = 24  #: Number of rows and columns at which this variance is evaluated.
 
 
 class Sparkle(NamedTuple):
@@ -71,8 +66,7 @@ class Sparkle(NamedTuple):
     correlation_time: float
 
 
-NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)
-"""Parameters of images that hold the mean over the facets of a pixel."""
+NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)  #: Parameters of images that hold the mean over the facets of a pixel.
 
 
 class SparkleRows(NamedTuple):
@@ -175,8 +169,7 @@ class Sparkles:
         }
 
 
-NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")
-"""Settings of scenes that hold the mean over the facets of a pixel."""
+NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")  #: Settings of scenes that hold the mean over the facets of a pixel.
 
 
 def sparkle_rows(camera: Camera) -> SparkleRows:

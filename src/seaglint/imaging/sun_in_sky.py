@@ -23,11 +23,10 @@ from seaglint.facet.haze import is_dark
 from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.sea_view import SeaView
 
+#: Number of chords of the disc in a column, at even steps of the arc sine of their distance from the middle: within 1e-5 of its area.
 CHORDS: Final = 32
-"""Number of chords of the disc in a column, at even steps of the arc sine of their distance from the middle: within 1e-5 of its area."""
 
-_LARGE: Final = 1.5
-"""Angle from the Sun of all corners beyond which a pixel does not contain it [rad]."""
+_LARGE: Final = 1.5  #: Angle from the Sun of all corners beyond which a pixel does not contain it [rad].
 
 
 class SunInSky(NamedTuple):

@@ -36,53 +36,35 @@ from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
 
+#: Least height of a sensor in significant heights (three standard deviations); lower ones would be under water now and then.
 SUBMERGED = 0.75
-"""Least height of a sensor in significant heights (three standard deviations); lower ones would be under water now and then."""
 
-CELLS_PER_ROW = 3.0
-"""Number of cells of elevation in a row within which neighbouring pieces are merged."""
+CELLS_PER_ROW = 3.0  #: Number of cells of elevation in a row within which neighbouring pieces are merged.
 
+#: Share of the sea in shadow below which one ray to the Sun serves merged neighbours; with more shadow none are merged.
 RARE_SHADOW = 0.005
-"""Share of the sea in shadow below which one ray to the Sun serves merged neighbours; with more shadow none are merged."""
 
+#: Tangent of depression, in rms slopes, beyond which this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %.
 SHADOW_GRAZING = 0.25
-"""Tangent of depression, in rms slopes, beyond which this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %."""
 
-SAME = 1e-9
-"""Tolerance within which angles [rad], steps and heights (relative) are equal."""
+SAME = 1e-9  #: Tolerance within which angles [rad], steps and heights (relative) are equal.
 
 
 @dataclass(frozen=True, eq=False)
 class SweptScene:
-    """Scene prepared for an upright camera that stands still; make it with :meth:`prepare`.
+    """Scene prepared for an upright camera that stands still; make it with :meth:`prepare`."""
 
-    Attributes
-    ----------
-    view : SeaView
-        Sea, air and Sun; its slopes are the total statistics. Facets hide each other from viewer and Sun as its shadowing says; resolved
-        waves hide what lies behind them, and shade it where the Sun's leg is shadowed.
-    camera : Camera
-        The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
-    waves : WaveField or None
-        The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
-    accuracy : Accuracy
-        Accuracy settings of the drawing.
-    layers : tuple of str
-        Layers beside ``radiance`` and ``glint_radiance``.
-    sparkles : Sparkles
-        Glint below the pixel.
-    """
-
+    #: Sea, air and Sun; its slopes are the total statistics. Facets hide each other from viewer and Sun as its shadowing says; resolved
+    #: waves hide what lies behind them, and shade it where the Sun's leg is shadowed.
     view: SeaView
-    camera: Camera
-    waves: WaveField | None
-    accuracy: Accuracy
-    layers: tuple[str, ...]
-    sparkles: Sparkles
+    camera: Camera  #: The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
+    waves: WaveField | None  #: The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
+    accuracy: Accuracy  #: Accuracy settings of the drawing.
+    layers: tuple[str, ...]  #: Layers beside ``radiance`` and ``glint_radiance``.
+    sparkles: Sparkles  #: Glint below the pixel.
     _prepared_for: Camera
     _levels: Levels
-    _tables: Swept | None
-    """Tables of the kernels; None where no sea can be seen."""
+    _tables: Swept | None  #: Tables of the kernels; None where no sea can be seen.
 
     @classmethod
     def prepare(

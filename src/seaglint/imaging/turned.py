@@ -43,14 +43,11 @@ from seaglint.imaging.swept import SAME, SweptScene, require_above, require_dry
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 
-KEPT_HEIGHTS = 3
-"""Number of prepared heights that are cached."""
+KEPT_HEIGHTS = 3  #: Number of prepared heights that are cached.
 
-MOST_KEPT = 1 << 29
-"""Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame."""
+MOST_KEPT = 1 << 29  #: Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame.
 
-NEAR_CIRCLE = np.radians(300.0)
-"""Least range of azimuths for which the sweep's image covers the full circle [rad]."""
+NEAR_CIRCLE = np.radians(300.0)  #: Least range of azimuths for which the sweep's image covers the full circle [rad].
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,37 +85,21 @@ class _Height:
 class TurnedScene:
     """Scene prepared for a camera in any attitude on a track; make it with :meth:`prepare`.
 
-    Attributes
-    ----------
-    imager : Imager
-        The camera's pixels.
-    track : Track
-        Where the camera is and how it is turned.
-    waves : WaveField or None
-        The part of the slopes that is geometry.
-    accuracy : Accuracy
-        Accuracy settings of the drawing.
-    layers : tuple of str
-        Layers beside ``radiance`` and ``glint_radiance``.
-    sparkles : Sparkles
-        Glint below the pixel.
-
     Notes
     -----
     The air is prepared at heights at most 2 % apart and taken from the next lower one; the geometry is that of each frame. What has been
     prepared for a height is kept for the next frame: images do not depend on it.
     """
 
-    imager: Imager
-    track: Track
-    waves: WaveField | None
-    accuracy: Accuracy
-    layers: tuple[str, ...]
-    sparkles: Sparkles
+    imager: Imager  #: The camera's pixels.
+    track: Track  #: Where the camera is and how it is turned.
+    waves: WaveField | None  #: The part of the slopes that is geometry.
+    accuracy: Accuracy  #: Accuracy settings of the drawing.
+    layers: tuple[str, ...]  #: Layers beside ``radiance`` and ``glint_radiance``.
+    sparkles: Sparkles  #: Glint below the pixel.
     _view_at: Callable[[float], SeaView]
     _survey: AngleSurvey
-    _whole: Levels
-    """Sea in full detail, for views that are walked alone."""
+    _whole: Levels  #: Sea in full detail, for views that are walked alone.
     _still: _AttitudePlan | None = None
     _heights: OrderedDict[float, _Height] = field(default_factory=OrderedDict)
 

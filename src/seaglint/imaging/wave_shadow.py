@@ -9,8 +9,7 @@ from seaglint.base.jit import kernel
 from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging.wave_surface import Surface, SurfaceLine, height, point_height, position
 
-FARTHEST = 4000
-"""Number of steps after which a Sun at the very horizon counts as visible."""
+FARTHEST = 4000  #: Number of steps after which a Sun at the very horizon counts as visible.
 
 
 @kernel

@@ -20,32 +20,27 @@ from seaglint.base.jit import kernel, njit
 from seaglint.imaging.spline import cell, gradient, spline_value
 from seaglint.sea.wander import Wander
 
-STRIP = 64
-"""Number of samples of a line that are read together."""
+STRIP = 64  #: Number of samples of a line that are read together.
 
-SUBCELL_BITS = 16
-"""Number of bits of positions within a cell: steps of ``2**-16`` of it, a fiftieth of a millimetre for cells of a metre."""
+SUBCELL_BITS = 16  #: Number of bits of positions within a cell: steps of ``2**-16`` of it, a fiftieth of a millimetre for cells of a metre.
 
 SUBCELLS = 1 << SUBCELL_BITS
 
-LONGEST_STRIP = 1 << 14
-"""Largest number of cells along a strip, and of points a side of a lattice: with their parts they fill 31 bits."""
+LONGEST_STRIP = 1 << 14  #: Largest number of cells along a strip, and of points a side of a lattice: with their parts they fill 31 bits.
 
-WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
-"""Offset that keeps positions positive; a whole number of periods of any lattice."""
+WHOLE_TURNS = LONGEST_STRIP * SUBCELLS  #: Offset that keeps positions positive; a whole number of periods of any lattice.
 
+#: Least number of lattice readings in a cell where samples lie closer.
+#:
+#: Heights are cubic between them: of the lattice's shortest waves, four cells long, 97 % of the variance remain in the worst case. Slopes
+#: are read wherever they are needed.
 READS_PER_CELL = 1.5
-"""Least number of lattice readings in a cell where samples lie closer.
 
-Heights are cubic between them: of the lattice's shortest waves, four cells long, 97 % of the variance remain in the worst case. Slopes are
-read wherever they are needed.
-"""
-
+#: Largest ratio of a strip's last step to its first, or of its first to its last, at which heights are taken between readings.
 EVEN_STEPS = 1.5
-"""Largest ratio of a strip's last step to its first, or of its first to its last, at which heights are taken between readings."""
 
+#: Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.03 % of the period.
 KNOTS_PER_PERIOD = 12
-"""Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.03 % of the period."""
 
 
 class Surface(NamedTuple):

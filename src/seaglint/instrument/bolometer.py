@@ -19,52 +19,28 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.instrument.detector import MOST_BITS, Pixels
 
-FORGOTTEN: Final = 1e-4
-"""Share of an old frame below which it is omitted from the lag: less than a count of most converters."""
+FORGOTTEN: Final = 1e-4  #: Share of an old frame below which it is omitted from the lag: less than a count of most converters.
 
-MOST_REMEMBERED: Final = 64
-"""Largest number of frames in the lag."""
+MOST_REMEMBERED: Final = 64  #: Largest number of frames in the lag.
 
-NANO: Final = 1e9
-"""Number of nanowatts, the units of the signal, in a watt."""
+NANO: Final = 1e9  #: Number of nanowatts, the units of the signal, in a watt.
 
 
 @dataclass(frozen=True)
 class ThermalPixels(Pixels):
-    """Pixels of a thermal detector.
+    """Pixels of a thermal detector."""
 
-    Attributes
-    ----------
-    pitch : float
-        Distance of the pixels' centres [m].
-    netd : float
-        Noise-equivalent temperature difference of the data sheet [K].
-    netd_f_number, netd_temperature : float
-        Optics (transmission 1) and blackbody [K] for which it is stated.
-    time_constant : float
-        Time constant of the exponential lag [s]; 0 has none.
-    fill_factor : float
-        Share of a pixel's area that absorbs [1].
-    absorptance : float
-        Share of the power on it that is absorbed [1].
-    full_scale_temperature : float
-        Blackbody that fills the converter [K].
-    bit_depth : int
-        Bit depth of the converter.
-    offset : float
-        Counts without power.
-    """
-
-    pitch: float
-    netd: float
+    pitch: float  #: Distance of the pixels' centres [m].
+    netd: float  #: Noise-equivalent temperature difference of the data sheet [K].
+    #: ``netd_f_number``, ``netd_temperature``: Optics (transmission 1) and blackbody [K] for which it is stated.
     netd_f_number: float = 1.0
     netd_temperature: float = 300.0
-    time_constant: float = 0.0
-    fill_factor: float = 1.0
-    absorptance: float = 1.0
-    full_scale_temperature: float = 433.15
-    bit_depth: int = MOST_BITS
-    offset: float = 0.0
+    time_constant: float = 0.0  #: Time constant of the exponential lag [s]; 0 has none.
+    fill_factor: float = 1.0  #: Share of a pixel's area that absorbs [1].
+    absorptance: float = 1.0  #: Share of the power on it that is absorbed [1].
+    full_scale_temperature: float = 433.15  #: Blackbody that fills the converter [K].
+    bit_depth: int = MOST_BITS  #: Bit depth of the converter.
+    offset: float = 0.0  #: Counts without power.
 
     def __post_init__(self) -> None:
         self.require_bits()

@@ -22,30 +22,19 @@ from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distort
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.transfer import BYTES_PER_FINE_PIXEL, Sampling, Transfer, isolated, needed_oversampling, padded_shape
 
-KEPT: Final = 4
-"""Number of transfers of different sizes or smears that are cached."""
+KEPT: Final = 4  #: Number of transfers of different sizes or smears that are cached.
 
-SHORT_BELOW: Final = 0.95
-"""Share of the well above which the shorter exposure is used."""
+SHORT_BELOW: Final = 0.95  #: Share of the well above which the shorter exposure is used.
 
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """Signal of one frame of a sensor, or of several.
+    """Signal of one frame of a sensor, or of several."""
 
-    Attributes
-    ----------
-    signal : ndarray
-        Counts [(rows, columns) or (time, rows, columns), uint16].
-    units : ndarray
-        Signal before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
-    saturated : int
-        Pixels that are full or at the end of the converter.
-    """
-
-    signal: NDArray[np.uint16]
+    signal: NDArray[np.uint16]  #: Counts [(rows, columns) or (time, rows, columns), uint16].
+    #: Signal before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
     units: NDArray[np.float32]
-    saturated: int
+    saturated: int  #: Pixels that are full or at the end of the converter.
 
     @property
     def saturated_share(self) -> float:
@@ -55,36 +44,17 @@ class Exposure:
 
 @dataclass(frozen=True, eq=False)
 class SensorModel:
-    """Sensor model of optics, detector and noise for one band.
+    """Sensor model of optics, detector and noise for one band."""
 
-    Attributes
-    ----------
-    photons : Photons
-        Band and quantum efficiency.
-    optics : SensorOptics
-        Optics in front of the detector.
-    detector : PhotonPixels or ThermalPixels
-        The pixels.
-    noise : DetectorNoise
-        Noise of the pixels.
-    seed : int
-        Seed of all random numbers.
-    frame_interval : float
-        Time from frame to frame [s].
-    scanning : bool
-        Whether columns are places of a scanner, all of them seen along the optical axis, rather than of the focal plane.
-    circle : bool
-        Whether pictures go all round.
-    """
-
-    photons: Photons
-    optics: SensorOptics
-    detector: PhotonPixels | ThermalPixels
-    noise: DetectorNoise = field(default_factory=DetectorNoise)
-    seed: int = 1
-    frame_interval: float = 0.04
+    photons: Photons  #: Band and quantum efficiency.
+    optics: SensorOptics  #: Optics in front of the detector.
+    detector: PhotonPixels | ThermalPixels  #: The pixels.
+    noise: DetectorNoise = field(default_factory=DetectorNoise)  #: Noise of the pixels.
+    seed: int = 1  #: Seed of all random numbers.
+    frame_interval: float = 0.04  #: Time from frame to frame [s].
+    #: Whether columns are places of a scanner, all of them seen along the optical axis, rather than of the focal plane.
     scanning: bool = False
-    circle: bool = False
+    circle: bool = False  #: Whether pictures go all round.
     _transfers: OrderedDict[tuple[Sampling, tuple[int, int]], Transfer] = field(default_factory=OrderedDict, repr=False)
     _patterns: dict[tuple[int, int], Pattern] = field(default_factory=dict, repr=False)
 

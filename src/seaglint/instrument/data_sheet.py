@@ -10,53 +10,26 @@ from seaglint.base.free_form import JsonObject
 
 @dataclass(frozen=True)
 class TransferCurves:
-    """Modulation transfer function of a sensor.
+    """Modulation transfer function of a sensor."""
 
-    Attributes
-    ----------
-    frequency_cycles_per_mrad : list of float
-        Frequencies.
-    along, across : list of float
-        Transfer along rows and across them [1].
-    nyquist_cycles_per_mrad : float
-        Nyquist frequency.
-    parts : dict of dict of list of float
-        Factors of the transfer by their causes, for ``along`` and ``across`` [1].
-    """
-
-    frequency_cycles_per_mrad: list[float]
+    frequency_cycles_per_mrad: list[float]  #: Frequencies.
+    #: ``along``, ``across``: Transfer along rows and across them [1].
     along: list[float]
     across: list[float]
-    nyquist_cycles_per_mrad: float
-    parts: dict[str, dict[str, list[float]]]
+    nyquist_cycles_per_mrad: float  #: Nyquist frequency.
+    parts: dict[str, dict[str, list[float]]]  #: Factors of the transfer by their causes, for ``along`` and ``across`` [1].
 
 
 @dataclass(frozen=True)
 class BudgetAtMean:
-    """Noise of a pixel at the mean radiance of a scene, by its causes.
+    """Noise of a pixel at the mean radiance of a scene, by its causes."""
 
-    Attributes
-    ----------
-    scene_radiance : float
-        Mean radiance [W m-2 sr-1].
-    scene_apparent_temperature_k : float or None
-        Apparent temperature of it; None where there is none.
-    signal : float
-        Mean signal [units].
-    parts : dict of float
-        Temporal noise by its causes, rms [units].
-    total_temporal : float
-        Root of the sum of their squares [units].
-    fixed_pattern : float
-        Spread between pixels, rms [units].
-    """
-
-    scene_radiance: float
-    scene_apparent_temperature_k: float | None
-    signal: float
-    parts: dict[str, float]
-    total_temporal: float
-    fixed_pattern: float
+    scene_radiance: float  #: Mean radiance [W m-2 sr-1].
+    scene_apparent_temperature_k: float | None  #: Apparent temperature of it; None where there is none.
+    signal: float  #: Mean signal [units].
+    parts: dict[str, float]  #: Temporal noise by its causes, rms [units].
+    total_temporal: float  #: Root of the sum of their squares [units].
+    fixed_pattern: float  #: Spread between pixels, rms [units].
 
     @property
     def noise(self) -> dict[str, float]:
@@ -71,22 +44,13 @@ class BudgetAtMean:
 
 @dataclass(frozen=True)
 class ConversionError:
-    """Error of the conversion of radiance to photons for spectra other than that of the reference.
+    """Error of the conversion of radiance to photons for spectra other than that of the reference."""
 
-    Attributes
-    ----------
-    reference_k : float
-        Temperature of the blackbody for which it is right [K].
-    at_280_k, at_320_k : float
-        Relative error for blackbodies of 280 and 320 K [1].
-    sunlight : float
-        Relative error for sunlight [1].
-    """
-
-    reference_k: float
+    reference_k: float  #: Temperature of the blackbody for which it is right [K].
+    #: ``at_280_k``, ``at_320_k``: Relative error for blackbodies of 280 and 320 K [1].
     at_280_k: float
     at_320_k: float
-    sunlight: float
+    sunlight: float  #: Relative error for sunlight [1].
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers."""
@@ -95,94 +59,42 @@ class ConversionError:
 
 @dataclass(frozen=True)
 class SensorDataSheet:
-    """Figures of merit of a sensor; its signals are electrons of a photon detector or nanowatts of a thermal one.
+    """Figures of merit of a sensor; its signals are electrons of a photon detector or nanowatts of a thermal one."""
 
-    Attributes
-    ----------
-    detector : {"photon", "thermal"}
-        Kind of detector.
-    band_um : list of float
-        Limits of the band [um].
-    mean_wavelength_um : float
-        Mean wavelength of the photons [um].
-    aperture_m, focal_length_m : float
-        Diameter of the pupil and focal length [m].
-    f_number : float
-        Focal ratio [1].
-    solid_angle_sr : float
-        Solid angle of the pupil at the pixel [sr].
-    ifov_mrad : float
-        Angle of a pixel [mrad].
-    oversampling : int
-        Pixels of the drawn picture along a pixel of the detector.
-    background_k : float
-        Temperature against which the noise is stated [K].
-    netd_k : float
-        Noise-equivalent temperature difference [K].
-    sitf_counts_per_k : float
-        Slope of the signal against temperature [counts K-1].
-    nei_w_m2 : float
-        Noise-equivalent irradiance at the aperture [W m-2].
-    nep_w : float
-        Noise-equivalent power on the pixel [W].
-    point_share : float
-        Share of a point's light on the sensitive area of the pixel at whose centre it stands [1].
-    point_response : float
-        Contrast of a point in that pixel, over that of the same light spread evenly over the whole pixel: the share over the fill
-        factor [1].
-    electrons_per_count, nw_per_count : float or None
-        Gain in the unit of the detector; the other one is None.
-    offset_counts : float
-        Counts without a signal.
-    radiance_per_count, radiance_at_zero_counts : float
-        Scale and offset of counts [W m-2 sr-1].
-    dynamic_range_db : float or None
-        Full scale over the noise in the dark; None without noise [dB].
-    saturation_temperature_k : float or None
-        Apparent temperature that saturates [K].
-    saturation_radiance : float
-        Radiance that saturates [W m-2 sr-1].
-    mtf : TransferCurves
-        Modulation transfer.
-    noise_budget : BudgetAtMean
-        Noise at the scene's mean.
-    three_d_noise : dict of float
-        Components of 3-D noise, rms [units].
-    conversion_error : ConversionError
-        Error of the conversion to photons.
-    time_s : float
-        Integration time, or frame interval of a thermal detector [s].
-    """
-
-    detector: Literal["photon", "thermal"]
-    band_um: list[float]
-    mean_wavelength_um: float
+    detector: Literal["photon", "thermal"]  #: Kind of detector.
+    band_um: list[float]  #: Limits of the band [um].
+    mean_wavelength_um: float  #: Mean wavelength of the photons [um].
+    #: ``aperture_m``, ``focal_length_m``: Diameter of the pupil and focal length [m].
     aperture_m: float
     focal_length_m: float
-    f_number: float
-    solid_angle_sr: float
-    ifov_mrad: float
-    oversampling: int
-    background_k: float
-    netd_k: float
-    sitf_counts_per_k: float
-    nei_w_m2: float
-    nep_w: float
-    point_share: float
+    f_number: float  #: Focal ratio [1].
+    solid_angle_sr: float  #: Solid angle of the pupil at the pixel [sr].
+    ifov_mrad: float  #: Angle of a pixel [mrad].
+    oversampling: int  #: Pixels of the drawn picture along a pixel of the detector.
+    background_k: float  #: Temperature against which the noise is stated [K].
+    netd_k: float  #: Noise-equivalent temperature difference [K].
+    sitf_counts_per_k: float  #: Slope of the signal against temperature [counts K-1].
+    nei_w_m2: float  #: Noise-equivalent irradiance at the aperture [W m-2].
+    nep_w: float  #: Noise-equivalent power on the pixel [W].
+    point_share: float  #: Share of a point's light on the sensitive area of the pixel at whose centre it stands [1].
+    #: Contrast of a point in that pixel, over that of the same light spread evenly over the whole pixel: the share over the fill factor
+    #: [1].
     point_response: float
+    #: ``electrons_per_count``, ``nw_per_count``: Gain in the unit of the detector; the other one is None.
     electrons_per_count: float | None
     nw_per_count: float | None
-    offset_counts: float
+    offset_counts: float  #: Counts without a signal.
+    #: ``radiance_per_count``, ``radiance_at_zero_counts``: Scale and offset of counts [W m-2 sr-1].
     radiance_per_count: float
     radiance_at_zero_counts: float
-    dynamic_range_db: float | None
-    saturation_temperature_k: float | None
-    saturation_radiance: float
-    mtf: TransferCurves
-    noise_budget: BudgetAtMean
-    three_d_noise: dict[str, float]
-    conversion_error: ConversionError
-    time_s: float
+    dynamic_range_db: float | None  #: Full scale over the noise in the dark; None without noise [dB].
+    saturation_temperature_k: float | None  #: Apparent temperature that saturates [K].
+    saturation_radiance: float  #: Radiance that saturates [W m-2 sr-1].
+    mtf: TransferCurves  #: Modulation transfer.
+    noise_budget: BudgetAtMean  #: Noise at the scene's mean.
+    three_d_noise: dict[str, float]  #: Components of 3-D noise, rms [units].
+    conversion_error: ConversionError  #: Error of the conversion to photons.
+    time_s: float  #: Integration time, or frame interval of a thermal detector [s].
 
     @property
     def unit(self) -> str:

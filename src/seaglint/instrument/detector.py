@@ -12,11 +12,10 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
-MOST_BITS: Final = 16
-"""Largest bit depth of the signal."""
+MOST_BITS: Final = 16  #: Largest bit depth of the signal.
 
+#: Blackbody temperature that fills the converter without a given well or gain [K]: hotter than any sea, cooler than a mirrored Sun.
 FULL_SCALE_TEMPERATURE: Final = 400.0
-"""Blackbody temperature that fills the converter without a given well or gain [K]: hotter than any sea, cooler than a mirrored Sun."""
 
 
 class Pixels:
@@ -54,48 +53,20 @@ class Pixels:
 
 @dataclass(frozen=True)
 class PhotonPixels(Pixels):
-    """Pixels of a photon detector.
+    """Pixels of a photon detector."""
 
-    Attributes
-    ----------
-    pitch : float
-        Distance of the pixels' centres [m].
-    fill_factor : float
-        Share of a pixel's area that is sensitive, a square in its middle [1].
-    integration_time : float
-        [s].
-    quantum_efficiency : float
-        Electrons for each photon, where the response of the efficiency's curve is 1 [1].
-    well_capacity : float or None
-        Electrons that a pixel holds; None does not saturate.
-    read_noise : float
-        Rms of a reading [electrons].
-    dark_current : float
-        [electrons s-1].
-    bit_depth : int
-        Bit depth of the converter.
-    gain : float or None
-        Electrons for each count; where None a full well, or the electrons of a hot blackbody, fill the converter.
-    offset : float
-        Counts without electrons.
-    crosstalk : float
-        Share of a pixel's electrons that is collected by its four neighbours [1].
-    short_integration_time : float or None
-        Second, shorter integration, taken where the long one saturates [s].
-    """
-
-    pitch: float
-    fill_factor: float = 1.0
-    integration_time: float = 0.01
-    quantum_efficiency: float = 1.0
-    well_capacity: float | None = None
-    read_noise: float = 0.0
-    dark_current: float = 0.0
-    bit_depth: int = MOST_BITS
-    gain: float | None = None
-    offset: float = 0.0
-    crosstalk: float = 0.0
-    short_integration_time: float | None = None
+    pitch: float  #: Distance of the pixels' centres [m].
+    fill_factor: float = 1.0  #: Share of a pixel's area that is sensitive, a square in its middle [1].
+    integration_time: float = 0.01  #: [s].
+    quantum_efficiency: float = 1.0  #: Electrons for each photon, where the response of the efficiency's curve is 1 [1].
+    well_capacity: float | None = None  #: Electrons that a pixel holds; None does not saturate.
+    read_noise: float = 0.0  #: Rms of a reading [electrons].
+    dark_current: float = 0.0  #: [electrons s-1].
+    bit_depth: int = MOST_BITS  #: Bit depth of the converter.
+    gain: float | None = None  #: Electrons for each count; where None a full well, or the electrons of a hot blackbody, fill the converter.
+    offset: float = 0.0  #: Counts without electrons.
+    crosstalk: float = 0.0  #: Share of a pixel's electrons that is collected by its four neighbours [1].
+    short_integration_time: float | None = None  #: Second, shorter integration, taken where the long one saturates [s].
 
     def __post_init__(self) -> None:
         self.require_bits()
@@ -126,32 +97,15 @@ class Readout:
     """Straight line from radiance to counts, for photon and thermal detectors.
 
     ``units`` are electrons of a photon detector, nanowatts absorbed by a thermal one.
-
-    Attributes
-    ----------
-    per_radiance : float
-        Units for each unit of in-band radiance at the aperture [units (W m-2 sr-1)-1].
-    background : float
-        Units without any scene: dark current, warm optics and housing.
-    dark : float
-        The part of them that is no light.
-    capacity : float
-        Units at which a pixel saturates; infinite where it does not.
-    gain : float
-        Units for each count.
-    offset : float
-        Counts without units.
-    top_count : int
-        Largest count.
     """
 
-    per_radiance: float
-    background: float
-    dark: float
-    capacity: float
-    gain: float
-    offset: float
-    top_count: int
+    per_radiance: float  #: Units for each unit of in-band radiance at the aperture [units (W m-2 sr-1)-1].
+    background: float  #: Units without any scene: dark current, warm optics and housing.
+    dark: float  #: The part of them that is no light.
+    capacity: float  #: Units at which a pixel saturates; infinite where it does not.
+    gain: float  #: Units for each count.
+    offset: float  #: Counts without units.
+    top_count: int  #: Largest count.
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.offset < self.top_count:

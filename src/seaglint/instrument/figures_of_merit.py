@@ -26,22 +26,17 @@ from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
 from seaglint.instrument.optics import motion_mtf
 from seaglint.instrument.transfer import sensor_mtf
 
-BACKGROUND: Final = 300.0
-"""Temperature of the blackbody against which NETD, SiTF and the like are stated [K]."""
+BACKGROUND: Final = 300.0  #: Temperature of the blackbody against which NETD, SiTF and the like are stated [K].
 
-MTF_POINTS: Final = 41
-"""Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency."""
+MTF_POINTS: Final = 41  #: Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency.
 
 
-RIPPLE_POINTS: Final = 8
-"""Frequencies in a ripple of the transfer of pixel, crosstalk and movement in the integral over a point's light."""
+RIPPLE_POINTS: Final = 8  #: Frequencies in a ripple of the transfer of pixel, crosstalk and movement in the integral over a point's light.
 
 LEAST_POINTS: Final = 512
-MOST_POINTS: Final = 1024
-"""Least and largest number of frequencies along each half axis of that integral."""
+MOST_POINTS: Final = 1024  #: Least and largest number of frequencies along each half axis of that integral.
 
-BLUR_POINTS: Final = 4097
-"""Number of frequencies up to the optics' cut-off among which the transfer's fall to a half is sought."""
+BLUR_POINTS: Final = 4097  #: Number of frequencies up to the optics' cut-off among which the transfer's fall to a half is sought.
 
 
 @dataclass(frozen=True)

@@ -26,26 +26,20 @@ from seaglint.base.jit import kernel, njit
 from seaglint.instrument.optics import Blur
 from seaglint.instrument.transfer import Sampling, sensor_mtf
 
-NODES_PER_CYCLE: Final = 4.0
-"""Nodes of the grid to a period of the optics' cut-off."""
+NODES_PER_CYCLE: Final = 4.0  #: Nodes of the grid to a period of the optics' cut-off.
 
+#: Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
+#:
+#: What diffraction sends beyond, a share of some ``1 / (pi^2 BLURS)``, comes in again from the other side, so that sums are whole.
 MARGINS: Final = (24, 48)
-"""Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
 
-What diffraction sends beyond, a share of some ``1 / (pi^2 BLURS)``, comes in again from the other side, so that sums are whole.
-"""
+BLURS: Final = 16.0  #: Margin in units of the blur's diameter (wavelength times f-number).
 
-BLURS: Final = 16.0
-"""Margin in units of the blur's diameter (wavelength times f-number)."""
+TILE: Final = 96  #: Side of the tiles into which sources are divided where they spread farther [pixels].
 
-TILE: Final = 96
-"""Side of the tiles into which sources are divided where they spread farther [pixels]."""
+STEP: Final = 16  #: Windows have whole multiples of this many pixels, so that few filters are needed.
 
-STEP: Final = 16
-"""Windows have whole multiples of this many pixels, so that few filters are needed."""
-
-KEPT: Final = 8
-"""Number of filters of windows that are cached."""
+KEPT: Final = 8  #: Number of filters of windows that are cached.
 
 
 class Boxes(NamedTuple):

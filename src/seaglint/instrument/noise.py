@@ -22,62 +22,40 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
 
-OCTAVES: Final = 10
-"""Number of octaves of 1/f noise: down to a thousandth of the frame rate."""
+OCTAVES: Final = 10  #: Number of octaves of 1/f noise: down to a thousandth of the frame rate.
 
-BLINK_SHARE: Final = 0.5
-"""Share of the time that a blinking pixel is in its upper state."""
+BLINK_SHARE: Final = 0.5  #: Share of the time that a blinking pixel is in its upper state.
 
 
 @dataclass(frozen=True)
 class DetectorNoise:
-    """Noise settings of a detector, in units of the signal (electrons; nanowatts of a thermal detector).
+    """Noise settings of a detector, in units of the signal (electrons; nanowatts of a thermal detector)."""
 
-    Attributes
-    ----------
-    temporal, fixed_pattern : bool
-        Whether noise that changes in time, and whatever stays (defect pixels with it), is there at all.
-    one_over_f : float
-        Rms of the 1/f noise of a pixel over its octaves.
-    frame, row, column, row_temporal, column_temporal : float
-        Rms of what all pixels of a frame, a row or a column have in common: T, V, H, TV, TH.
-    gain_spread : float
-        Rms relative spread of the pixels' gain [1].
-    offset_spread : float
-        Rms spread of their offset.
-    curvature_spread : float
-        Rms spread of the relative deviation from a straight line at full scale [1].
-    corrected_at : (float, float) or None
-        Signals of a two-point correction.
-    drift_per_hour : float
-        Rms of the offsets' change in an hour.
-    dead_share, hot_share, blinking_share : float
-        Shares of the pixels that see nothing, that have a high dark signal, or that jump between two levels [1].
-    hot_signal, blinking_signal : float
-        Dark signal of hot pixels, and the height of the jumps.
-    blinking_time : float
-        Mean time between them [s].
-    """
-
+    #: ``temporal``, ``fixed_pattern``: Whether noise that changes in time, and whatever stays (defect pixels with it), is there at all.
     temporal: bool = True
     fixed_pattern: bool = True
-    one_over_f: float = 0.0
+    one_over_f: float = 0.0  #: Rms of the 1/f noise of a pixel over its octaves.
+    #: ``frame``, ``row``, ``column``, ``row_temporal``, ``column_temporal``: Rms of what all pixels of a frame, a row or a column have in
+    #: common: T, V, H, TV, TH.
     frame: float = 0.0
     row: float = 0.0
     column: float = 0.0
     row_temporal: float = 0.0
     column_temporal: float = 0.0
-    gain_spread: float = 0.0
-    offset_spread: float = 0.0
-    curvature_spread: float = 0.0
-    corrected_at: tuple[float, float] | None = None
-    drift_per_hour: float = 0.0
+    gain_spread: float = 0.0  #: Rms relative spread of the pixels' gain [1].
+    offset_spread: float = 0.0  #: Rms spread of their offset.
+    curvature_spread: float = 0.0  #: Rms spread of the relative deviation from a straight line at full scale [1].
+    corrected_at: tuple[float, float] | None = None  #: Signals of a two-point correction.
+    drift_per_hour: float = 0.0  #: Rms of the offsets' change in an hour.
+    #: ``dead_share``, ``hot_share``, ``blinking_share``: Shares of the pixels that see nothing, that have a high dark signal, or that jump
+    #: between two levels [1].
     dead_share: float = 0.0
     hot_share: float = 0.0
     blinking_share: float = 0.0
+    #: ``hot_signal``, ``blinking_signal``: Dark signal of hot pixels, and the height of the jumps.
     hot_signal: float = 0.0
     blinking_signal: float = 0.0
-    blinking_time: float = 1.0
+    blinking_time: float = 1.0  #: Mean time between them [s].
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,10 +70,8 @@ class Pattern:
     drift: FloatArray | None
     dead: NDArray[np.bool_] | None
     hot: NDArray[np.bool_] | None
-    blinking: NDArray[np.int64] | None
-    """Flat indices of the blinking pixels."""
-    cells: tuple[int, int]
-    """Rows and columns of the detector's own pixels: those of the picture, or one column of a scanner."""
+    blinking: NDArray[np.int64] | None  #: Flat indices of the blinking pixels.
+    cells: tuple[int, int]  #: Rows and columns of the detector's own pixels: those of the picture, or one column of a scanner.
     seed: int = field(default=0)
 
     @classmethod

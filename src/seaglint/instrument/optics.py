@@ -28,70 +28,41 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
-SHANNON_LIMIT: Final = 0.18
-"""Rms wavefront error [waves] at which Shannon's fit reaches 0 at half the cut-off; it holds below."""
+SHANNON_LIMIT: Final = 0.18  #: Rms wavefront error [waves] at which Shannon's fit reaches 0 at half the cut-off; it holds below.
 
-PUPIL_POINTS: Final = 512
-"""Number of points across the overlap of two pupils: MTFs within 1e-5."""
+PUPIL_POINTS: Final = 512  #: Number of points across the overlap of two pupils: MTFs within 1e-5.
 
-NODES: Final = 512
-"""Number of nodes of a tabulated MTF between 0 and the cut-off; linear between them it is within 1e-5."""
+NODES: Final = 512  #: Number of nodes of a tabulated MTF between 0 and the cut-off; linear between them it is within 1e-5.
 
-SHARPEST: Final = 0.0045
-"""Product of jitter and the table's step up to which linear interpolation of its transfer is within 1e-4."""
+SHARPEST: Final = 0.0045  #: Product of jitter and the table's step up to which linear interpolation of its transfer is within 1e-4.
 
 SolidAngle = Literal["sine", "thin-lens"]
 
 
 @dataclass(frozen=True)
 class SensorOptics:
-    r"""Optics of a sensor: pupil, transmittance, blur, distortion.
+    r"""Optics of a sensor: pupil, transmittance, blur, distortion."""
 
-    Attributes
-    ----------
-    aperture, focal_length : float
-        Diameter of the entrance pupil and focal length [m].
-    transmission : float
-        Transmittance of the optics, in the band [1].
-    obscuration : float
-        Diameter of the central obscuration over that of the pupil [1].
-    wavefront_error : float
-        Rms error of the wavefront at the mean wavelength [waves].
-    defocus : float
-        Peak error of the wavefront by defocus, at the pupil's edge, at the mean wavelength [waves].
-    jitter : float
-        Rms movement of the line of sight during an exposure, in each direction [rad].
-    drift : (float, float)
-        Steady movement of the line of sight, along and across rows [rad s-1].
-    temperature, emissivity : float
-        Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
-    cold_shield_f_number : float or None
-        F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around
-        them. None is a shield that fits.
-    stray_share : float
-        Share of the light that is scattered evenly over the picture [1].
-    cos4 : bool
-        Illumination falls with the fourth power of the field angle's cosine.
-    distortion : float
-        Relative radial shift of the picture's corners, with the square of the distance from the axis; positive is pincushion [1].
-    solid_angle_law : "sine" or "thin-lens"
-        :math:`\pi/(4F^2)` of optics that obey the sine condition (point and extended sources then agree), or :math:`\pi/(4F^2+1)`.
-    """
-
+    #: ``aperture``, ``focal_length``: Diameter of the entrance pupil and focal length [m].
     aperture: float
     focal_length: float
-    transmission: float = 1.0
-    obscuration: float = 0.0
-    wavefront_error: float = 0.0
-    defocus: float = 0.0
-    jitter: float = 0.0
-    drift: tuple[float, float] = (0.0, 0.0)
+    transmission: float = 1.0  #: Transmittance of the optics, in the band [1].
+    obscuration: float = 0.0  #: Diameter of the central obscuration over that of the pupil [1].
+    wavefront_error: float = 0.0  #: Rms error of the wavefront at the mean wavelength [waves].
+    defocus: float = 0.0  #: Peak error of the wavefront by defocus, at the pupil's edge, at the mean wavelength [waves].
+    jitter: float = 0.0  #: Rms movement of the line of sight during an exposure, in each direction [rad].
+    drift: tuple[float, float] = (0.0, 0.0)  #: Steady movement of the line of sight, along and across rows [rad s-1].
+    #: ``temperature``, ``emissivity``: Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
     temperature: float = 293.15
     emissivity: float = 0.0
+    #: F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around them.
+    #: None is a shield that fits.
     cold_shield_f_number: float | None = None
-    stray_share: float = 0.0
-    cos4: bool = False
+    stray_share: float = 0.0  #: Share of the light that is scattered evenly over the picture [1].
+    cos4: bool = False  #: Illumination falls with the fourth power of the field angle's cosine.
+    #: Relative radial shift of the picture's corners, with the square of the distance from the axis; positive is pincushion [1].
     distortion: float = 0.0
+    #: :math:`\pi/(4F^2)` of optics that obey the sine condition (point and extended sources then agree), or :math:`\pi/(4F^2+1)`.
     solid_angle_law: SolidAngle = "sine"
 
     def __post_init__(self) -> None:
@@ -214,20 +185,11 @@ def motion_mtf(frequency: ArrayLike, angle: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Blur:
-    """Transfer of the optics for the spectrum of a detector; make it with :meth:`of`.
+    """Transfer of the optics for the spectrum of a detector; make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    optics : SensorOptics
-        Whose it is.
-    wavelength : float
-        Mean wavelength [m].
-    frequency, diffraction, defocused : ndarray
-        Table of the band's mean transfer, without and with defocus [cycles rad-1, 1, 1].
-    """
-
-    optics: SensorOptics
-    wavelength: float
+    optics: SensorOptics  #: Whose it is.
+    wavelength: float  #: Mean wavelength [m].
+    #: ``frequency``, ``diffraction``, ``defocused``: Table of the band's mean transfer, without and with defocus [cycles rad-1, 1, 1].
     frequency: FloatArray = field(repr=False)
     diffraction: FloatArray = field(repr=False)
     defocused: FloatArray = field(repr=False)

@@ -25,36 +25,22 @@ from seaglint.base.errors import DomainError
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 
+#: Temperature of the blackbody whose spectrum represents the scene's [K]: in the middle of seas and skies.
 REFERENCE_TEMPERATURE: Final = 300.0
-"""Temperature of the blackbody whose spectrum represents the scene's [K]: in the middle of seas and skies."""
 
-SUN_TEMPERATURE: Final = 5778.0
-"""Temperature of the blackbody that represents sunlight in the comparison of conversions [K]."""
+SUN_TEMPERATURE: Final = 5778.0  #: Temperature of the blackbody that represents sunlight in the comparison of conversions [K].
 
-STEP: Final = 1.0
-"""Step of the spectral grid [cm-1]: conversions are then exact to 1e-6."""
+STEP: Final = 1.0  #: Step of the spectral grid [cm-1]: conversions are then exact to 1e-6.
 
 
 @dataclass(frozen=True, eq=False)
 class Photons:
-    """Conversion of in-band radiance for one band and one quantum efficiency.
+    """Conversion of in-band radiance for one band and one quantum efficiency."""
 
-    Attributes
-    ----------
-    band : Band
-        Response over which the radiance is integrated.
-    efficiency : Band or float
-        Quantum efficiency: one number, or a curve times ``peak``.
-    peak : float
-        Efficiency where the curve is 1.
-    temperature : float
-        Reference temperature [K].
-    """
-
-    band: Band
-    efficiency: Band | None = None
-    peak: float = 1.0
-    temperature: float = REFERENCE_TEMPERATURE
+    band: Band  #: Response over which the radiance is integrated.
+    efficiency: Band | None = None  #: Quantum efficiency: one number, or a curve times ``peak``.
+    peak: float = 1.0  #: Efficiency where the curve is 1.
+    temperature: float = REFERENCE_TEMPERATURE  #: Reference temperature [K].
 
     def __post_init__(self) -> None:
         if self.efficiency is None:

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 
+#: First row and first column of a part of a picture, which may lie outside it, and values of its pixels (rows, columns).
 PictureWindow = tuple[int, int, NDArray[np.float32]]
-"""First row and first column of a part of a picture, which may lie outside it, and values of its pixels (rows, columns)."""
 
 
 def add_window(picture: FloatArray, window: PictureWindow, circle: int) -> None:

@@ -15,25 +15,14 @@ ScanKind = Literal["staring", "line", "panoramic"]
 
 @dataclass(frozen=True)
 class ScanPattern:
-    """Timing of the columns and rows of a picture.
+    """Timing of the columns and rows of a picture."""
 
-    Attributes
-    ----------
-    kind : "staring", "line" or "panoramic"
-        All columns at once; one after the other across the field of view; or round and round, where the next picture goes on where the
-        last one ended.
-    period : float
-        Time from the first column to the one behind the last [s]; of a panoramic scanner a turn. 0 takes all at once.
-    leftwards : bool
-        Whether the scanner goes from right to left (counter-clockwise).
-    row_time : float
-        Time from row to row of a rolling shutter, from the top [s]; 0 is a global one.
-    """
-
+    #: All columns at once; one after the other across the field of view; or round and round, where the next picture goes on where the last
+    #: one ended.
     kind: ScanKind = "staring"
-    period: float = 0.0
-    leftwards: bool = False
-    row_time: float = 0.0
+    period: float = 0.0  #: Time from the first column to the one behind the last [s]; of a panoramic scanner a turn. 0 takes all at once.
+    leftwards: bool = False  #: Whether the scanner goes from right to left (counter-clockwise).
+    row_time: float = 0.0  #: Time from row to row of a rolling shutter, from the top [s]; 0 is a global one.
 
     def __post_init__(self) -> None:
         if self.period < 0.0 or self.row_time < 0.0:

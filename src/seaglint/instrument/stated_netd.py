@@ -15,8 +15,7 @@ from seaglint.instrument.figures_of_merit import budget, signal_slope
 if TYPE_CHECKING:
     from seaglint.instrument.chain import SensorModel
 
-SHORTEST = 1e-9
-"""Shortest integration time tried [s]."""
+SHORTEST = 1e-9  #: Shortest integration time tried [s].
 
 
 def netd(model: SensorModel, temperature: float) -> float:

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 
+#: Components: time; rows (each one level); columns; rows in time; columns in time; pixels; pixels in time.
 COMPONENTS: Final = ("T", "V", "H", "TV", "TH", "VH", "TVH")
-"""Components: time; rows (each one level); columns; rows in time; columns in time; pixels; pixels in time."""
 
 
 def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str, float]:

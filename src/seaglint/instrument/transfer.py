@@ -28,58 +28,37 @@ from seaglint.base.limits import SHAKEN
 from seaglint.instrument.detector import crosstalk_mtf, square_mtf
 from seaglint.instrument.optics import Blur, jitter_mtf, motion_mtf
 
-MARGIN: Final = 8
-"""Least number of pixels by which the picture's border is continued."""
+MARGIN: Final = 8  #: Least number of pixels by which the picture's border is continued.
 
-MOST_OVERSAMPLING: Final = 15
-"""Largest number of fine pixels along a side of a detector's."""
+MOST_OVERSAMPLING: Final = 15  #: Largest number of fine pixels along a side of a detector's.
 
-AIRY_RINGS: Final = 6.0
-"""Margin in units of the blur's diameter (wavelength times f-number)."""
+AIRY_RINGS: Final = 6.0  #: Margin in units of the blur's diameter (wavelength times f-number).
 
+#: Largest share of an edge's step that may wrap around over the margin from the picture's other side.
+#:
+#: The wings of diffraction fall only as the distance: of an edge ``x`` away the share ``s / (2 pi^2 x)`` is left, with the fall ``s`` of
+#: the transfer at frequency 0. A margin of six rings lets through 0.005, which raises the whole MTF of a slanted edge by 0.01.
 WINGS: Final = 0.001
-"""Largest share of an edge's step that may wrap around over the margin from the picture's other side.
 
-The wings of diffraction fall only as the distance: of an edge ``x`` away the share ``s / (2 pi^2 x)`` is left, with the fall ``s`` of the
-transfer at frequency 0. A margin of six rings lets through 0.005, which raises the whole MTF of a slanted edge by 0.01.
-"""
-
+#: Largest margin for those wings [pixels], or half the picture's side where that is more: wider ones cost more than they change.
 MOST_MARGIN: Final = 64
-"""Largest margin for those wings [pixels], or half the picture's side where that is more: wider ones cost more than they change."""
 
 
+#: Memory of a transfer and its use per fine pixel, margins among them: tables in double precision while it is made, then spectra.
 BYTES_PER_FINE_PIXEL: Final = 40
-"""Memory of a transfer and its use per fine pixel, margins among them: tables in double precision while it is made, then spectra."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Sampling of the picture by the detector.
+    """Sampling of the picture by the detector."""
 
-    Attributes
-    ----------
-    step : float
-        Angle between pixels [rad].
-    width : float
-        Angle of the sensitive square's side [rad].
-    oversampling : int
-        Fine pixels along a side of a pixel.
-    crosstalk : float
-        Share that goes to the four neighbours.
-    smear : (float, float)
-        Steady movement of the line of sight during an exposure, along rows and across them [rad].
-    circle : bool
-        Whether the picture goes all round, so that its last column is followed by the first.
-    """
-
-    step: float
-    width: float
-    oversampling: int
-    crosstalk: float = 0.0
-    smear: tuple[float, float] = (0.0, 0.0)
-    circle: bool = False
-    points: bool = False
-    """Whether the picture's values are light without extent in the middle of its pixels, rather than means over them."""
+    step: float  #: Angle between pixels [rad].
+    width: float  #: Angle of the sensitive square's side [rad].
+    oversampling: int  #: Fine pixels along a side of a pixel.
+    crosstalk: float = 0.0  #: Share that goes to the four neighbours.
+    smear: tuple[float, float] = (0.0, 0.0)  #: Steady movement of the line of sight during an exposure, along rows and across them [rad].
+    circle: bool = False  #: Whether the picture goes all round, so that its last column is followed by the first.
+    points: bool = False  #: Whether the picture's values are light without extent in the middle of its pixels, rather than means over them.
 
 
 def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: float = 0.0) -> FloatArray:
@@ -195,12 +174,9 @@ class Transfer:
     """Blur and sampling of pictures of one size; make it with :meth:`of`."""
 
     sampling: Sampling
-    shape: tuple[int, int]
-    """Numbers of rows and columns of the detector."""
-    before: tuple[int, int]
-    """Pixels of margin above and to the left."""
-    padded: tuple[int, int]
-    """Numbers of rows and columns with the margins."""
+    shape: tuple[int, int]  #: Numbers of rows and columns of the detector.
+    before: tuple[int, int]  #: Pixels of margin above and to the left.
+    padded: tuple[int, int]  #: Numbers of rows and columns with the margins.
     filter: NDArray[np.complex64] = field(repr=False)
 
     @classmethod

@@ -15,17 +15,13 @@ from seaglint.objects.checks import inside
 from seaglint.objects.floating import Afloat
 from seaglint.objects.motion import Keyframed
 
-CLEARANCE: Final = 0.1
-"""Distance from the sensor that a point needs [m]."""
+CLEARANCE: Final = 0.1  #: Distance from the sensor that a point needs [m].
 
-STRAIGHT: Final = 0.005
-"""Deviation from a straight line that a piece of the way may have [m]."""
+STRAIGHT: Final = 0.005  #: Deviation from a straight line that a piece of the way may have [m].
 
-MOST_PIECES: Final = 1000
-"""Largest number of pieces near a body that are halved; those that are left are taken as straight."""
+MOST_PIECES: Final = 1000  #: Largest number of pieces near a body that are halved; those that are left are taken as straight.
 
-HIGHEST_WAVE: Final = 6.0
-"""Lift of a floating body in standard deviations of the sea under it that its way on a flat sea may miss."""
+HIGHEST_WAVE: Final = 6.0  #: Lift of a floating body in standard deviations of the sea under it that its way on a flat sea may miss.
 
 
 class Contact(NamedTuple):

@@ -14,18 +14,14 @@ from seaglint.objects.body import Solid
 from seaglint.objects.primitives import Mesh, volume
 from seaglint.objects.solids import merged
 
-THINNEST = 1e-9
-"""Least share of its bounding box that a solid fills."""
+THINNEST = 1e-9  #: Least share of its bounding box that a solid fills.
 
 
-TOUCHING = 1e-6
-"""Depth, relative to the size of a mesh, up to which crossing triangles count as touching: files hold seven digits."""
+TOUCHING = 1e-6  #: Depth, relative to the size of a mesh, up to which crossing triangles count as touching: files hold seven digits.
 
-MOST_SLABS = 64
-"""Number of parts of a mesh that are searched for crossings one by one."""
+MOST_SLABS = 64  #: Number of parts of a mesh that are searched for crossings one by one.
 
-COLDEST, HOTTEST = 100.0, 4000.0
-"""Limits of objects' temperatures [K]; values outside are mistyped."""
+COLDEST, HOTTEST = 100.0, 4000.0  #: Limits of objects' temperatures [K]; values outside are mistyped.
 
 
 def oriented(mesh: Mesh) -> Mesh:

@@ -43,69 +43,37 @@ from scipy import constants
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import SECOND_RADIATION
 
-REFERENCE: Final = 100.0
-"""Temperature at which the bands' parameters are given [K]."""
+REFERENCE: Final = 100.0  #: Temperature at which the bands' parameters are given [K].
 
-_LEVELS: Final = np.arange(600)
-"""Vibrational levels of the sums: at 4000 K the last of the lowest mode is below 1e-30."""
+_LEVELS: Final = np.arange(600)  #: Vibrational levels of the sums: at 4000 K the last of the lowest mode is below 1e-30.
 
 
 @dataclass(frozen=True)
 class WideBand:
-    """Parameters of a band of a gas at 100 K.
+    """Parameters of a band of a gas at 100 K."""
 
-    Attributes
-    ----------
-    wavenumber_cm : float
-        Its upper head, or its centre where ``both`` is true [cm-1].
-    steps : tuple of int
-        Change of the quantum number of each vibration.
-    exponent : float
-        Of the effective pressure [1].
-    strength : float or tuple of float
-        Integrated mass absorption [cm-1 / (g m-2)]; several for bands at one place, with ``steps`` for each.
-    overlap : float
-        Widths of lines over their spacing, times pi [1].
-    width : float
-        Wavenumbers over which it falls to 1/e [cm-1].
-    both : bool
-        True if it has two wings.
-    """
-
-    wavenumber_cm: float
-    steps: tuple[tuple[int, ...], ...]
-    exponent: float
-    strength: tuple[float, ...]
-    overlap: float
-    width: float
-    both: bool
+    wavenumber_cm: float  #: Its upper head, or its centre where ``both`` is true [cm-1].
+    steps: tuple[tuple[int, ...], ...]  #: Change of the quantum number of each vibration.
+    exponent: float  #: Of the effective pressure [1].
+    strength: tuple[float, ...]  #: Integrated mass absorption [cm-1 / (g m-2)]; several for bands at one place, with ``steps`` for each.
+    overlap: float  #: Widths of lines over their spacing, times pi [1].
+    width: float  #: Wavenumbers over which it falls to 1/e [cm-1].
+    both: bool  #: True if it has two wings.
 
 
 @dataclass(frozen=True)
 class Gas:
-    """Molecule with its vibrations and bands.
+    """Molecule with its vibrations and bands."""
 
-    Attributes
-    ----------
-    molar_mass : float
-        Molar mass [g mol-1].
-    vibrations_cm : tuple of float
-        Wavenumbers of its vibrations [cm-1].
-    degeneracy : tuple of int
-        Number of vibrations at each of them.
-    broadening : (float, float)
-        Broadening by itself over that by nitrogen: a part that falls with the root of the temperature, and a constant [1].
-    bands : tuple of WideBand
-        Its bands.
-    """
-
-    molar_mass: float
-    vibrations_cm: tuple[float, ...]
-    degeneracy: tuple[int, ...]
+    molar_mass: float  #: Molar mass [g mol-1].
+    vibrations_cm: tuple[float, ...]  #: Wavenumbers of its vibrations [cm-1].
+    degeneracy: tuple[int, ...]  #: Number of vibrations at each of them.
+    #: Broadening by itself over that by nitrogen: a part that falls with the root of the temperature, and a constant [1].
     broadening: tuple[float, float]
-    bands: tuple[WideBand, ...]
+    bands: tuple[WideBand, ...]  #: Its bands.
 
 
+#: Carbon dioxide: 15, 10.4, 9.4, 4.3, 2.7 and 2.0 um.
 CARBON_DIOXIDE: Final = Gas(
     44.0095,
     (1351.0, 667.0, 2396.0),
@@ -120,8 +88,8 @@ CARBON_DIOXIDE: Final = Gas(
         WideBand(5200.0, ((2, 0, 1),), 0.65, (0.066,), 0.39305, 34.5, True),
     ),
 )
-"""Carbon dioxide: 15, 10.4, 9.4, 4.3, 2.7 and 2.0 um."""
 
+#: Water vapour: rotation, 6.3, 2.7, 1.87 and 1.38 um.
 WATER_VAPOUR: Final = Gas(
     18.01528,
     (3652.0, 1595.0, 3756.0),
@@ -135,10 +103,9 @@ WATER_VAPOUR: Final = Gas(
         WideBand(7250.0, ((1, 0, 1),), 1.0, (2.5,), 0.11628, 32.0, True),
     ),
 )
-"""Water vapour: rotation, 6.3, 2.7, 1.87 and 1.38 um."""
 
+#: Wavenumbers above which a band ends at once [cm-1].
 HEADS: Final = tuple(band.wavenumber_cm for gas in (CARBON_DIOXIDE, WATER_VAPOUR) for band in gas.bands if not band.both)
-"""Wavenumbers above which a band ends at once [cm-1]."""
 
 
 def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co2_share: float, h2o_share: float) -> FloatArray:

@@ -26,8 +26,7 @@ from seaglint.objects.body import Placement
 from seaglint.sea.field import WaveField
 from seaglint.sea.wander import Wander
 
-NEGLIGIBLE = 1e-6
-"""Share of the variances of height and slope in the waves that may be omitted: 0.1 % of the motion."""
+NEGLIGIBLE = 1e-6  #: Share of the variances of height and slope in the waves that may be omitted: 0.1 % of the motion.
 
 
 class Steered(Protocol):
@@ -113,20 +112,11 @@ class Swell:
 
 @dataclass(frozen=True, eq=False)
 class Afloat:
-    """Body that rides on the waves of its place; ``base`` is its motion on a flat sea.
+    """Body that rides on the waves of its place; ``base`` is its motion on a flat sea."""
 
-    Attributes
-    ----------
-    base : Steered
-        Motion on a flat sea.
-    swell : Swell
-        Waves that it rides on.
-    centre, half_sides : ndarray, (2,)
-        Centre and half sides of the waterline, towards starboard and forward of the body's origin [m].
-    """
-
-    base: Steered
-    swell: Swell
+    base: Steered  #: Motion on a flat sea.
+    swell: Swell  #: Waves that it rides on.
+    #: ``centre``, ``half_sides``: Centre and half sides of the waterline, towards starboard and forward of the body's origin [m, (2,)].
     centre: FloatArray
     half_sides: FloatArray
 

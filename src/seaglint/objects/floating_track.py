@@ -13,20 +13,15 @@ from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.objects.attitude import tilt
 from seaglint.objects.floating import Swell
 
-MOST_SAMPLES = 257
-"""Largest number of times at which the motion is evaluated beforehand: a second's work."""
+MOST_SAMPLES = 257  #: Largest number of times at which the motion is evaluated beforehand: a second's work.
 
-DENSE = 0.25
-"""Spacing of these times [s] up to which their extremes are those of the motion, but for :data:`SPARE`."""
+DENSE = 0.25  #: Spacing of these times [s] up to which their extremes are those of the motion, but for :data:`SPARE`.
 
-SPARE = 0.5
-"""Margin in standard deviations for motion between two samples beyond their extremes."""
+SPARE = 0.5  #: Margin in standard deviations for motion between two samples beyond their extremes.
 
-FARTHEST = 5.5
-"""Margin in standard deviations about the mean where samples are sparse: a Gaussian motion exceeds it once in ten million."""
+FARTHEST = 5.5  #: Margin in standard deviations about the mean where samples are sparse: a Gaussian motion exceeds it once in ten million.
 
-_TURNS = 9
-"""Number of azimuths of a turning track at which the camera's reach is evaluated."""
+_TURNS = 9  #: Number of azimuths of a turning track at which the camera's reach is evaluated.
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +32,7 @@ class FloatingTrack(Track):
     half_sides: FloatArray
     heading: float | None
     low: FloatArray
-    high: FloatArray
-    """Least and greatest height [m], azimuth, elevation and roll [rad], with a margin."""
+    high: FloatArray  #: Least and greatest height [m], azimuth, elevation and roll [rad], with a margin.
 
     @classmethod
     def create(  # type: ignore[override]

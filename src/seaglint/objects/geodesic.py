@@ -10,11 +10,9 @@ from typing import Final
 
 from seaglint.base.errors import DomainError
 
-SEMI_MAJOR_AXIS: Final = 6_378_137.0
-"""Semi-major axis of the WGS 84 ellipsoid [m]."""
+SEMI_MAJOR_AXIS: Final = 6_378_137.0  #: Semi-major axis of the WGS 84 ellipsoid [m].
 
-FLATTENING: Final = 1.0 / 298.257223563
-"""Flattening of the WGS 84 ellipsoid [1]."""
+FLATTENING: Final = 1.0 / 298.257223563  #: Flattening of the WGS 84 ellipsoid [1].
 
 
 def east_north(latitude: float, longitude: float, start: tuple[float, float]) -> tuple[float, float]:

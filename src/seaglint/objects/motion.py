@@ -21,8 +21,7 @@ from seaglint.base.limits import MOST_SPEED, MOST_TURN
 from seaglint.objects.attitude import rotation
 from seaglint.objects.body import Placement
 
-SLOWEST = 1e-6
-"""Speed below which a body has no course [m s-1]."""
+SLOWEST = 1e-6  #: Speed below which a body has no course [m s-1].
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +69,9 @@ class Course:
 class Keyframed:
     """Motion of a body from keyframe to keyframe; make it with :meth:`create`."""
 
-    time: FloatArray
-    """Times of the keyframes [s]."""
-    position: FloatArray
-    """Positions of the keyframes (keyframes, 3): east, north, height [m]."""
-    follows: bool
-    """True if the heading is the direction of motion; then ``turns`` hold pitch and roll alone."""
+    time: FloatArray  #: Times of the keyframes [s].
+    position: FloatArray  #: Positions of the keyframes (keyframes, 3): east, north, height [m].
+    follows: bool  #: True if the heading is the direction of motion; then ``turns`` hold pitch and roll alone.
     _spline: CubicSpline | None
     _turns: Slerp
 

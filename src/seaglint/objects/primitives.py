@@ -17,11 +17,10 @@ from seaglint.base.conventions import FloatArray
 # Corners (vertices, 3) [m] and triangles (triangles, 3), counterclockwise seen from outside.
 Mesh = tuple[FloatArray, NDArray[np.int32]]
 
+#: Number of parts of an icosahedron's edges for a sphere: 2000 triangles show its area within 0.05 % in every direction, 0.014 % rms.
 PARTS: Final = 10
-"""Number of parts of an icosahedron's edges for a sphere: 2000 triangles show its area within 0.05 % in every direction, 0.014 % rms."""
 
-SIDES: Final = 128
-"""Number of sides of a cylinder or cone: the area of a cap is 0.02 % too small, the width is within 0.01 %."""
+SIDES: Final = 128  #: Number of sides of a cylinder or cone: the area of a cap is 0.02 % too small, the width is within 0.01 %.
 
 _BOX: Final = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 

@@ -16,11 +16,10 @@ from seaglint.optics.blackbody import planck_wavenumber
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-ARTICLE_UNIT: Final = 100.0
-"""Number of uW cm-2 sr-1 in one W m-2 sr-1: factor for plots and reports in the source article's unit."""
+ARTICLE_UNIT: Final = 100.0  #: Number of uW cm-2 sr-1 in one W m-2 sr-1: factor for plots and reports in the source article's unit.
 
+#: Range in which an apparent temperature is searched [K]: colder than any sky, hotter than the Sun.
 TEMPERATURE_RANGE: Final = (100.0, 6500.0)
-"""Range in which an apparent temperature is searched [K]: colder than any sky, hotter than the Sun."""
 
 _TEMPERATURE_NODES: Final = 512  # 0.8 % apart: the cubic spline then leaves less than 1e-6 K between them
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
@@ -31,17 +30,10 @@ class Band:
     """Spectral response against wavelength, linear between its points and zero outside them.
 
     Make one with :meth:`rectangular` or :meth:`from_response`.
-
-    Attributes
-    ----------
-    wavelength_um : ndarray
-        Ascending wavelengths of the response [um, (m,)].
-    response : ndarray
-        Relative response there, peak 1 [1, (m,)].
     """
 
-    wavelength_um: FloatArray
-    response: FloatArray
+    wavelength_um: FloatArray  #: Ascending wavelengths of the response [um, (m,)].
+    response: FloatArray  #: Relative response there, peak 1 [1, (m,)].
 
     @classmethod
     def rectangular(cls, min_um: float, max_um: float) -> Band:

@@ -11,11 +11,11 @@ from scipy import constants
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: First radiation constant ``2 h c^2`` for wavenumbers in cm-1 [W m-2 sr-1 (cm-1)-4].
 FIRST_RADIATION: Final = 2.0e8 * constants.h * constants.c**2
-"""First radiation constant ``2 h c^2`` for wavenumbers in cm-1 [W m-2 sr-1 (cm-1)-4]."""
 
+#: Second radiation constant ``h c / k`` for wavenumbers in cm-1 [K (cm-1)-1].
 SECOND_RADIATION: Final = 100.0 * constants.h * constants.c / constants.k
-"""Second radiation constant ``h c / k`` for wavenumbers in cm-1 [K (cm-1)-1]."""
 
 
 def planck_wavenumber(wavenumber_cm: ArrayLike, temperature: ArrayLike) -> FloatArray:

@@ -68,14 +68,9 @@ class ReflectanceSeries:
 
     ``rho(c, nu) = sum_j a_j(nu) T_j(2 c - 1)``. Sixteen terms leave less than 2e-8 for water at any infrared wavelength, and
     spectral sums over ``a_j`` can be taken before a single direction is looked at.
-
-    Attributes
-    ----------
-    coefficients : ndarray
-        ``a_j`` [1, (terms, n)].
     """
 
-    coefficients: FloatArray
+    coefficients: FloatArray  #: ``a_j`` [1, (terms, n)].
 
     @classmethod
     def of(cls, index: ArrayLike, terms: int = 16) -> ReflectanceSeries:

@@ -17,32 +17,21 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: Difference of the real index of sea water of ordinary salinity and pure water [1] (Friedman 1969, Appl. Opt. 8, 2073).
 SEA_OFFSET: Final = 0.006
-"""Difference of the real index of sea water of ordinary salinity and pure water [1] (Friedman 1969, Appl. Opt. 8, 2073)."""
 
-ARTICLE_N: Final = 1.33
-"""Real index of the source article, taken at 4 um, section "Computing temporally averaged sea radiance"."""
+ARTICLE_N: Final = 1.33  #: Real index of the source article, taken at 4 um, section "Computing temporally averaged sea radiance".
 
-ARTICLE_ABSORPTION: Final = 200.0
-"""Absorption coefficient of the source article [cm-1]."""
+ARTICLE_ABSORPTION: Final = 200.0  #: Absorption coefficient of the source article [cm-1].
 
 
 @dataclass(frozen=True, eq=False)
 class WaterIndex:
-    """Table of n and k against wavelength: n linear, k log-linear between its rows.
+    """Table of n and k against wavelength: n linear, k log-linear between its rows."""
 
-    Attributes
-    ----------
-    name : str
-        For provenance.
-    wavelength_um : ndarray
-        Ascending [um, (m,)]; the index is refused outside it.
-    n, k : ndarray
-        Real part and extinction coefficient [1, (m,)].
-    """
-
-    name: str
-    wavelength_um: FloatArray
+    name: str  #: For provenance.
+    wavelength_um: FloatArray  #: Ascending [um, (m,)]; the index is refused outside it.
+    #: ``n``, ``k``: Real part and extinction coefficient [1, (m,)].
     n: FloatArray
     k: FloatArray
 

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
     from seaglint.files.soundings.air_summary import AirSummary
 
-TALL = 20.0
-"""Height of the upper panels [km]."""
+TALL = 20.0  #: Height of the upper panels [km].
 
 
 def write_air_plot(summary: AirSummary, output: Path) -> Path:

@@ -22,18 +22,15 @@ if TYPE_CHECKING:
 
 _RADIANCE: Final = VARIABLES["radiance"].symbol
 
-_DECADES: Final = 3.0
-"""Decades below its maximum that a logarithmic colour scale shows."""
+_DECADES: Final = 3.0  #: Decades below its maximum that a logarithmic colour scale shows.
 
 
+#: Radiances of the lines in the maps of the mirrored Sun [W m-2 sr-1].
 _ROUND: Final = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
-"""Radiances of the lines in the maps of the mirrored Sun [W m-2 sr-1]."""
 
-_SUN_STEP: Final = 0.125
-"""Rows of the maps of Fig. 3 [deg of the Sun's zenith angle]."""
+_SUN_STEP: Final = 0.125  #: Rows of the maps of Fig. 3 [deg of the Sun's zenith angle].
 
-_SHARES: Final = (0.1, 0.5, 0.9)
-"""Shares of its maximum that lines show in each image of glint."""
+_SHARES: Final = (0.1, 0.5, 0.9)  #: Shares of its maximum that lines show in each image of glint.
 
 
 def _settings(dataset: xr.Dataset, *more: str) -> str:
@@ -198,13 +195,13 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+#: Drawings by the name of the figure.
 DRAW: Final[dict[str, Callable[[xr.Dataset], Figure]]] = {
     "fig2": draw_figure_2,
     "fig3": draw_figure_3,
     "fig4": draw_figure_4,
     "fig10": draw_figure_10,
 }
-"""Drawings by the name of the figure."""
 
 
 def write_figure(name: str, dataset: xr.Dataset, output: str | Path) -> Path:

@@ -17,11 +17,9 @@ if TYPE_CHECKING:
 
     from seaglint.base.conventions import FloatArray
 
-COLOURS: Final = ("#d95f02", "#1f78b4", "#33a02c")
-"""Colours of the computed spectra, distinct for colour-blind readers and in print."""
+COLOURS: Final = ("#d95f02", "#1f78b4", "#33a02c")  #: Colours of the computed spectra, distinct for colour-blind readers and in print.
 
-GAP_CM: Final = 100.0
-"""Step from which two parts of a spectrum are not joined [cm-1]."""
+GAP_CM: Final = 100.0  #: Step from which two parts of a spectrum are not joined [cm-1].
 
 
 def write_beside(spectra: Sequence[SpectraBeside], output: Path) -> Path:

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from seaglint.files.detection_range import DetectionRange
 
 
-MOST_CURVES: Final = 6
-"""Characteristics drawn, evenly chosen from the contrasts."""
+MOST_CURVES: Final = 6  #: Characteristics drawn, evenly chosen from the contrasts.
 
 
 def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], unit: str) -> Figure:

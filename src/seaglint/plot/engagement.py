@@ -24,14 +24,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+#: Colours of the bodies in their order: the article's attacking one is red, the defending one green.
 COLOURS: Final = ("tab:red", "tab:green", "tab:orange", "tab:purple")
-"""Colours of the bodies in their order: the article's attacking one is red, the defending one green."""
 
-_CLOSE: Final = 24
-"""Pixels along each side of a close view."""
+_CLOSE: Final = 24  #: Pixels along each side of a close view.
 
-_SECOND_MARKS: Final = 1.0
-"""Time between marks on the ways [s]."""
+_SECOND_MARKS: Final = 1.0  #: Time between marks on the ways [s].
 
 
 class EngagementWays(Protocol):

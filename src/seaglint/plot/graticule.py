@@ -13,14 +13,11 @@ if TYPE_CHECKING:
 
 _LINES: Final[dict[str, Any]] = {"colors": "deepskyblue", "linewidths": 0.8, "alpha": 0.8}
 
-_INSET: Final = 0.055
-"""Distance of labels from the picture's edge [share of its side]."""
+_INSET: Final = 0.055  #: Distance of labels from the picture's edge [share of its side].
 
-_APART: Final = (0.16, 0.06)
-"""Least distance of two labels across and down [share of the picture's width and height]."""
+_APART: Final = (0.16, 0.06)  #: Least distance of two labels across and down [share of the picture's width and height].
 
-_BESIDE: Final = 22.5
-"""Azimuth of the labels of elevations, half-way between two of the lines of azimuth [deg]."""
+_BESIDE: Final = 22.5  #: Azimuth of the labels of elevations, half-way between two of the lines of azimuth [deg].
 
 
 def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:

@@ -10,11 +10,9 @@ from typing import Any, Final
 from seaglint.files.text_file import json_text
 from seaglint.version import __version__
 
-ABSENT: Final = "–"
-"""Text in place of a number that does not exist."""
+ABSENT: Final = "–"  #: Text in place of a number that does not exist.
 
-WIDE: Final = 9
-"""Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view."""
+WIDE: Final = 9  #: Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view.
 
 STYLE: Final = """
 body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;

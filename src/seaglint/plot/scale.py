@@ -18,27 +18,22 @@ if TYPE_CHECKING:
 
 Kind = Literal["auto", "linear", "log"]
 
-_FLAT: Final = 0.1
-"""Share of a linear scale that the middle half of the pixels has to span; else the scale is logarithmic."""
+_FLAT: Final = 0.1  #: Share of a linear scale that the middle half of the pixels has to span; else the scale is logarithmic.
 
 
+#: Part of the sea below the horizon that takes the sky's radiance with distance, and sets no limit [% of the pixels of the sea].
 _FAR: Final = 25.0
-"""Part of the sea below the horizon that takes the sky's radiance with distance, and sets no limit [% of the pixels of the sea]."""
 
-_OWN: Final = 0.5
-"""Share of the whole scale below which the sea gets a scale of its own [1]."""
+_OWN: Final = 0.5  #: Share of the whole scale below which the sea gets a scale of its own [1].
 
+#: Brightest sky over the middle of the sea from which the Sun lights it: air emits at most 1.5 times as much, at night in 3.5-5 um [1].
 _SUNLIT: Final = 2.0
-"""Brightest sky over the middle of the sea from which the Sun lights it: air emits at most 1.5 times as much, at night in 3.5-5 um [1]."""
 
-_CLOSE: Final = 0.055
-"""Least distance of two numbers beside a bar [share of its length]."""
+_CLOSE: Final = 0.055  #: Least distance of two numbers beside a bar [share of its length].
 
-_WIDE: Final = 0.22
-"""Distance of two numbers beside a bar from which another comes between them [share of its length]."""
+_WIDE: Final = 0.22  #: Distance of two numbers beside a bar from which another comes between them [share of its length].
 
-_DECADES: Final = 12
-"""Largest number of decades beside a bar."""
+_DECADES: Final = 12  #: Largest number of decades beside a bar.
 
 
 def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any] | None = None) -> Scale:

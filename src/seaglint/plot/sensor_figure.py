@@ -12,8 +12,7 @@ from seaglint.plot.new_figure import new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZE = (11.0, 4.2)
-"""Width and height [in]."""
+SIZE = (11.0, 4.2)  #: Width and height [in].
 
 
 def write_sensor_plot(sheet: SensorDataSheet, path: Path) -> None:

@@ -17,11 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+#: Variables that a picture shows, the first that is there; else the first with numbers.
 SHOWN: Final = ("apparent_temperature", "radiance", "transmittance", "netd_k", "probability")
-"""Variables that a picture shows, the first that is there; else the first with numbers."""
 
-MOST_LINES: Final = 8
-"""Lines of one panel at most; of more values these are spread evenly over them."""
+MOST_LINES: Final = 8  #: Lines of one panel at most; of more values these are spread evenly over them.
 
 MOST_PANELS: Final = 4
 

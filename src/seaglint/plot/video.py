@@ -34,8 +34,8 @@ _LEAST_WIDTH: Final = 480  # px that the caption takes; narrower pictures get bl
 _USUAL_RATE: Final = 25.0  # Hz, where the run does not tell its own
 _REMEDY: Final = "make room or choose another place; nothing was written"
 
+#: Colours of brightness: grey, dark to bright or the other way, or an even rise of lightness and hue (Matplotlib's inferno).
 Colours = Literal["white-hot", "black-hot", "perceptual"]
-"""Colours of brightness: grey, dark to bright or the other way, or an even rise of lightness and hue (Matplotlib's inferno)."""
 
 
 def video_available() -> bool:

@@ -9,33 +9,22 @@ from typing import Final
 
 @dataclass(frozen=True)
 class VideoFormat:
-    """Format of a video.
+    """Format of a video."""
 
-    Attributes
-    ----------
-    ending : str
-        Ending of its files, and without the dot its name in PyAV.
-    codec, pixels : str
-        Codec and type of pixels of PyAV.
-    rates : (float, float)
-        Least and greatest number of frames per second [Hz].
-    options : mapping
-        Options of the codec.
-    """
-
-    ending: str
+    ending: str  #: Ending of its files, and without the dot its name in PyAV.
+    #: ``codec``, ``pixels``: Codec and type of pixels of PyAV.
     codec: str
     pixels: str
-    rates: tuple[float, float]
-    options: Mapping[str, str] = field(default_factory=dict)
+    rates: tuple[float, float]  #: Least and greatest number of frames per second [Hz].
+    options: Mapping[str, str] = field(default_factory=dict)  #: Options of the codec.
 
 
+#: All formats of videos. Help texts, lists in errors and writing follow from it.
 VIDEOS: Final = (
     VideoFormat(".mp4", "libx264", "yuv420p", (0.01, 1000.0), {"crf": "18", "preset": "veryfast"}),
     # players show GIFs of shorter delays than 20 ms at a tenth of their speed
     VideoFormat(".gif", "gif", "pal8", (0.01, 50.0)),
 )
-"""All formats of videos. Help texts, lists in errors and writing follow from it."""
 
 VIDEO_ENDINGS: Final = tuple(form.ending for form in VIDEOS)
 

@@ -15,8 +15,7 @@ from seaglint.plot.new_figure import new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZE = (12.0, 9.0)
-"""Width and height [in]."""
+SIZE = (12.0, 9.0)  #: Width and height [in].
 
 
 def write_weather_plot(facts: WeatherFacts, path: Path) -> None:

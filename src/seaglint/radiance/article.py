@@ -34,26 +34,18 @@ _ZENITHS: Final = np.radians([0, 10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 74, 77,
 
 @dataclass(frozen=True, eq=False)
 class ArticleAtmosphere:
-    """Band quantities of one atmosphere for one sensor height, interpolated as in the article. Make it with :meth:`fit`.
+    """Band quantities of one atmosphere for one sensor height, interpolated as in the article. Make it with :meth:`fit`."""
 
-    Attributes
-    ----------
-    coefficients : ndarray
-        ``a_0 ... a_3`` of Eq. 9 for the slant range in km [(4,)].
-    path, boundary : CubicSpline
-        Path radiance, and radiance of a blackbody sea seen through the path [W m-2 sr-1], against ln slant range [m].
-    sun, sky : PchipInterpolator
-        Irradiance at the sea normal to the beam [W m-2] and sky radiance from the sensor's height [W m-2 sr-1], against zenith [rad].
-    fit_error : float
-        Largest error of the transmittance of Eq. 9 at the fitted ranges [1].
-    """
-
-    coefficients: FloatArray
+    coefficients: FloatArray  #: ``a_0 ... a_3`` of Eq. 9 for the slant range in km [(4,)].
+    #: ``path``, ``boundary``: Path radiance, and radiance of a blackbody sea seen through the path [W m-2 sr-1], against ln slant range
+    #: [m].
     path: CubicSpline[np.float64]
     boundary: CubicSpline[np.float64]
+    #: ``sun``, ``sky``: Irradiance at the sea normal to the beam [W m-2] and sky radiance from the sensor's height [W m-2 sr-1], against
+    #: zenith [rad].
     sun: PchipInterpolator
     sky: PchipInterpolator
-    fit_error: float
+    fit_error: float  #: Largest error of the transmittance of Eq. 9 at the fitted ranges [1].
 
     @classmethod
     def fit(cls, atmosphere: Atmosphere, band: Band, sensor_height: float, sea_temperature: float) -> ArticleAtmosphere:

@@ -10,8 +10,8 @@ from seaglint.base.constants import SEA_WATER_DENSITY
 from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import wavenumber
 
+#: Surface tension in Eq. 17 of the source article [N m-1] (76.3 dyn/cm; its text calls it a viscosity).
 ARTICLE_SURFACE_TENSION: Final = 76.3e-3
-"""Surface tension in Eq. 17 of the source article [N m-1] (76.3 dyn/cm; its text calls it a viscosity)."""
 
 
 def _angular_frequency(correlation_time: float) -> float:

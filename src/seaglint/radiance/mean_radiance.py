@@ -25,45 +25,25 @@ from seaglint.facet.surface_spectra import SeaSurface, azimuth_weights, wind_azi
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 
-NODES: Final = 160
-"""Number of elevations at which a view is tabulated."""
+NODES: Final = 160  #: Number of elevations at which a view is tabulated.
 
-SKY_NODES: Final = 4096
-"""Number of elevations at which the sky is tabulated, even in the square root of the elevation above the horizon."""
+SKY_NODES: Final = 4096  #: Number of elevations at which the sky is tabulated, even in the square root of the elevation above the horizon.
 
-_FEW: Final = 49
-"""Number of azimuths up to which scattered sunlight is summed for each without interpolation."""
+_FEW: Final = 49  #: Number of azimuths up to which scattered sunlight is summed for each without interpolation.
 
-_FINEST: Final = 2e-4
-"""Least scale of the tabulated elevations [rad]: a mirror's grazing light changes over hundredths."""
+_FINEST: Final = 2e-4  #: Least scale of the tabulated elevations [rad]: a mirror's grazing light changes over hundredths.
 
 
 @dataclass(frozen=True, eq=False)
 class SeaRadiance:
-    """Band radiance at the aperture by origin [W m-2 sr-1]; arrays broadcast to (rows, columns).
+    """Band radiance at the aperture by origin [W m-2 sr-1]; arrays broadcast to (rows, columns)."""
 
-    Attributes
-    ----------
-    path : ndarray
-        Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
-    emission : ndarray
-        Emission of the sea, attenuated; 0 above the horizon.
-    sky : ndarray
-        Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
-    sun : ndarray
-        Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
-    chance : ndarray
-        Share of the viewed area that mirrors the Sun [1, (rows, columns)]; 0 without a Sun and above the horizon.
-    cos_incidence : ndarray
-        Cosine of the angle of incidence on the mirroring facets [1, (rows, columns)]; 0 in the same places.
-    """
-
-    path: FloatArray
-    emission: FloatArray
-    sky: FloatArray
-    sun: FloatArray
-    chance: FloatArray
-    cos_incidence: FloatArray
+    path: FloatArray  #: Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
+    emission: FloatArray  #: Emission of the sea, attenuated; 0 above the horizon.
+    sky: FloatArray  #: Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
+    sun: FloatArray  #: Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
+    chance: FloatArray  #: Share of the viewed area that mirrors the Sun [1, (rows, columns)]; 0 without a Sun and above the horizon.
+    cos_incidence: FloatArray  #: Cosine of the angle of incidence on the mirroring facets [1, (rows, columns)]; 0 in the same places.
 
     @property
     def total(self) -> FloatArray:
@@ -118,15 +98,9 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
 
 @dataclass(frozen=True, eq=False)
 class SeaLines:
-    """Lines of sight over one sea and air, with all that does not depend on the Sun. Make it with :meth:`prepare`.
+    """Lines of sight over one sea and air, with all that does not depend on the Sun. Make it with :meth:`prepare`."""
 
-    Attributes
-    ----------
-    surface : SeaSurface or None
-        Water, sky and sea temperature.
-    """
-
-    surface: SeaSurface | None
+    surface: SeaSurface | None  #: Water, sky and sea temperature.
     _rows: FloatArray
     _columns: FloatArray
     _gamma: FloatArray
@@ -176,14 +150,9 @@ class MeanModel:
     Path, background and the Sun's spectral sums are splined over the elevation of the viewer as seen from the sea, in
     ``arsinh(elevation / scale)`` with the scale of the sensor's horizon or of the slopes, whichever is finer; the glint's chance is
     computed pixel by pixel.
-
-    Attributes
-    ----------
-    view : SeaView
-        Who looks at which sea.
     """
 
-    view: SeaView
+    view: SeaView  #: Who looks at which sea.
     _scale: float
     _spline: CubicSpline[np.float64]
     _glint: GlintModel

@@ -24,15 +24,14 @@ from seaglint.scenario.presets.sensor_presets import TABLES
 from seaglint.scenario.records.quantity import convert
 from seaglint.scenario.records.sensor_detector import PhotonDetector, ThermalDetector
 
+#: Camera in the words of a data sheet, for help texts and messages.
 EXAMPLE: Final = "pitch_um=17,pixels=640x512,focal_length_mm=35,f_number=1.1,netd_mk=50,band_um=7.5-13.5"
-"""Camera in the words of a data sheet, for help texts and messages."""
 
-ABOVE: Final = 0.0625
-"""Share of the picture's height that lies above the horizontal: the horizon is in view, near its upper edge."""
+ABOVE: Final = 0.0625  #: Share of the picture's height that lies above the horizontal: the horizon is in view, near its upper edge.
 
-UNCOOLED_FROM_UM: Final = 6.0
-"""Band edge from which a camera of which only an NETD is known is taken for a microbolometer [um]."""
+UNCOOLED_FROM_UM: Final = 6.0  #: Band edge from which a camera of which only an NETD is known is taken for a microbolometer [um].
 
+#: Keys on which the answers of a camera depend, by table.
 _ASSUMED: Final[Mapping[str, tuple[str, ...]]] = {
     "sensor": ("height_m", "azimuth_deg", "elevation_deg", "projection", "fov_deg", "frame_rate_hz", "frames"),
     "band": ("min_um", "max_um"),
@@ -51,34 +50,25 @@ _ASSUMED: Final[Mapping[str, tuple[str, ...]]] = {
     "sea": ("temperature_k",),
     "atmosphere": ("source", "model"),
 }
-"""Keys on which the answers of a camera depend, by table."""
 
+#: Meaning of keys that have no value.
 _LEFT_OUT: Final[Mapping[str, str]] = {
     "integration_time_s": "a whole frame",
     "well_capacity_e": "without limit",
 }
-"""Meaning of keys that have no value."""
 
 _ONLY_PHOTON: Final = frozenset(PhotonDetector.model_fields) - frozenset(ThermalDetector.model_fields)
 _ONLY_THERMAL: Final = frozenset(ThermalDetector.model_fields) - frozenset(PhotonDetector.model_fields)
+#: Units whose letters are not those at the end of a key; every other unit is written as there.
 _UNITS: Final = {"mk": "mK", "k": "K", "hz": "Hz", "khz": "kHz", "urad": "urad", "mrad": "mrad"}
-"""Units whose letters are not those at the end of a key; every other unit is written as there."""
 
 
 @dataclass(frozen=True)
 class CameraTables:
-    """Tables of a scenario that describe a camera.
+    """Tables of a scenario that describe a camera."""
 
-    Attributes
-    ----------
-    tables : mapping
-        Content of ``[sensor]`` and ``[band]``.
-    assumed : tuple of str
-        What no number of the data sheet said, a sentence each.
-    """
-
-    tables: TomlTables
-    assumed: tuple[str, ...] = ()
+    tables: TomlTables  #: Content of ``[sensor]`` and ``[band]``.
+    assumed: tuple[str, ...] = ()  #: What no number of the data sheet said, a sentence each.
 
 
 def read_camera(given: str) -> CameraTables:

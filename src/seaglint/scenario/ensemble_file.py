@@ -25,16 +25,13 @@ from seaglint.scenario.records.record import Record, rule
 
 Sampling = Literal["random", "latin_hypercube", "sobol"]
 
-MOST_OBJECTS = 1000
-"""Largest number of objects that one template draws in a scene."""
+MOST_OBJECTS = 1000  #: Largest number of objects that one template draws in a scene.
 
-COUNT = Quantity(ge=0, le=MOST_OBJECTS, integer=True)
-"""Range of the number of objects."""
+COUNT = Quantity(ge=0, le=MOST_OBJECTS, integer=True)  #: Range of the number of objects.
 
 _LAW: TypeAdapter[Any] = TypeAdapter(Law)
 
-Value = Law | Number
-"""Law of a key, or a constant value."""
+Value = Law | Number  #: Law of a key, or a constant value.
 
 
 class EnsembleSettings(Record):
@@ -316,5 +313,5 @@ _LAWS: Final[Mapping[str, type[Record]]] = {
     "weather": Weather,
 }
 _TAGS: Final = tuple(_LAWS)
+#: Tables and keys at the top of a scenario that an ensemble does not have.
 _SCENARIO: Final = Scenario.model_fields.keys() - Ensemble.model_fields.keys()
-"""Tables and keys at the top of a scenario that an ensemble does not have."""

@@ -20,8 +20,7 @@ class Key:
 
     path: tuple[str, ...]
     info: FieldInfo
-    records: tuple[type[BaseModel], ...]
-    """Return the records that the key may hold when it is a table; several for a union."""
+    records: tuple[type[BaseModel], ...]  #: Return the records that the key may hold when it is a table; several for a union.
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

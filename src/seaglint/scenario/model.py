@@ -58,8 +58,8 @@ class Scenario(Record):
     objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
     likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
 
+    #: Function that makes the HTML for notebooks; :mod:`seaglint.scenario.text.display`, which reads this module, sets it.
     html: ClassVar[Callable[[Any], str] | None] = None
-    """Function that makes the HTML for notebooks; :mod:`seaglint.scenario.text.display`, which reads this module, sets it."""
 
     def _repr_html_(self) -> str | None:
         return None if Scenario.html is None else Scenario.html(self)

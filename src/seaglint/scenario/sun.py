@@ -10,23 +10,19 @@ from typing import Final
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 
-SUN_STEP: Final = math.radians(0.05)
-"""Angle that the Sun moves before a sequence takes its new position [rad]: a tenth of its diameter."""
+SUN_STEP: Final = math.radians(0.05)  #: Angle that the Sun moves before a sequence takes its new position [rad]: a tenth of its diameter.
 
+#: Shortest time in which the Sun moves by :data:`SUN_STEP` [s], 11.97 s, from the Earth's rotation against the stars.
 SUN_STEP_TIME: Final = 86_400.0 * SUN_STEP / math.radians(360.985647)
-"""Shortest time in which the Sun moves by :data:`SUN_STEP` [s], 11.97 s, from the Earth's rotation against the stars."""
 
 
 @dataclass(frozen=True)
 class SunPosition:
     """Direction and distance of the Sun's centre."""
 
-    zenith: float
-    """Zenith angle, refraction included where it comes from date and place [rad]."""
-    azimuth: float
-    """Azimuth, clockwise from north [rad]."""
-    distance_au: float
-    """Distance from the Earth [au]; 1 where only angles are given."""
+    zenith: float  #: Zenith angle, refraction included where it comes from date and place [rad].
+    azimuth: float  #: Azimuth, clockwise from north [rad].
+    distance_au: float  #: Distance from the Earth [au]; 1 where only angles are given.
 
     @property
     def irradiance_factor(self) -> float:

@@ -16,33 +16,19 @@ from numpy.typing import NDArray
 from seaglint.sea.field import WaveField
 from seaglint.sea.tiles import longest_wave_number
 
-NARROWEST: Final = 1.5
-"""Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted."""
+NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
 
-SMALLEST: Final = 16
-"""Fewest lattice points along a side of a low-passed tile."""
+SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
 
 
 @dataclass(frozen=True)
 class Level:
-    """One level of detail: the tiles of the sea that it contains.
+    """One level of detail: the tiles of the sea that it contains."""
 
-    Attributes
-    ----------
-    parts : tuple of int
-        Versions of tiles, by their place in :attr:`Detail.parts`, longest waves first.
-    shortest_wave : float
-        Length of the shortest wave kept [m].
-    mss : (float, float)
-        Slope variance (up, cross) of its waves [1].
-    covariance : float
-        Covariance of its slopes along the wind and to the right of it [1].
-    """
-
-    parts: tuple[int, ...]
-    shortest_wave: float
-    mss: tuple[float, float]
-    covariance: float = 0.0
+    parts: tuple[int, ...]  #: Versions of tiles, by their place in :attr:`Detail.parts`, longest waves first.
+    shortest_wave: float  #: Length of the shortest wave kept [m].
+    mss: tuple[float, float]  #: Slope variance (up, cross) of its waves [1].
+    covariance: float = 0.0  #: Covariance of its slopes along the wind and to the right of it [1].
 
 
 @dataclass(frozen=True, eq=False)

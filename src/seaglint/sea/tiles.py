@@ -15,41 +15,30 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 
+#: Lattice points per shortest wave of a tile: read from a cubic spline its variance changes by 2.5 % at most within a cell.
 SAMPLES_PER_WAVE: Final = 4
-"""Lattice points per shortest wave of a tile: read from a cubic spline its variance changes by 2.5 % at most within a cell."""
 
+#: Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's periodicity shows.
 SHORTEST_SPAN: Final = 6.0
-"""Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's periodicity shows."""
 
-TILES: Final = 3
-"""Default number of tiles that the waves of a sea are spread over."""
+TILES: Final = 3  #: Default number of tiles that the waves of a sea are spread over.
 
+#: Share of the height variance in waves longer than the "longest" one, SHORTEST_SPAN of which must fit on the first tile.
 ENERGETIC_SHARE: Final = 0.01
-"""Share of the height variance in waves longer than the "longest" one, SHORTEST_SPAN of which must fit on the first tile."""
 
 _GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
 
 
 @dataclass(frozen=True)
 class Tile:
-    """Periodic square of sea and the waves that it carries.
+    """Periodic square of sea and the waves that it carries."""
 
-    Attributes
-    ----------
-    length : float
-        Period along both axes [m].
-    n : int
-        Lattice points along each axis.
-    rotation : float
-        Angle of the first axis from east, counter-clockwise seen from above [rad]: ``u = (cos a x + sin a y)``,
-        ``v = (-sin a x + cos a y)``.
-    k_min, k_max : float
-        Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
-    """
-
-    length: float
-    n: int
+    length: float  #: Period along both axes [m].
+    n: int  #: Lattice points along each axis.
+    #: Angle of the first axis from east, counter-clockwise seen from above [rad]: ``u = (cos a x + sin a y)``, ``v = (-sin a x + cos a
+    #: y)``.
     rotation: float
+    #: ``k_min``, ``k_max``: Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
     k_min: float
     k_max: float
 

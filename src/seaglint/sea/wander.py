@@ -20,6 +20,10 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
 from seaglint.sea.tiles import Tile
 
+#: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
+#:
+#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up
+#: to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
 _LONG: Final = np.array(
     [
         (-0.0977, -0.0007, 0.0153, 0.0459),
@@ -30,12 +34,12 @@ _LONG: Final = np.array(
         (0.1013, -0.0735, -0.0237, 0.0226),
     ]
 )
-"""Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
 
-Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up to
-50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
-"""
-
+#: Waves for the other tiles.
+#:
+#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: those that leave
+#: the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would leave
+#: the tile in step with itself.
 _SHORT: Final = np.array(
     [
         (0.1569, 0.1865, 0.0416, 0.0051),
@@ -48,12 +52,6 @@ _SHORT: Final = np.array(
         (-0.0788, 0.0741, -0.0179, -0.0426),
     ]
 )
-"""Waves for the other tiles.
-
-Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: those that leave
-the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would leave
-the tile in step with itself.
-"""
 
 
 class Wander(NamedTuple):

@@ -11,8 +11,7 @@ from seaglint.base.constants import GRAVITY, VON_KARMAN
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import WIND_PROFILE
 
-FULLY_DEVELOPED: Final = 0.84
-"""Inverse wave age U10/cp of a fully developed sea (Elfouhaily et al. 1997)."""
+FULLY_DEVELOPED: Final = 0.84  #: Inverse wave age U10/cp of a fully developed sea (Elfouhaily et al. 1997).
 
 
 def require_wind(

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from seaglint.clutter.filters import Filter
 
 
-Overwrite = Annotated[bool, Parameter("replace what stands at the output", "Run")]
-"""Whether files that are there already are replaced."""
+Overwrite = Annotated[bool, Parameter("replace what stands at the output", "Run")]  #: Whether files that are there already are replaced.
 
 
 class WeightsFile(NamedTuple):

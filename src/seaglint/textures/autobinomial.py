@@ -18,8 +18,7 @@ IntArray = NDArray[np.integer[Any]]
 
 KIND: Final = "autobinomial"
 
-MOST_LEVELS: Final = 1024
-"""Number of grey levels beyond which a binomial is a Gaussian and the Gauss-Markov field is the better model."""
+MOST_LEVELS: Final = 1024  #: Number of grey levels beyond which a binomial is a Gaussian and the Gauss-Markov field is the better model.
 
 
 @dataclass(frozen=True)
@@ -27,18 +26,6 @@ class Autobinomial:
     """Autobinomial field, ``x_s | neighbours ~ Binomial(levels - 1, logistic(alpha + sum_k beta_k sum_d (x_{s+d} + x_{s-d})))``.
 
     The joint density is ``exp(sum_s [alpha x_s + log C(levels - 1, x_s)] + sum_k beta_k sum_pairs x_s x_t) / Z``.
-
-    Attributes
-    ----------
-    levels : int
-        Grey levels: pixels are 0 to ``levels - 1``.
-    neighbours : tuple of tuple of (int, int)
-        Offsets of each class of pairs, rows down and columns right, one of each symmetric pair
-        (:func:`seaglint.textures.neighbourhood.classes`).
-    alpha : float
-        Logit of a pixel among neighbours that are all 0 [1].
-    beta : tuple of float
-        Coupling of each class [1 per level].
 
     Raises
     ------
@@ -55,10 +42,12 @@ class Autobinomial:
     (1, 1)
     """
 
-    levels: int
+    levels: int  #: Grey levels: pixels are 0 to ``levels - 1``.
+    #: Offsets of each class of pairs, rows down and columns right, one of each symmetric pair
+    #: (:func:`seaglint.textures.neighbourhood.classes`).
     neighbours: Classes
-    alpha: float
-    beta: tuple[float, ...]
+    alpha: float  #: Logit of a pixel among neighbours that are all 0 [1].
+    beta: tuple[float, ...]  #: Coupling of each class [1 per level].
 
     def __post_init__(self) -> None:
         check_levels(self.levels)

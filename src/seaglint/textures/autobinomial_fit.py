@@ -20,44 +20,23 @@ from seaglint.textures.regime import Regime, regime
 
 Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
 
+#: Least number of pixels with all their neighbours for each parameter; with fewer, standard errors are meaningless.
 PIXELS_PER_PARAMETER: Final = 30
-"""Least number of pixels with all their neighbours for each parameter; with fewer, standard errors are meaningless."""
 
 
 @dataclass(frozen=True)
 class AutobinomialFit:
-    """Fitted autobinomial field.
+    """Fitted autobinomial field."""
 
-    Attributes
-    ----------
-    model : Autobinomial
-        The field.
-    covariance : array, (1 + classes, 1 + classes)
-        Covariance of :attr:`parameters`; NaN where the picture is too small to tell.
-    log_pseudo_likelihood : float
-        Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
-    pixels : int
-        Pixels that entered, each with all its neighbours.
-    method : {"pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"}
-        Method of the fit.
-    converged : bool
-        Whether the maximum was reached.
-    steps : int
-        Newton's steps taken.
-    regime : Regime or None
-        Regime of samples of the fit; None where it was not requested.
-    distance : float or None
-        Left between the picture's sums and those of samples, in standard deviations of a sample's; None of a pseudo-likelihood.
-    """
-
-    model: Autobinomial
-    covariance: FloatArray
-    log_pseudo_likelihood: float
-    pixels: int
-    method: Method
-    converged: bool
-    steps: int
-    regime: Regime | None
+    model: Autobinomial  #: The field.
+    covariance: FloatArray  #: Covariance of :attr:`parameters`; NaN where the picture is too small to tell.
+    log_pseudo_likelihood: float  #: Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
+    pixels: int  #: Pixels that entered, each with all its neighbours.
+    method: Method  #: Method of the fit.
+    converged: bool  #: Whether the maximum was reached.
+    steps: int  #: Newton's steps taken.
+    regime: Regime | None  #: Regime of samples of the fit; None where it was not requested.
+    #: Left between the picture's sums and those of samples, in standard deviations of a sample's; None of a pseudo-likelihood.
     distance: float | None = None
 
     @property

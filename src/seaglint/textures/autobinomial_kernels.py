@@ -16,14 +16,11 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit, njit_parallel
 from seaglint.base.keyed_random import WORD, bits, cell_key, uniform
 
-PRECISION = 56
-"""Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`."""
+PRECISION = 56  #: Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`.
 
-UNROLLED = 4
-"""Number of bits between two tests whether any trial is undecided: a quarter less time than a test after each."""
+UNROLLED = 4  #: Number of bits between two tests whether any trial is undecided: a quarter less time than a test after each.
 
-TRIALS = 63
-"""Number of trials drawn at once, a bit each of a 64-bit integer that stays positive."""
+TRIALS = 63  #: Number of trials drawn at once, a bit each of a 64-bit integer that stays positive.
 
 
 class Law(NamedTuple):

@@ -16,11 +16,10 @@ from seaglint.textures import autobinomial_kernels as kernels
 from seaglint.textures.autobinomial import Autobinomial, IntArray, check_shape, checked_field
 from seaglint.textures.neighbourhood import colours
 
+#: Number of pixels from which a sweep runs in threads; for fewer, starting them takes longer than the work.
 IN_THREADS_FROM: Final = 64 * 64
-"""Number of pixels from which a sweep runs in threads; for fewer, starting them takes longer than the work."""
 
-CUT_MARGIN: Final = 16
-"""Margin on each side from which a sample without periods is cut, in reaches of the neighbourhood."""
+CUT_MARGIN: Final = 16  #: Margin on each side from which a sample without periods is cut, in reaches of the neighbourhood.
 
 
 def law(model: Autobinomial) -> kernels.Law:

@@ -24,36 +24,26 @@ from seaglint.textures.regime import correlations
 
 Sampler = Literal["gibbs", "exchange"]
 
+#: Method that fits the couplings; auto chooses by the regime of the pseudo-likelihood's fit.
 Way = Literal["auto", "pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
-"""Method that fits the couplings; auto chooses by the regime of the pseudo-likelihood's fit."""
 
+#: Number of sweeps of a sample: Gibbs sweeps as many as in the test of the regime; exchanges tried for each pixel.
 SWEEPS: Final[Mapping[Sampler, int]] = {"gibbs": 300, "exchange": 200}
-"""Number of sweeps of a sample: Gibbs sweeps as many as in the test of the regime; exchanges tried for each pixel."""
 
 
+#: Distance of distribution functions beyond which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01.
 APART: Final = 0.03
-"""Distance of distribution functions beyond which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01."""
 
 
 @dataclass(frozen=True)
 class AutobinomialTexture:
-    """Texture of grey levels of an autobinomial field, with the values and the histogram of the fitted picture.
+    """Texture of grey levels of an autobinomial field, with the values and the histogram of the fitted picture."""
 
-    Attributes
-    ----------
-    field : Autobinomial
-    grey : GreyLevels
-        Value that each level represents.
-    histogram : tuple of float
-        Share of each level in the picture [1]: samples by exchange keep it, so that no phase transition can freeze or melt them.
-    sampler : {"gibbs", "exchange"}
-        Method that draws samples.
-    """
-
-    field: Autobinomial
-    grey: GreyLevels
+    field: Autobinomial  #: Autobinomial.
+    grey: GreyLevels  #: Value that each level represents.
+    #: Share of each level in the picture [1]: samples by exchange keep it, so that no phase transition can freeze or melt them.
     histogram: tuple[float, ...]
-    sampler: Sampler = "exchange"
+    sampler: Sampler = "exchange"  #: Method that draws samples.
 
     @property
     def reach(self) -> tuple[int, int, int]:
@@ -126,23 +116,14 @@ class AutobinomialTexture:
 
 @dataclass(frozen=True)
 class AutobinomialTextureFit:
-    """Fitted texture with the diagnostics of the fit.
+    """Fitted texture with the diagnostics of the fit."""
 
-    Attributes
-    ----------
-    texture : AutobinomialTexture
-    found : AutobinomialFit
-        The field's; where that asked for did not converge, the one whose exchange samples are nearer to the picture, it or the
-        pseudo-likelihood's.
-    tried : Way
-        Requested method for the couplings.
-    notes : tuple of str
-    """
-
-    texture: AutobinomialTexture
+    texture: AutobinomialTexture  #: AutobinomialTexture.
+    #: The field's; where that asked for did not converge, the one whose exchange samples are nearer to the picture, it or the
+    #: pseudo-likelihood's.
     found: AutobinomialFit
-    tried: Way
-    notes: tuple[str, ...] = ()
+    tried: Way  #: Requested method for the couplings.
+    notes: tuple[str, ...] = ()  #: tuple of str.
 
 
 def fit_texture(

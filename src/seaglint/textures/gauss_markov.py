@@ -29,12 +29,10 @@ KIND: Final = "gauss-markov"
 # Frames, rows, columns from a pixel to a neighbour.
 Offset = tuple[int, int, int]
 
-FLAT: Final = 1e-12
-"""Least value of 1 - 2 sum b cos at which a field has a variance; below it one wave takes all of it."""
+FLAT: Final = 1e-12  #: Least value of 1 - 2 sum b cos at which a field has a variance; below it one wave takes all of it.
 
 
-MOST_VALLEYS: Final = 200
-"""Largest number of minima of a symbol that are refined."""
+MOST_VALLEYS: Final = 200  #: Largest number of minima of a symbol that are refined.
 
 
 def canonical(offset: Sequence[int]) -> Offset:
@@ -56,27 +54,16 @@ def canonical(offset: Sequence[int]) -> Offset:
 class GaussMarkov:
     """Gauss-Markov field on a torus.
 
-    Attributes
-    ----------
-    offsets : tuple of (int, int, int)
-        Neighbours (frames, rows, columns), one of each pair.
-    coefficients : tuple of float
-        Weight of both of each pair [1].
-    variance : float
-        Conditional variance of a pixel given all others [u²].
-    mean : float
-        [u].
-
     Raises
     ------
     DomainError
         Offsets twice, as many coefficients as there are no offsets, a variance that is not above 0.
     """
 
-    offsets: tuple[Offset, ...]
-    coefficients: tuple[float, ...]
-    variance: float
-    mean: float = 0.0
+    offsets: tuple[Offset, ...]  #: Neighbours (frames, rows, columns), one of each pair.
+    coefficients: tuple[float, ...]  #: Weight of both of each pair [1].
+    variance: float  #: Conditional variance of a pixel given all others [u²].
+    mean: float = 0.0  #: [u].
 
     def __post_init__(self) -> None:
         offsets = tuple(canonical(d) for d in self.offsets)

@@ -24,35 +24,23 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.textures.gauss_markov import GaussMarkov, Offset, canonical, half_weights, least_symbol
 
-PER_PARAMETER: Final = 50
-"""Least number of pixels for each parameter."""
+PER_PARAMETER: Final = 50  #: Least number of pixels for each parameter.
 
+#: Largest number of steps of Newton's method; ten suffice unless the optimum lies on the border of the region, where there is none.
 STEPS: Final = 60
-"""Largest number of steps of Newton's method; ten suffice unless the optimum lies on the border of the region, where there is none."""
 
-LEAST: Final = 1e-5
-"""Least value of 1 - 2 sum b cos of a fitted field."""
+LEAST: Final = 1e-5  #: Least value of 1 - 2 sum b cos of a fitted field.
 
-SMALLEST_TORUS: Final = 16
-"""Least side of the torus that represents an infinite plane, in times the largest offset."""
+SMALLEST_TORUS: Final = 16  #: Least side of the torus that represents an infinite plane, in times the largest offset.
 
 
 @dataclass(frozen=True)
 class Covariances:
-    """Covariances of a field, the sufficient statistics of the likelihood.
+    """Covariances of a field, the sufficient statistics of the likelihood."""
 
-    Attributes
-    ----------
-    values : ndarray, shape (2 reach + 1, ...)
-        Covariance by distance (frames, rows, columns), the variance in the middle [u²].
-    mean : float
-        Mean of the field [u].
-    shape, periodic : (int, int, int), bool
-        Shape of the field, and whether it is a torus.
-    """
-
-    values: FloatArray
-    mean: float
+    values: FloatArray  #: Covariance by distance (frames, rows, columns), the variance in the middle [u², (2 reach + 1, ...)].
+    mean: float  #: Mean of the field [u].
+    #: ``shape``, ``periodic``: Shape of the field, and whether it is a torus.
     shape: Offset
     periodic: bool
 
@@ -125,32 +113,15 @@ def covariances(field: ArrayLike, reach: Sequence[int], *, periodic: bool = Fals
 
 @dataclass(frozen=True)
 class GaussMarkovFit:
-    """Fitted Gauss-Markov field.
+    """Fitted Gauss-Markov field."""
 
-    Attributes
-    ----------
-    model : GaussMarkov
-    standard_errors : tuple of float
-        Standard errors of the coefficients [1], from the information of the likelihood.
-    variance_error : float
-        Standard error of the conditional variance [u²].
-    log_likelihood : float
-        At the optimum [1].
-    pixels : int
-        Number of pixels of the data.
-    steps : int
-        Number of steps of Newton's method.
-    notes : tuple of str
-        Notes for readers of results.
-    """
-
-    model: GaussMarkov
-    standard_errors: tuple[float, ...]
-    variance_error: float
-    log_likelihood: float
-    pixels: int
-    steps: int
-    notes: tuple[str, ...] = ()
+    model: GaussMarkov  #: GaussMarkov.
+    standard_errors: tuple[float, ...]  #: Standard errors of the coefficients [1], from the information of the likelihood.
+    variance_error: float  #: Standard error of the conditional variance [u²].
+    log_likelihood: float  #: At the optimum [1].
+    pixels: int  #: Number of pixels of the data.
+    steps: int  #: Number of steps of Newton's method.
+    notes: tuple[str, ...] = ()  #: Notes for readers of results.
 
     @property
     def bic(self) -> float:
@@ -158,14 +129,13 @@ class GaussMarkovFit:
         return -2.0 * self.log_likelihood + (len(self.model.offsets) + 2) * math.log(self.pixels)
 
 
+#: Largest torus of the search for a neighbourhood, without and with time; the data enter by their covariances, whatever their size.
 SEARCHED: Final = ((1, 256, 256), (32, 64, 64))
-"""Largest torus of the search for a neighbourhood, without and with time; the data enter by their covariances, whatever their size."""
 
+#: Largest torus that represents an infinite plane; long waves with much of the variance need a fine grid of frequencies.
 LARGEST_TORUS: Final = ((1, 512, 512), (64, 128, 128))
-"""Largest torus that represents an infinite plane; long waves with much of the variance need a fine grid of frequencies."""
 
-SEARCH: Final = 1e-9
-"""Gain of log likelihood per pixel at which the steps of the search for a neighbourhood end: 1e-5 of the criterion."""
+SEARCH: Final = 1e-9  #: Gain of log likelihood per pixel at which the steps of the search for a neighbourhood end: 1e-5 of the criterion.
 
 
 class _Likelihood:

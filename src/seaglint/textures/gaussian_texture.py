@@ -20,30 +20,18 @@ from seaglint.textures.synthesis import Modulation, latent
 
 KIND: Final = "gauss-markov"
 
-REACH: Final = (2, 4, 4)
-"""Farthest candidate neighbours, in frames, rows and columns."""
+REACH: Final = (2, 4, 4)  #: Farthest candidate neighbours, in frames, rows and columns.
 
-SPACE_IN_TIME: Final = 2
-"""Farthest rows and columns of neighbours in other frames: waves move a pixel or two from one frame to the next."""
+SPACE_IN_TIME: Final = 2  #: Farthest rows and columns of neighbours in other frames: waves move a pixel or two from one frame to the next.
 
 
 @dataclass(frozen=True)
 class GaussianTexture:
-    """Texture ``marginal(x)`` of a Gauss-Markov field x of variance 1, made of white noise or of noise times a slow field.
+    """Texture ``marginal(x)`` of a Gauss-Markov field x of variance 1, made of white noise or of noise times a slow field."""
 
-    Attributes
-    ----------
-    field : GaussMarkov
-        Correlations of the Gaussian field; its variance on the plane is near 1.
-    marginal : Marginal
-        Values of the pixels [u].
-    modulation : Modulation or None
-        Slow field.
-    """
-
-    field: GaussMarkov
-    marginal: Marginal
-    modulation: Modulation | None = None
+    field: GaussMarkov  #: Correlations of the Gaussian field; its variance on the plane is near 1.
+    marginal: Marginal  #: Values of the pixels [u].
+    modulation: Modulation | None = None  #: Slow field.
 
     @property
     def reach(self) -> tuple[int, int, int]:
@@ -95,25 +83,14 @@ class GaussianTexture:
 
 @dataclass(frozen=True)
 class TextureFit:
-    """Fitted texture with the diagnostics of the fit.
+    """Fitted texture with the diagnostics of the fit."""
 
-    Attributes
-    ----------
-    texture : GaussianTexture
-    field : GaussMarkovFit
-        Standard errors and criterion of the Gaussian field.
-    correlation_error : float
-        Share of the variance that the expansion of the marginal transform leaves out [1].
-    tail_misfit : ndarray, shape (3,)
-        Log ratios of exceedances at 2.5, 3 and 3.5 standard deviations of the filtered picture, sample over data.
-    notes : tuple of str
-    """
-
-    texture: GaussianTexture
-    field: estimation.GaussMarkovFit
-    correlation_error: float
+    texture: GaussianTexture  #: GaussianTexture.
+    field: estimation.GaussMarkovFit  #: Standard errors and criterion of the Gaussian field.
+    correlation_error: float  #: Share of the variance that the expansion of the marginal transform leaves out [1].
+    #: Log ratios of exceedances at 2.5, 3 and 3.5 standard deviations of the filtered picture, sample over data. Shape (3,).
     tail_misfit: FloatArray
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  #: tuple of str.
 
 
 def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tuple[int, int, int], ...]:

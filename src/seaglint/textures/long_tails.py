@@ -23,42 +23,26 @@ from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.marginals import Marginal
 from seaglint.textures.synthesis import Modulation, density_of, filtered, latent, rough
 
-THRESHOLDS: Final = (2.5, 3.0, 3.5)
-"""Thresholds at which rates are matched [standard deviations of the filtered picture]."""
+THRESHOLDS: Final = (2.5, 3.0, 3.5)  #: Thresholds at which rates are matched [standard deviations of the filtered picture].
 
-NEAR: Final = math.log(1.15)
-"""Root mean square of the log ratios of rates below which no correction is needed."""
+NEAR: Final = math.log(1.15)  #: Root mean square of the log ratios of rates below which no correction is needed.
 
-SHAPES: Final = tuple(np.geomspace(0.12, 12.0, 15))
-"""Candidate shapes of the slow field; above the last one it has almost no effect."""
+SHAPES: Final = tuple(np.geomspace(0.12, 12.0, 15))  #: Candidate shapes of the slow field; above the last one it has almost no effect.
 
-STRETCHES: Final = (0.5, 1.0, 2.0)
-"""Candidate lengths, in times those at which the squares of the filtered data decorrelate."""
+STRETCHES: Final = (0.5, 1.0, 2.0)  #: Candidate lengths, in times those at which the squares of the filtered data decorrelate.
 
-PILOT: Final = 600_000
-"""Number of pixels of the samples that are compared with the data."""
+PILOT: Final = 600_000  #: Number of pixels of the samples that are compared with the data.
 
 
 @dataclass(frozen=True)
 class Tail:
-    """Tail rates and length of the filtered picture that are matched.
+    """Tail rates and length of the filtered picture that are matched."""
 
-    Attributes
-    ----------
-    rates : ndarray, shape (3,)
-        Share of the pixels above each of :data:`THRESHOLDS` [1].
-    counts : ndarray, shape (3,)
-        Pixels above.
-    clusters : ndarray
-        Correlation of the filtered picture's absolute values at distances of 3 to 8 pixels, mean of rows and columns [1].
-    lengths : (float, float, float)
-        Distances at which it falls to 1/e of its value next door [frames, rows, columns].
-    """
-
-    rates: FloatArray
-    counts: FloatArray
+    rates: FloatArray  #: Share of the pixels above each of :data:`THRESHOLDS` [1, (3,)].
+    counts: FloatArray  #: Pixels above. Shape (3,).
+    #: Correlation of the filtered picture's absolute values at distances of 3 to 8 pixels, mean of rows and columns [1].
     clusters: FloatArray
-    lengths: tuple[float, float, float]
+    lengths: tuple[float, float, float]  #: Distances at which it falls to 1/e of its value next door [frames, rows, columns].
 
 
 def interior(frames: ArrayLike) -> NDArray[np.float32]:

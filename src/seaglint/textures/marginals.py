@@ -25,23 +25,21 @@ from seaglint.base.jit import in_threads, njit
 Tails = Literal["gaussian", "gamma", "lognormal", "k", "empirical"]
 TAILS: Final[tuple[Tails, ...]] = get_args(Tails)
 
+#: Number of Hermite polynomials of the expansion; a gamma distribution of shape 1/2 leaves 1e-7 of its variance in the others.
 TERMS: Final = 24
-"""Number of Hermite polynomials of the expansion; a gamma distribution of shape 1/2 leaves 1e-7 of its variance in the others."""
 
-NODES: Final = 120
-"""Number of nodes of the Gauss-Hermite quadrature."""
+NODES: Final = 120  #: Number of nodes of the Gauss-Hermite quadrature.
 
+#: Range of the table of quantiles, -REACH to REACH standard deviations; 1e-12 of the values lie beyond and take the table's ends.
 REACH: Final = 7.0
-"""Range of the table of quantiles, -REACH to REACH standard deviations; 1e-12 of the values lie beyond and take the table's ends."""
 
+#: Number of points of the table, linear between them: error below 1e-5 of the standard deviation for a gamma of shape 1/2.
 TABLE: Final = 4097
-"""Number of points of the table, linear between them: error below 1e-5 of the standard deviation for a gamma of shape 1/2."""
 
-KEPT: Final = 512
-"""Number of quantiles of an empirical distribution."""
+KEPT: Final = 512  #: Number of quantiles of an empirical distribution.
 
+#: Quantiles between which a family is fitted, so that a few values of a target or a bad pixel do not determine the tail.
 INNER: Final = (0.0005, 0.9995)
-"""Quantiles between which a family is fitted, so that a few values of a target or a bad pixel do not determine the tail."""
 
 
 @njit
@@ -60,27 +58,18 @@ def _interpolate(g: np.ndarray, table: np.ndarray, out: np.ndarray, first: int, 
 class Marginal:
     """Distribution of a pixel.
 
-    Attributes
-    ----------
-    kind : str
-        One of :data:`TAILS`.
-    loc, scale : float
-        Location and scale of the family [u]; ``scale`` below 0 reverses it: a long tail on the dark side.
-    shape : float or None
-        Shape of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
-    quantiles : tuple of float
-        Quantiles of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
-
     Raises
     ------
     DomainError
         A kind that there is not, or parameters outside their range.
     """
 
-    kind: Tails = "gaussian"
+    kind: Tails = "gaussian"  #: One of :data:`TAILS`.
+    #: ``loc``, ``scale``: Location and scale of the family [u]; ``scale`` below 0 reverses it: a long tail on the dark side.
     loc: float = 0.0
     scale: float = 1.0
-    shape: float | None = None
+    shape: float | None = None  #: Shape of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
+    #: Quantiles of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
     quantiles: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:

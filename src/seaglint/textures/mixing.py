@@ -13,30 +13,17 @@ from seaglint.base.optional import optional
 from seaglint.textures import autobinomial_sampler as sampler
 from seaglint.textures.autobinomial import Autobinomial
 
-LARGEST_RHAT: Final = 1.01
-"""R-hat below which chains count as mixed (Vehtari et al. 2021)."""
+LARGEST_RHAT: Final = 1.01  #: R-hat below which chains count as mixed (Vehtari et al. 2021).
 
 
 @dataclass(frozen=True)
 class Mixing:
-    """Traces of several chains, and their convergence diagnostics.
+    """Traces of several chains, and their convergence diagnostics."""
 
-    Attributes
-    ----------
-    energy : array, (chains, draws)
-        Minus the exponent of the joint density, per pixel and without the count of choices [nat].
-    sums : array, (chains, draws, 1 + classes)
-        Mean level, and mean product with each class of neighbours, per pair [level, level²].
-    rhat : array, (2 + classes,)
-        Rank-normalised split R-hat of the energy and of each sum [1].
-    effective : array, (2 + classes,)
-        Effective sample sizes (bulk) of the same, all chains [1].
-    """
-
-    energy: FloatArray
-    sums: FloatArray
-    rhat: FloatArray
-    effective: FloatArray
+    energy: FloatArray  #: Minus the exponent of the joint density, per pixel and without the count of choices [nat].
+    sums: FloatArray  #: Mean level, and mean product with each class of neighbours, per pair [level, level²].
+    rhat: FloatArray  #: Rank-normalised split R-hat of the energy and of each sum [1].
+    effective: FloatArray  #: Effective sample sizes (bulk) of the same, all chains [1].
 
     @property
     def mixed(self) -> bool:

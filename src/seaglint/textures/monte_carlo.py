@@ -14,59 +14,37 @@ from seaglint.textures import autobinomial_sampler as sampler
 from seaglint.textures.autobinomial import Autobinomial
 from seaglint.textures.neighbourhood import Classes
 
-ROUNDS: Final = 60
-"""Largest number of Newton's steps with sampled moments."""
+ROUNDS: Final = 60  #: Largest number of Newton's steps with sampled moments.
 
-SWEEPS: Final = 150
-"""Number of sweeps of a step; the first third of them is discarded."""
+SWEEPS: Final = 150  #: Number of sweeps of a step; the first third of them is discarded.
 
-CLOSE: Final = 4.0
-"""Distance between picture and samples, in standard deviations of the sums, below which steps use more sweeps."""
+CLOSE: Final = 4.0  #: Distance between picture and samples, in standard deviations of the sums, below which steps use more sweeps.
 
 CLOSE_SWEEPS: Final = 600
 
-LAST_SWEEPS: Final = 1500
-"""Number of sweeps for the likelihood around the last step."""
+LAST_SWEEPS: Final = 1500  #: Number of sweeps for the likelihood around the last step.
 
-LONGEST_STEP: Final = 10.0
-"""Longest step, in standard deviations of the sums; sampled moments are not valid beyond."""
+LONGEST_STEP: Final = 10.0  #: Longest step, in standard deviations of the sums; sampled moments are not valid beyond.
 
+#: Largest change of the mean field's slope at half the largest level in a step: near the transition moments change within some 0.1.
 LARGEST_TURN: Final = 0.05
-"""Largest change of the mean field's slope at half the largest level in a step: near the transition moments change within some 0.1."""
 
-NEAR: Final = 0.5
-"""Distance between picture and samples, in standard deviations of the sums, below which the last sweeps are drawn."""
+NEAR: Final = 0.5  #: Distance between picture and samples, in standard deviations of the sums, below which the last sweeps are drawn.
 
-BATCHES: Final = 30
-"""Number of parts of the last sweeps whose means give the error of the simulation."""
+BATCHES: Final = 30  #: Number of parts of the last sweeps whose means give the error of the simulation.
 
-FEWEST_WEIGHTS: Final = 0.1
-"""Least effective share of the last sweeps after weighting; below, importance sampling is not reliable."""
+FEWEST_WEIGHTS: Final = 0.1  #: Least effective share of the last sweeps after weighting; below, importance sampling is not reliable.
 
 
 @dataclass(frozen=True)
 class Ascent:
-    """Result of the maximisation.
+    """Result of the maximisation."""
 
-    Attributes
-    ----------
-    model : Autobinomial
-        The field at the maximum.
-    covariance : array, (1 + classes, 1 + classes)
-        Covariance of the parameters: inverse Fisher information and the error of the simulation.
-    rounds : int
-        Newton's steps taken.
-    distance : float
-        Left between the picture's sums and those of samples, in standard deviations of a sample's.
-    converged : bool
-        Whether picture and samples agree and the last weights are even enough.
-    """
-
-    model: Autobinomial
-    covariance: FloatArray
-    rounds: int
-    distance: float
-    converged: bool
+    model: Autobinomial  #: The field at the maximum.
+    covariance: FloatArray  #: Covariance of the parameters: inverse Fisher information and the error of the simulation.
+    rounds: int  #: Newton's steps taken.
+    distance: float  #: Left between the picture's sums and those of samples, in standard deviations of a sample's.
+    converged: bool  #: Whether picture and samples agree and the last weights are even enough.
 
 
 @dataclass

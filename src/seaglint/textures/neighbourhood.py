@@ -12,8 +12,8 @@ Offset = tuple[int, int]
 # Classes of symmetric pairs; each pair is named by the offset that points down, or to the right in its own row.
 Classes = tuple[tuple[Offset, ...], ...]
 
+#: Largest order; higher ones reach over nine pixels, an 8 x 8 block of couplings, more than textures of a few hundred pixels determine.
 MOST_ORDER: Final = 40
-"""Largest order; higher ones reach over nine pixels, an 8 x 8 block of couplings, more than textures of a few hundred pixels determine."""
 
 
 def classes(order: int, isotropic: bool = True) -> Classes:

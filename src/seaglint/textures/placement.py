@@ -17,28 +17,19 @@ from seaglint.base.conventions import FloatArray, horizon_range, surface_range
 from seaglint.base.errors import DomainError
 from seaglint.textures.marginals import Tails
 
-SAMPLED: Final = 12
-"""Number of frames for the variance of the averaged field, over all of the plane's columns."""
+SAMPLED: Final = 12  #: Number of frames for the variance of the averaged field, over all of the plane's columns.
 
-NARROWEST: Final = 1e-6
-"""Least ratio of standard deviation to mean that is a fluctuation."""
+NARROWEST: Final = 1e-6  #: Least ratio of standard deviation to mean that is a fluctuation.
 
 
 @dataclass(frozen=True)
 class Footprints:
-    """Footprints of the rows and columns of a camera on the sea.
+    """Footprints of the rows and columns of a camera on the sea."""
 
-    Attributes
-    ----------
-    near, far : ndarray, shape (rows,)
-        Edges of the rows along the range [m]; NaN above the horizon.
-    edges : ndarray, shape (columns + 1,)
-        Edges of the columns from the middle [rad].
-    """
-
+    #: ``near``, ``far``: Edges of the rows along the range [m]; NaN above the horizon. Shape (rows,).
     near: FloatArray
     far: FloatArray
-    edges: FloatArray
+    edges: FloatArray  #: Edges of the columns from the middle [rad, (columns + 1,)].
 
     @classmethod
     def of(cls, height: float, elevations: FloatArray, row_step: float, columns: int, column_step: float) -> Footprints:

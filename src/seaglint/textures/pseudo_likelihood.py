@@ -16,42 +16,25 @@ from seaglint.textures.neighbourhood import Classes, reach
 
 MOST_STEPS: Final = 100
 
+#: Gain of a further Newton step in log pseudo-likelihood per pixel at which the iteration ends: the couplings then have ten digits.
 DECREMENT: Final = 1e-18
-"""Gain of a further Newton step in log pseudo-likelihood per pixel at which the iteration ends: the couplings then have ten digits."""
 
-CERTAIN: Final = 40.0
-"""Logit beyond which a pixel is certain; couplings that make all pixels certain grow without limit."""
+CERTAIN: Final = 40.0  #: Logit beyond which a pixel is certain; couplings that make all pixels certain grow without limit.
 
+#: Largest condition of the information matrix (of scaled sums); beyond, neighbours cannot be distinguished.
 LARGEST_CONDITION: Final = 1e12
-"""Largest condition of the information matrix (of scaled sums); beyond, neighbours cannot be distinguished."""
 
 
 @dataclass(frozen=True)
 class Climb:
-    """Result of the maximisation.
+    """Result of the maximisation."""
 
-    Attributes
-    ----------
-    parameters : array, (1 + classes,)
-        alpha and the couplings.
-    covariance : array, (1 + classes, 1 + classes)
-        Covariance of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
-    log_likelihood : float
-        Log pseudo-likelihood, all pixels [nat].
-    steps : int
-        Newton's steps taken.
-    gradient : float
-        Largest slope that is left, per pixel and for sums of unit variance [nat].
-    converged : bool
-        Whether no step gains any more.
-    """
-
-    parameters: FloatArray
-    covariance: FloatArray
-    log_likelihood: float
-    steps: int
-    gradient: float
-    converged: bool
+    parameters: FloatArray  #: alpha and the couplings.
+    covariance: FloatArray  #: Covariance of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
+    log_likelihood: float  #: Log pseudo-likelihood, all pixels [nat].
+    steps: int  #: Newton's steps taken.
+    gradient: float  #: Largest slope that is left, per pixel and for sums of unit variance [nat].
+    converged: bool  #: Whether no step gains any more.
 
 
 def neighbour_sums(field: IntArray, neighbours: Classes, *, periodic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -25,30 +25,27 @@ from seaglint.textures.long_tails import interior
 
 THRESHOLDS: Final = (3.0, 3.5)
 
-LAGS: Final = 12
-"""Largest distance of the compared correlations [px]."""
+LAGS: Final = 12  #: Largest distance of the compared correlations [px].
 
-FRAMES: Final = 12
-"""Number of frames whose spectra, correlations in space and co-occurrence are compared, evenly spread."""
+FRAMES: Final = 12  #: Number of frames whose spectra, correlations in space and co-occurrence are compared, evenly spread.
 
-TIMES: Final = 25
-"""Largest number of frames between compared pixels."""
+TIMES: Final = 25  #: Largest number of frames between compared pixels.
 
-SQUARES: Final = (64, 32, 16)
-"""Sides of the squares of the compared spectra [px]: the largest of which there are :data:`FEWEST` in both."""
+SQUARES: Final = (64, 32, 16)  #: Sides of the squares of the compared spectra [px]: the largest of which there are :data:`FEWEST` in both.
 
+#: Least number of squares of a spectrum: their mean periodogram scatters by some 1 dB.
+#:
+#: A single one would by 5.6 dB, more than the limit.
 FEWEST: Final = 24
-"""Least number of squares of a spectrum: their mean periodogram scatters by some 1 dB.
 
-A single one would by 5.6 dB, more than the limit.
-"""
+LEVELS: Final = 16  #: Number of grey levels of the co-occurrence matrix.
 
-LEVELS: Final = 16
-"""Number of grey levels of the co-occurrence matrix."""
+PAIRS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))  #: Distances of the pairs of the co-occurrence matrix (rows, columns).
 
-PAIRS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))
-"""Distances of the pairs of the co-occurrence matrix (rows, columns)."""
-
+#: Limits beyond which a texture differs.
+#:
+#: They are ratio of rates, distance of distribution functions, rms of spectra [dB], rms of correlations, largest relative difference of
+#: co-occurrence features.
 LIMITS: Final[Mapping[str, float]] = {
     "rate_factor": 1.5,
     "ks": 0.1,
@@ -57,76 +54,40 @@ LIMITS: Final[Mapping[str, float]] = {
     "time_correlation": 0.1,
     "cooccurrence": 0.25,
 }
-"""Limits beyond which a texture differs.
-
-They are ratio of rates, distance of distribution functions, rms of spectra [dB], rms of correlations, largest relative difference of
-co-occurrence features.
-"""
 
 
 @dataclass(frozen=True)
 class Likeness:
-    """Texture measures of one picture or sequence.
+    """Texture measures of one picture or sequence."""
 
-    Attributes
-    ----------
-    name : str
-    values : ndarray
-        Sorted sample of the pixels [u].
-    rates : tuple of FalseAlarmRate
-        Rates of the filtered picture at 3 and 3.5 standard deviations.
-    curve : RateCurve
-        At all thresholds.
-    spectrum : Spectrum
-        Spectrum of the pixels in standard deviations.
-    x, y : ndarray
-        Correlation by distance in columns and rows, from 0.
-    time : ndarray or None
-        Correlation by frames.
-    features : dict of float
-        Haralick features of co-occurring grey levels.
-    """
-
-    name: str
-    values: FloatArray
-    rates: tuple[FalseAlarmRate, ...]
-    curve: RateCurve
-    spectrum: Spectrum
+    name: str  #: str.
+    values: FloatArray  #: Sorted sample of the pixels [u].
+    rates: tuple[FalseAlarmRate, ...]  #: Rates of the filtered picture at 3 and 3.5 standard deviations.
+    curve: RateCurve  #: At all thresholds.
+    spectrum: Spectrum  #: Spectrum of the pixels in standard deviations.
+    #: ``x``, ``y``: Correlation by distance in columns and rows, from 0.
     x: FloatArray
     y: FloatArray
-    time: FloatArray | None
-    features: dict[str, float]
+    time: FloatArray | None  #: Correlation by frames.
+    features: dict[str, float]  #: Haralick features of co-occurring grey levels.
 
 
 @dataclass(frozen=True)
 class RatePair:
-    """Rates of both filtered pictures above a threshold.
+    """Rates of both filtered pictures above a threshold."""
 
-    Attributes
-    ----------
-    threshold_sigma : float
-        Threshold [standard deviations].
-    gaussian_rate : float
-        One-sided Gaussian tail [1].
-    first, second : float
-        Rates per pixel and frame [1].
-    first_interval, second_interval : list of float or None
-        Ends of their 95 % intervals [1].
-    first_over_gaussian, second_over_gaussian : float
-        Rates over the Gaussian tail [1].
-    second_over_first : float or None
-        Ratio of the rates [1]; None where one of them is 0.
-    """
-
-    threshold_sigma: float
-    gaussian_rate: float
+    threshold_sigma: float  #: Threshold [standard deviations].
+    gaussian_rate: float  #: One-sided Gaussian tail [1].
+    #: ``first``, ``second``: Rates per pixel and frame [1].
     first: float
+    #: ``first_interval``, ``second_interval``: Ends of their 95 % intervals [1].
     first_interval: list[float | None]
-    second: float
-    second_interval: list[float | None]
+    second: float  #: See ``first``.
+    second_interval: list[float | None]  #: See ``first_interval``.
+    #: ``first_over_gaussian``, ``second_over_gaussian``: Rates over the Gaussian tail [1].
     first_over_gaussian: float
     second_over_gaussian: float
-    second_over_first: float | None
+    second_over_first: float | None  #: Ratio of the rates [1]; None where one of them is 0.
 
     @classmethod
     def of(cls, a: FalseAlarmRate, b: FalseAlarmRate) -> Self:
@@ -154,20 +115,11 @@ class ValueMoments:
 
 @dataclass(frozen=True)
 class ValueDistances:
-    """Differences between the values of two pictures.
+    """Differences between the values of two pictures."""
 
-    Attributes
-    ----------
-    ks : float
-        Largest distance of the distribution functions [1].
-    wasserstein_std : float
-        Wasserstein distance [standard deviations of the first].
-    first, second : ValueMoments
-        Moments of both.
-    """
-
-    ks: float
-    wasserstein_std: float
+    ks: float  #: Largest distance of the distribution functions [1].
+    wasserstein_std: float  #: Wasserstein distance [standard deviations of the first].
+    #: ``first``, ``second``: Moments of both.
     first: ValueMoments
     second: ValueMoments
 
@@ -183,37 +135,18 @@ class FeaturePair:
 
 @dataclass(frozen=True)
 class TextureDistances:
-    """Distances between two textures.
+    """Distances between two textures."""
 
-    Attributes
-    ----------
-    first, second : str
-        Names.
-    filtered_rates : list of RatePair
-        False alarms of the filtered pictures by threshold.
-    marginal : ValueDistances
-        Differences of the values.
-    spectrum_distance_db : float
-        Rms ratio of the spectra [dB].
-    correlation_distance : float
-        Rms difference of the correlations in space [1].
-    time_correlation_distance : float or None
-        Rms difference of the correlations in time [1]; None without time.
-    cooccurrence : dict of FeaturePair
-        Features of co-occurring grey levels by name.
-    fails : list of str
-        Sentences on the measures that differ by more than :data:`LIMITS`.
-    """
-
+    #: ``first``, ``second``: Names.
     first: str
     second: str
-    filtered_rates: list[RatePair]
-    marginal: ValueDistances
-    spectrum_distance_db: float
-    correlation_distance: float
-    time_correlation_distance: float | None
-    cooccurrence: dict[str, FeaturePair]
-    fails: list[str]
+    filtered_rates: list[RatePair]  #: False alarms of the filtered pictures by threshold.
+    marginal: ValueDistances  #: Differences of the values.
+    spectrum_distance_db: float  #: Rms ratio of the spectra [dB].
+    correlation_distance: float  #: Rms difference of the correlations in space [1].
+    time_correlation_distance: float | None  #: Rms difference of the correlations in time [1]; None without time.
+    cooccurrence: dict[str, FeaturePair]  #: Features of co-occurring grey levels by name.
+    fails: list[str]  #: Sentences on the measures that differ by more than :data:`LIMITS`.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and words."""

@@ -12,20 +12,12 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.textures.autobinomial import check_levels
 
-Spacing = Literal["even", "equal-share"]
-"""Spacing of levels: equal widths between the extremes, or equal numbers of pixels."""
+Spacing = Literal["even", "equal-share"]  #: Spacing of levels: equal widths between the extremes, or equal numbers of pixels.
 
 
 @dataclass(frozen=True)
 class GreyLevels:
     """Grey levels with the value that each represents.
-
-    Attributes
-    ----------
-    edges : array, (levels - 1,)
-        Values between neighbouring levels, ascending [as the picture].
-    values : array, (levels,)
-        Mean of the picture's pixels in each level [as the picture].
 
     Examples
     --------
@@ -34,8 +26,8 @@ class GreyLevels:
     (array([0, 3], dtype=int16), array([0., 4.]))
     """
 
-    edges: FloatArray
-    values: FloatArray
+    edges: FloatArray  #: Values between neighbouring levels, ascending [as the picture].
+    values: FloatArray  #: Mean of the picture's pixels in each level [as the picture].
 
     @property
     def levels(self) -> int:

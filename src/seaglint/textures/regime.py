@@ -15,23 +15,18 @@ from seaglint.textures.neighbourhood import Classes
 
 Name = Literal["usable", "frozen", "molten"]
 
-CHECK_SWEEPS: Final = 300
-"""Number of sweeps after which samples from opposite starts are compared."""
+CHECK_SWEEPS: Final = 300  #: Number of sweeps after which samples from opposite starts are compared.
 
-CHECK_SIDE: Final = 128
-"""Largest number of rows and columns of the samples."""
+CHECK_SIDE: Final = 128  #: Largest number of rows and columns of the samples.
 
-APART: Final = 0.05
-"""Difference of two samples' means, over the largest level, beyond which they depend on their starts."""
+APART: Final = 0.05  #: Difference of two samples' means, over the largest level, beyond which they depend on their starts.
 
-DRIFT: Final = 0.15
-"""Difference of samples' and picture's means, over the largest level, that counts as a transition to a phase."""
+DRIFT: Final = 0.15  #: Difference of samples' and picture's means, over the largest level, that counts as a transition to a phase.
 
-EVEN: Final = 0.7
-"""Ratio of standard deviations and of correlations below which, or above whose inverse, they do not match."""
+EVEN: Final = 0.7  #: Ratio of standard deviations and of correlations below which, or above whose inverse, they do not match.
 
+#: Standard deviation of samples, over that of pixels without neighbours, beyond which they form domains or stripes of two phases.
 ORDERED: Final = 2.0
-"""Standard deviation of samples, over that of pixels without neighbours, beyond which they form domains or stripes of two phases."""
 
 REMEDY: Final = (
     "fit with method 'monte-carlo-exchange' and keep the picture's histogram with the exchange sampler, or take fewer levels, "
@@ -41,35 +36,22 @@ REMEDY: Final = (
 
 @dataclass(frozen=True)
 class Regime:
-    """Properties of samples at the fitted parameters.
+    """Properties of samples at the fitted parameters."""
 
-    Attributes
-    ----------
-    name : {"usable", "frozen", "molten"}
-        Frozen: samples end in a phase, near a constant or determined by their start. Molten: samples lose the picture's contrast
-        or correlation, towards white noise.
-    susceptibility : float
-        Slope of the mean field at the picture's mean, largest over all waves [1]: from 1 on its waves grow until levels run out.
-    phases : int
-        Stable uniform solutions of the mean field.
-    sample_mean, data_mean : float
-        Means over pixels [level].
-    memory : float
-        Difference of the means of samples begun at the lowest and at the highest level, over the largest level [1].
-    sample_std, data_std : float
-        Standard deviations over pixels [level].
-    sample_correlation, data_correlation : tuple of float
-        Correlation of pixels with each class of neighbours [1].
-    """
-
+    #: Frozen: samples end in a phase, near a constant or determined by their start. Molten: samples lose the picture's contrast or
+    #: correlation, towards white noise.
     name: Name
+    #: Slope of the mean field at the picture's mean, largest over all waves [1]: from 1 on its waves grow until levels run out.
     susceptibility: float
-    phases: int
-    memory: float
+    phases: int  #: Stable uniform solutions of the mean field.
+    memory: float  #: Difference of the means of samples begun at the lowest and at the highest level, over the largest level [1].
+    #: ``sample_mean``, ``data_mean``: Means over pixels [level].
     sample_mean: float
     data_mean: float
+    #: ``sample_std``, ``data_std``: Standard deviations over pixels [level].
     sample_std: float
     data_std: float
+    #: ``sample_correlation``, ``data_correlation``: Correlation of pixels with each class of neighbours [1].
     sample_correlation: tuple[float, ...]
     data_correlation: tuple[float, ...]
 

@@ -13,38 +13,31 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import spatial_correlation, trend_surface
 
-SMALLEST_SIDE: Final = 24
-"""Least number of rows and columns for fitting a texture [px]: six times the farthest neighbour."""
+SMALLEST_SIDE: Final = 24  #: Least number of rows and columns for fitting a texture [px]: six times the farthest neighbour.
 
-SHARES: Final = (0.75, 0.5, 0.375, 0.25)
-"""Sides of the regions searched where the whole is not stationary, as shares of the picture's."""
+SHARES: Final = (0.75, 0.5, 0.375, 0.25)  #: Sides of the regions searched where the whole is not stationary, as shares of the picture's.
 
-STEPS: Final = 5
-"""Number of places of a region of one size along each side."""
+STEPS: Final = 5  #: Number of places of a region of one size along each side.
 
-FEW: Final = 8
-"""Number of frames in which slow changes are measured; those between them add little."""
+FEW: Final = 8  #: Number of frames in which slow changes are measured; those between them add little.
 
+#: Limits of slow changes that are reported: share of the variance, and ratio of the largest to the smallest standard deviation.
 TOLD: Final = (0.1, 1.4)
-"""Limits of slow changes that are reported: share of the variance, and ratio of the largest to the smallest standard deviation."""
 
+#: Limits of slow changes beyond which a picture is refused: a fit's correlations then differ from the data's by more than 0.1.
 REFUSED: Final = (0.5, 2.0)
-"""Limits of slow changes beyond which a picture is refused: a fit's correlations then differ from the data's by more than 0.1."""
 
-TERMS: Final = 14
-"""Number of coefficients without the constant of the surface for the slow change, of degree 4."""
+TERMS: Final = 14  #: Number of coefficients without the constant of the surface for the slow change, of degree 4.
 
-PARTS: Final = 3
-"""Number of rows and columns of parts whose standard deviations are compared."""
+PARTS: Final = 3  #: Number of rows and columns of parts whose standard deviations are compared.
 
-LOOKED_AT: Final = 64
-"""Number of rows and columns in which slow changes are measured, evenly spread over the region."""
+LOOKED_AT: Final = 64  #: Number of rows and columns in which slow changes are measured, evenly spread over the region.
 
+#: Upper 95 % of chi-square with :data:`TERMS` degrees of freedom over its mean, and of the range of 9 normal deviates.
 BY_CHANCE: Final = (1.7, 4.4)
-"""Upper 95 % of chi-square with :data:`TERMS` degrees of freedom over its mean, and of the range of 9 normal deviates."""
 
+#: Largest allowance for chance; a region of a few correlation lengths resembles a slow change and is no texture either.
 MOST_BY_CHANCE: Final = (0.2, 2.0)
-"""Largest allowance for chance; a region of a few correlation lengths resembles a slow change and is no texture either."""
 
 
 @dataclass(frozen=True)
@@ -140,17 +133,10 @@ class Changes:
     """Slow changes of a picture from place to place, less those of correlated pixels by chance.
 
     Effects and not levels of a test: in a large picture the least change is significant, and no measured sea is without.
-
-    Attributes
-    ----------
-    mean : float
-        Share of the variance in a surface of degree 4 through the mean [1].
-    spread : float
-        Largest over smallest standard deviation of nine parts, that surface taken off [1].
     """
 
-    mean: float
-    spread: float
+    mean: float  #: Share of the variance in a surface of degree 4 through the mean [1].
+    spread: float  #: Largest over smallest standard deviation of nine parts, that surface taken off [1].
 
     def beyond(self, limits: tuple[float, float]) -> bool:
         """True if one of the two is above its limit."""

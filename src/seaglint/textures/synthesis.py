@@ -31,20 +31,13 @@ from seaglint.textures.marginals import Marginal
 
 Field = NDArray[np.float32]
 
+#: Spectral density of a slab, a function of the number of the frequency in time: (rows, columns // 2 + 1).
 Density = Callable[[int], FloatArray]
-"""Spectral density of a slab, a function of the number of the frequency in time: (rows, columns // 2 + 1)."""
 
 
 @dataclass(frozen=True)
 class Modulation:
     """Slow field of gamma distributed power that multiplies a fast field.
-
-    Attributes
-    ----------
-    shape : float
-        Shape of the gamma distribution [1]: variance over squared mean is its inverse.
-    lengths : (float, float, float)
-        Distances at which the correlation of the Gaussian field behind it, ``exp(-(d / length)²)``, is 1/e [frames, rows, columns].
 
     Raises
     ------
@@ -52,7 +45,8 @@ class Modulation:
         Numbers that are not above 0.
     """
 
-    shape: float
+    shape: float  #: Shape of the gamma distribution [1]: variance over squared mean is its inverse.
+    #: Distances at which the correlation of the Gaussian field behind it, ``exp(-(d / length)²)``, is 1/e [frames, rows, columns].
     lengths: tuple[float, float, float]
 
     def __post_init__(self) -> None:

@@ -19,11 +19,9 @@ from seaglint.files.tables.table_text import csv_text
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
 
-MOST_CLIP: Final = 400_000_000
-"""Largest size of a clip's frames in memory [bytes]."""
+MOST_CLIP: Final = 400_000_000  #: Largest size of a clip's frames in memory [bytes].
 
-TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif": "image/tiff"}
-"""Media types by ending."""
+TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif": "image/tiff"}  #: Media types by ending.
 
 
 def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:

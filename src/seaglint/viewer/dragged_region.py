@@ -28,11 +28,9 @@ if TYPE_CHECKING:
 
 BoolArray = NDArray[np.bool_]
 
-SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")
-"""Families of distributions drawn over the histogram."""
+SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")  #: Families of distributions drawn over the histogram.
 
-BINS: Final = 60
-"""Number of bins of the histogram."""
+BINS: Final = 60  #: Number of bins of the histogram.
 
 _CURVE: Final = 160
 

@@ -17,11 +17,9 @@ from seaglint.viewer.opening import Layer, ObjectBox, Opened, open_path
 
 Image = NDArray[np.floating[Any]]
 
-MOST_CACHED: Final = 48_000_000
-"""Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence."""
+MOST_CACHED: Final = 48_000_000  #: Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence.
 
-MOST_TRACED: Final = 256
-"""Largest number of frames of a pixel's trace, each of which is a chunk of its own on disk."""
+MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a chunk of its own on disk.
 
 
 class GoneError(DataError):

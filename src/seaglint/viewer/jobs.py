@@ -16,11 +16,9 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
 
-PATIENCE: Final = 15.0
-"""Time without a request after which a job is stopped, since its browser is closed [s]."""
+PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser is closed [s].
 
-MOST: Final = 4
-"""Largest number of jobs at the same time."""
+MOST: Final = 4  #: Largest number of jobs at the same time.
 
 
 class _StoppedError(Exception):

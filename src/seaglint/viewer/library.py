@@ -14,17 +14,15 @@ from seaglint.files.recording import images
 from seaglint.files.recording import video_file as video
 from seaglint.viewer.frame_source import ViewerSource, open_source
 
+#: Endings of the files offered in a folder; raw files need a layout and are given by name.
 ENDINGS: Final = frozenset({
     ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts", ".fz",
     *images.ENDINGS, *video.ENDINGS,
 })  # fmt: skip
-"""Endings of the files offered in a folder; raw files need a layout and are given by name."""
 
-MOST_LISTED: Final = 300
-"""Largest number of files of a folder that are offered."""
+MOST_LISTED: Final = 300  #: Largest number of files of a folder that are offered.
 
-MOST_OPEN: Final = 6
-"""Largest number of sources that stay open."""
+MOST_OPEN: Final = 6  #: Largest number of sources that stay open.
 
 
 class Library:

@@ -32,26 +32,15 @@ _MAPS: Final = (".nc", ".nc4")
 
 @dataclass(frozen=True)
 class Layer:
-    """Layer of a file: one image for each frame.
+    """Layer of a file: one image for each frame."""
 
-    Attributes
-    ----------
-    name, label, unit : str
-        By which it is asked for, what it is, and the unit as it is written.
-    read : callable
-        ``read(index)`` gives the image (rows, columns).
-    saturation : float or None
-        Value at which the format or the detector saturates.
-    blur_px : float or None
-        Blur of what made the images, as :class:`seaglint.analysis.Recording` has it [px].
-    """
-
+    #: ``name``, ``label``, ``unit``: By which it is asked for, what it is, and the unit as it is written.
     name: str
     label: str
     unit: str
-    read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)
-    saturation: float | None = None
-    blur_px: float | None = None
+    read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)  #: ``read(index)`` gives the image (rows, columns).
+    saturation: float | None = None  #: Value at which the format or the detector saturates.
+    blur_px: float | None = None  #: Blur of what made the images, as :class:`seaglint.analysis.Recording` has it [px].
 
 
 @dataclass(frozen=True)

@@ -16,39 +16,24 @@ from seaglint.base.errors import DataError
 from seaglint.viewer.frame_source import ViewerSource
 from seaglint.viewer.scaling import scaling_of
 
-SAMPLED: Final = 12
-"""Number of frames that set a scale for all."""
+SAMPLED: Final = 12  #: Number of frames that set a scale for all.
 
-MOST_SAMPLED: Final = 1_000_000
-"""Largest number of their pixels that enter percentiles and histograms."""
+MOST_SAMPLED: Final = 1_000_000  #: Largest number of their pixels that enter percentiles and histograms.
 
 _MOST_CACHED: Final = 64
 
 
 @dataclass(frozen=True)
 class Show:
-    """Selection of what is displayed.
+    """Selection of what is displayed."""
 
-    Attributes
-    ----------
-    source, minus : ViewerSource
-        Frames, and those that are taken off them, frame by frame.
-    layer : str or None
-        Layer of both.
-    kind : str
-        One of :data:`seaglint.viewer.scaling.KINDS`.
-    fixed : bool
-        One scale for all frames, from some of them; otherwise of each frame its own.
-    limits : (float, float) or None
-        Ends of a linear scale, given by hand.
-    """
-
+    #: ``source``, ``minus``: Frames, and those that are taken off them, frame by frame.
     source: ViewerSource
-    layer: str | None = None
-    minus: ViewerSource | None = None
-    kind: str = "percentile"
-    fixed: bool = True
-    limits: tuple[float, float] | None = None
+    layer: str | None = None  #: Layer of both.
+    minus: ViewerSource | None = None  #: See ``source``.
+    kind: str = "percentile"  #: One of :data:`seaglint.viewer.scaling.KINDS`.
+    fixed: bool = True  #: One scale for all frames, from some of them; otherwise of each frame its own.
+    limits: tuple[float, float] | None = None  #: Ends of a linear scale, given by hand.
 
     def image(self, index: int) -> NDArray[np.floating[Any]]:
         """Return the values of a frame (rows, columns) [unit of the layer].

@@ -22,14 +22,11 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1"})
-"""Names of the local machine."""
+LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1"})  #: Names of the local machine.
 
-MOST_BODY: Final = 1_000_000
-"""Largest size of a request's body or of a websocket's message [bytes]."""
+MOST_BODY: Final = 1_000_000  #: Largest size of a request's body or of a websocket's message [bytes].
 
-MOST_ADDRESS: Final = 4096
-"""Largest size of a request's path and query [bytes]."""
+MOST_ADDRESS: Final = 4096  #: Largest size of a request's path and query [bytes].
 
 # Scripts of NiceGUI's pages are written into them. Nothing may be asked for from elsewhere, whatever a page holds.
 _POLICY: Final = "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; frame-ancestors 'none'; form-action 'self'"

@@ -17,11 +17,9 @@ from seaglint.base.errors import DataError
 Kind = Literal["linear", "percentile", "plateau"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 
-PERCENTILES: Final = (1.0, 99.0)
-"""Percentiles of the values that percentile scaling maps to dark and bright [%]."""
+PERCENTILES: Final = (1.0, 99.0)  #: Percentiles of the values that percentile scaling maps to dark and bright [%].
 
-PLATEAU: Final = 3.0
-"""Largest count of a bin in plateau equalisation, in mean counts of the bins that are not empty."""
+PLATEAU: Final = 3.0  #: Largest count of a bin in plateau equalisation, in mean counts of the bins that are not empty.
 
 
 def scaling_of(

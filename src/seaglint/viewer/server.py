@@ -23,32 +23,19 @@ from seaglint.viewer.safety import MOST_BODY, Application, Guard, is_loopback, n
 if TYPE_CHECKING:
     from seaglint.viewer.library import Library
 
-PORT: Final = 8420
-"""First port that the viewer tries."""
+PORT: Final = 8420  #: First port that the viewer tries.
 
 _TRIED: Final = 50  # ports after it
 
 
 @dataclass(frozen=True)
 class Page:
-    """Page made of NiceGUI's elements.
+    """Page made of NiceGUI's elements."""
 
-    Attributes
-    ----------
-    path : str
-        Path of the page: ``"/workbench"``.
-    title : str
-        Title of the browser's tab, and of the link to it.
-    build : callable
-        Fills the page; called for every browser that opens it.
-    routes : tuple
-        Starlette routes that the page needs beside it, under ``/api/``.
-    """
-
-    path: str
-    title: str
-    build: Callable[[], None]
-    routes: tuple[Any, ...] = ()
+    path: str  #: Path of the page: ``"/workbench"``.
+    title: str  #: Title of the browser's tab, and of the link to it.
+    build: Callable[[], None]  #: Fills the page; called for every browser that opens it.
+    routes: tuple[Any, ...] = ()  #: Starlette routes that the page needs beside it, under ``/api/``.
 
 
 def workbench(scenario: str | Path | None = None) -> Page:

@@ -19,15 +19,13 @@ import numpy as np
 from seaglint.air.profile.air_profile import GASES, STANDARD_PRESSURE, ZERO_CELSIUS, AirProfile, air_molecules
 from seaglint.base.conventions import FloatArray
 
-_PER_KM: Final = 3.7194e-21
-"""Factor from molecules per cm3, in parts per million, to atm cm per km (CONJOE)."""
+_PER_KM: Final = 3.7194e-21  #: Factor from molecules per cm3, in parts per million, to atm cm per km (CONJOE).
 
-_LOSCHMIDT: Final = 2.6868e24
-"""Molecules per cm2 and km of standard air."""
+_LOSCHMIDT: Final = 2.6868e24  #: Molecules per cm2 and km of standard air.
 
-_VAPOUR_MOLECULES: Final = 3.3429e21
-"""Molecules per cm2 and km of 1 g m-3 of water (CON)."""
+_VAPOUR_MOLECULES: Final = 3.3429e21  #: Molecules per cm2 and km of 1 g m-3 of water (CON).
 
+#: LOWTRAN7's number of the first band of a gas, and exponents of relative pressure and of 273.15 K / T of its bands.
 SCALED: Final[dict[str, tuple[int, tuple[tuple[float, float], ...]]]] = {
     "H2O": (
         17,
@@ -54,15 +52,13 @@ SCALED: Final[dict[str, tuple[int, tuple[tuple[float, float], ...]]]] = {
     "NO2": (55, ((0.3956, -0.0545),)),
     "SO2": (56, ((0.2943, 1.2316), (0.2135, 0.0733))),
 }
-"""LOWTRAN7's number of the first band of a gas, and exponents of relative pressure and of 273.15 K / T of its bands."""
 
+#: Gas and exponents of LOWTRAN7's scaled amounts, by number.
 LOWTRAN_SCALED: Final[Mapping[int, tuple[str, float, float]]] = MappingProxyType(
     {first + i: (gas, n, m) for gas, (first, exponents) in SCALED.items() for i, (n, m) in enumerate(exponents)}
 )
-"""Gas and exponents of LOWTRAN7's scaled amounts, by number."""
 
-COLD, WARM = 260.0, 296.0
-"""Temperatures [K] at which all or nothing of water's own continuum counts as cold."""
+COLD, WARM = 260.0, 296.0  #: Temperatures [K] at which all or nothing of water's own continuum counts as cold.
 
 
 def cold_share(kelvin: FloatArray, cold_kelvin: float) -> FloatArray:

@@ -19,27 +19,22 @@ from seaglint.air.profile.ozone_above import joined_ozone
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
-MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)
-"""Levels of LOWTRAN7's own models [m]."""
+MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)  #: Levels of LOWTRAN7's own models [m].
 
 ZERO_CELSIUS: Final = 273.15
 
-STANDARD_PRESSURE: Final = 1013.25
-"""[hPa]."""
+STANDARD_PRESSURE: Final = 1013.25  #: [hPa].
 
+#: Gases of the profiles, the first seven by model.
 GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
-"""Gases of the profiles, the first seven by model."""
 
-_AIR: Final = 2.6868e19
-"""Molecules of standard air [cm-3], as LOWTRAN7 has it (2.68675e19 where it makes number densities of humidities)."""
+_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3], as LOWTRAN7 has it (2.68675e19 where it makes number densities of humidities).
 
 _AIR_OF_HUMIDITY: Final = 2.68675e19
 
-_GRAM_OF_MOLECULES: Final = 2.989e-23
-"""LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3."""
+_GRAM_OF_MOLECULES: Final = 2.989e-23  #: LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3.
 
-_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6
-"""Molecules per cm3 of 1 g m-3 of water."""
+_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6  #: Molecules per cm3 of 1 g m-3 of water.
 
 
 def saturation_density(temperature: ArrayLike) -> FloatArray:
@@ -59,33 +54,18 @@ def air_molecules(pressure: ArrayLike, temperature: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class AirProfile:
-    """Air at ascending levels from the sea to 100 km.
+    """Air at ascending levels from the sea to 100 km."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the air in messages.
-    height, pressure, temperature, vapour : ndarray
-        [m], [hPa], [K], water vapour [g m-3]; (levels,).
-    gas : ndarray
-        Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
-    earth_radius : float
-        LOWTRAN7's radius of the Earth for the latitude of the model [m].
-    season : str
-        ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.
-    haze_humidity : float or None
-        Relative humidity of the Navy's haze [%]; None for that of the lowest level.
-    """
-
-    name: str
+    name: str  #: Name of the air in messages.
+    #: ``height``, ``pressure``, ``temperature``, ``vapour``: [m], [hPa], [K], water vapour [g m-3]; (levels,).
     height: FloatArray
     pressure: FloatArray
     temperature: FloatArray
     vapour: FloatArray
-    gas: FloatArray
-    earth_radius: float
-    season: str
-    haze_humidity: float | None = None
+    gas: FloatArray  #: Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
+    earth_radius: float  #: LOWTRAN7's radius of the Earth for the latitude of the model [m].
+    season: str  #: ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.
+    haze_humidity: float | None = None  #: Relative humidity of the Navy's haze [%]; None for that of the lowest level.
 
     @property
     def relative_humidity(self) -> FloatArray:

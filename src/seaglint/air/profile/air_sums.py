@@ -31,64 +31,36 @@ from seaglint.optics.blackbody import planck_wavenumber
 
 AEROSOLS: Final = 4
 
+#: Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that every place has its own.
 LOCAL_HUMIDITIES: Final = np.array([0.0, 50.0, 70.0, 75.0, 80.0, 84.0, 88.0, 91.0, 94.0, 96.0, 98.0, 99.0])
-"""Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that every place has its own."""
 
-_FIRST, _SECOND = 1.190956e-16 * 1e8, 1.43879
-"""LOWTRAN7's radiation constants: [W m-2 sr-1 per (cm-1)^4], [K cm]."""
+_FIRST, _SECOND = 1.190956e-16 * 1e8, 1.43879  #: LOWTRAN7's radiation constants: [W m-2 sr-1 per (cm-1)^4], [K cm].
 
-CUTS: Final = 3
-"""Parts of equal length of every piece for which the ray's slope is taken as even."""
+CUTS: Final = 3  #: Parts of equal length of every piece for which the ray's slope is taken as even.
 
-LEVEL: Final = 1e-6
-"""Rise below which a cut counts as level [m]."""
+LEVEL: Final = 1e-6  #: Rise below which a cut counts as level [m].
 
-PARTS: Final = 8
-"""Pieces of a layer in LOWTRAN7's layers."""
+PARTS: Final = 8  #: Pieces of a layer in LOWTRAN7's layers.
 
 
 @dataclass(frozen=True, eq=False)
 class RaySpectra:
-    """Spectra along a ray.
+    """Spectra along a ray."""
 
-    Attributes
-    ----------
-    ray : BentRay
-        The ray.
-    transmittance : ndarray
-        From its start to its nodes [1, (nodes, n)].
-    emitted : ndarray
-        Thermal radiance of the air along it, at the start [W m-2 sr-1 per cm-1, (n,)].
-    """
-
-    ray: BentRay
-    transmittance: FloatArray
-    emitted: FloatArray
+    ray: BentRay  #: The ray.
+    transmittance: FloatArray  #: From its start to its nodes [1, (nodes, n)].
+    emitted: FloatArray  #: Thermal radiance of the air along it, at the start [W m-2 sr-1 per cm-1, (n,)].
 
 
 @dataclass(frozen=True, eq=False)
 class _Densities:
-    """Densities over height, exponential between levels, linear next to a zero. Make it with :meth:`of`.
+    """Densities over height, exponential between levels, linear next to a zero. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    height : ndarray
-        Levels [km, (levels,)].
-    density : ndarray
-        Densities [(rows, levels)].
-    both : ndarray
-        Whether a layer is exponential [(rows, levels - 1)].
-    growth : ndarray
-        Logarithm of the ratio of densities across an exponential layer, 0 in others [1, (rows, levels - 1)].
-    sums : ndarray
-        Vertical sums up to the levels [(rows, levels)].
-    """
-
-    height: FloatArray
-    density: FloatArray
-    both: NDArray[np.bool_]
-    growth: FloatArray
-    sums: FloatArray
+    height: FloatArray  #: Levels [km, (levels,)].
+    density: FloatArray  #: Densities [(rows, levels)].
+    both: NDArray[np.bool_]  #: Whether a layer is exponential [(rows, levels - 1)].
+    growth: FloatArray  #: Logarithm of the ratio of densities across an exponential layer, 0 in others [1, (rows, levels - 1)].
+    sums: FloatArray  #: Vertical sums up to the levels [(rows, levels)].
 
     @classmethod
     def of(cls, height: FloatArray, density: FloatArray, *, growing: bool = True) -> _Densities:

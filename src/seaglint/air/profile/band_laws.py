@@ -23,33 +23,19 @@ from seaglint.air.profile.lowtran_numbers import channels_of, lowtran_numbers
 from seaglint.air.scattering.gas_bands import CONTINUA, DEEPEST, GasBands
 from seaglint.base.conventions import FloatArray
 
+#: LOWTRAN7's numbers of all absorbers linear in the amount: those that scattered light passes, and O2.
 LINEAR: Final = (*CONTINUA, 63, 1, 2)
-"""LOWTRAN7's numbers of all absorbers linear in the amount: those that scattered light passes, and O2."""
 
 
 @dataclass(frozen=True, eq=False)
 class BandLaws:
-    """Laws of some channels. Make them with :meth:`of`.
+    """Laws of some channels. Make them with :meth:`of`."""
 
-    Attributes
-    ----------
-    wavenumber_cm : ndarray
-        [cm-1, (n,)].
-    continuum : ndarray
-        Coefficients in the order of :data:`LINEAR` [(10, n)].
-    gases : GasBands
-        Bands.
-    source : ndarray
-        Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
-    numbers : BandNumbers
-        Exponents of the amounts, and where the numbers are from.
-    """
-
-    wavenumber_cm: FloatArray
-    continuum: FloatArray
-    gases: GasBands
-    source: FloatArray
-    numbers: BandNumbers
+    wavenumber_cm: FloatArray  #: [cm-1, (n,)].
+    continuum: FloatArray  #: Coefficients in the order of :data:`LINEAR` [(10, n)].
+    gases: GasBands  #: Bands.
+    source: FloatArray  #: Sunlight outside the air at 1 au [W m-2 per cm-1, (n,)].
+    numbers: BandNumbers  #: Exponents of the amounts, and where the numbers are from.
 
     @classmethod
     def of(cls, wavenumber_cm: FloatArray, spectroscopy: Spectroscopy = "lblrtm") -> BandLaws:

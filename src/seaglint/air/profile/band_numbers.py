@@ -38,51 +38,37 @@ Spectroscopy = Literal["lblrtm", "lowtran7"]
 
 FILE: Final = "lblrtm_bands.csv"
 
-GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4")
-"""Gases of the file in the order of LOWTRAN7's rows of bands."""
+GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4")  #: Gases of the file in the order of LOWTRAN7's rows of bands.
 
+#: Rows of the continua that have a factor in the file.
 CONTINUA: Final = {"N2": (1,), "H2O-self": (2,), "H2O-self-cold": (3,), "H2O-air": (4,), "O2": (7, 8, 9)}
-"""Rows of the continua that have a factor in the file."""
 
+#: Temperature [K] of the law by which LBLRTM's continuum of water by itself grows in cold air, ``exp(1800 K / T)``.
 SELF_KELVIN: Final = 1800.0
-"""Temperature [K] of the law by which LBLRTM's continuum of water by itself grows in cold air, ``exp(1800 K / T)``."""
 
-FIRST_COLUMN: Final = 101
-"""Number of the first scaled amount of the file; LOWTRAN7's own are below."""
+FIRST_COLUMN: Final = 101  #: Number of the first scaled amount of the file; LOWTRAN7's own are below.
 
-MORE_ROWS: Final = 2
-"""Rows beside LOWTRAN7's: second terms of a gas, and LOWTRAN7's own where one goes over into the other."""
+MORE_ROWS: Final = 2  #: Rows beside LOWTRAN7's: second terms of a gas, and LOWTRAN7's own where one goes over into the other.
 
-HIGHEST, JOINED = 3250.0, 3350.0
-"""Wavenumbers [cm-1] up to which the file goes, and from which on the numbers are LOWTRAN7's."""
+HIGHEST, JOINED = 3250.0, 3350.0  #: Wavenumbers [cm-1] up to which the file goes, and from which on the numbers are LOWTRAN7's.
 
 
 @dataclass(frozen=True, eq=False)
 class BandNumbers:
-    """Band laws on the channels of LOWTRAN7's file.
+    """Band laws on the channels of LOWTRAN7's file."""
 
-    Attributes
-    ----------
-    continuum : ndarray
-        Coefficients of the amounts 6, 4, 5, 9, 10, 11, 8, 63, 1, 2 [(10, n)].
-    column, power, log_coefficient : ndarray
-        Rows of bands: number of the scaled amount (0: no band), its power, logarithm of the depth of amount 1; (rows, n).
-    scaled : dict
-        Gas and exponents of relative pressure and of 273.15 K / T of each scaled amount, by number.
-    cold_kelvin : float
-        Temperature of the law by which water's own continuum grows in cold air [K]; 0 for LOWTRAN7's, linear from 296 down to 260 K.
-        One law serves all channels of a sum: see :meth:`cold_law`.
-    provenance : dict
-        Where the numbers are from.
-    """
-
-    continuum: FloatArray
+    continuum: FloatArray  #: Coefficients of the amounts 6, 4, 5, 9, 10, 11, 8, 63, 1, 2 [(10, n)].
+    #: ``column``, ``power``, ``log_coefficient``: Rows of bands: number of the scaled amount (0: no band), its power, logarithm of the
+    #: depth of amount 1; (rows, n).
     column: NDArray[np.int64]
     power: FloatArray
     log_coefficient: FloatArray
+    #: Gas and exponents of relative pressure and of 273.15 K / T of each scaled amount, by number.
     scaled: Mapping[int, tuple[str, float, float]]
+    #: Temperature of the law by which water's own continuum grows in cold air [K]; 0 for LOWTRAN7's, linear from 296 down to 260 K. One law
+    #: serves all channels of a sum: see :meth:`cold_law`.
     cold_kelvin: float
-    provenance: JsonObject
+    provenance: JsonObject  #: Where the numbers are from.
 
     def cold_law(self, wavenumber_cm: FloatArray) -> float:
         """Return :attr:`cold_kelvin` for some channels [K]: LOWTRAN7's where all numbers are its own."""

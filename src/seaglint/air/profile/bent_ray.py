@@ -16,59 +16,41 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 
-FIRST_PIECE: Final = 2.0
-"""Length of the first piece of a ray [m]."""
+FIRST_PIECE: Final = 2.0  #: Length of the first piece of a ray [m].
 
-GROWTH: Final = 1.2
-"""Ratio of the distances of neighbouring nodes from the sensor."""
+GROWTH: Final = 1.2  #: Ratio of the distances of neighbouring nodes from the sensor.
 
-THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))
-"""Largest thickness of a piece [m] above heights [m]."""
+THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))  #: Largest thickness of a piece [m] above heights [m].
 
+#: Largest thickness of a piece [m] above heights [m] in a profile of more than :data:`MOST_NODE_LEVELS` levels.
 THICKEST_OF_MANY: Final = ((0.0, 25.0), (2e3, 100.0), (5e3, 250.0), (12e3, 500.0), (30e3, 5e3))
-"""Largest thickness of a piece [m] above heights [m] in a profile of more than :data:`MOST_NODE_LEVELS` levels."""
 
+#: Levels of a profile are nodes of every ray where there are no more of them; of more, means between nodes are taken.
 MOST_NODE_LEVELS: Final = 100
-"""Levels of a profile are nodes of every ray where there are no more of them; of more, means between nodes are taken."""
 
-NEARLY_LEVEL: Final = 0.003
-"""Cosine of the zenith angle at its lower end below which a ray has nodes :data:`ABOVE_LOWEST` there."""
+NEARLY_LEVEL: Final = 0.003  #: Cosine of the zenith angle at its lower end below which a ray has nodes :data:`ABOVE_LOWEST` there.
 
+#: Heights of nodes above the lowest point of a ray [m], on either side of which it passes most air.
 ABOVE_LOWEST: Final = (4.0, 16.0, 60.0, 130.0, 300.0, 600.0)
-"""Heights of nodes above the lowest point of a ray [m], on either side of which it passes most air."""
 
+#: Gradient of refractivity, in parts of the one that bends a ray like the Earth, up to which rays are followed: layers that trap rays are
+#: taken as almost trapping.
 STEEPEST: Final = 0.95
-"""Gradient of refractivity, in parts of the one that bends a ray like the Earth, up to which rays are followed: layers that trap rays are
-taken as almost trapping."""
 
 ARC_PARTS: Final = 8
-ARC_ORDER: Final = 24
-"""Parts of a layer, and nodes in each, over which arcs along the sea are integrated."""
+ARC_ORDER: Final = 24  #: Parts of a layer, and nodes in each, over which arcs along the sea are integrated.
 
-CLOSEST: Final = 1e-3
-"""Smallest distance in height between two nodes [m]."""
+CLOSEST: Final = 1e-3  #: Smallest distance in height between two nodes [m].
 
 
 @dataclass(frozen=True, eq=False)
 class BentRay:
-    """Nodes of a ray from its start on.
+    """Nodes of a ray from its start on."""
 
-    Attributes
-    ----------
-    height : ndarray
-        [m, (nodes,)].
-    length : ndarray
-        Lengths of the pieces between nodes [m, (nodes - 1,)].
-    zenith : ndarray
-        Zenith angle of the onward direction [rad, (nodes,)].
-    arc : ndarray
-        Angle at the Earth's centre from the start [rad, (nodes,)].
-    """
-
-    height: FloatArray
-    length: FloatArray
-    zenith: FloatArray
-    arc: FloatArray
+    height: FloatArray  #: [m, (nodes,)].
+    length: FloatArray  #: Lengths of the pieces between nodes [m, (nodes - 1,)].
+    zenith: FloatArray  #: Zenith angle of the onward direction [rad, (nodes,)].
+    arc: FloatArray  #: Angle at the Earth's centre from the start [rad, (nodes,)].
 
     def between(self, parts: int) -> FloatArray:
         """Heights that cut every piece into ``parts`` of equal length, the nodes among them [m, (parts (nodes - 1) + 1,)]."""
@@ -81,19 +63,12 @@ class BentRay:
 
 @dataclass(frozen=True, eq=False)
 class RefractingAir:
-    """Refractivity over heights, exponential between levels, around an Earth of a radius; made as it is, or with :meth:`of`.
+    """Refractivity over heights, exponential between levels, around an Earth of a radius; made as it is, or with :meth:`of`."""
 
-    Attributes
-    ----------
-    height, log_refractivity : ndarray
-        Levels [m] and ``log(n - 1)``; (levels,).
-    earth_radius : float
-        [m].
-    """
-
+    #: ``height``, ``log_refractivity``: Levels [m] and ``log(n - 1)``; (levels,).
     height: FloatArray
     log_refractivity: FloatArray
-    earth_radius: float
+    earth_radius: float  #: [m].
 
     @classmethod
     def of(cls, height: FloatArray, refractivity: FloatArray, earth_radius: float) -> RefractingAir:

@@ -11,33 +11,19 @@ from typing import Final
 from seaglint.air.profile.bent_ray import BentRay
 from seaglint.base.conventions import FloatArray
 
-MOST_BYTES: Final = 64 << 20
-"""Bytes of kept rays of a profile on some channels."""
+MOST_BYTES: Final = 64 << 20  #: Bytes of kept rays of a profile on some channels.
 
 
 @dataclass(frozen=True, eq=False)
 class GasRay:
-    """Way through the air, with what no haze changes.
+    """Way through the air, with what no haze changes."""
 
-    Attributes
-    ----------
-    ray : BentRay or None
-        The ray; None for a path between two heights.
-    height : ndarray
-        Heights of the cuts [m, (cuts + 1,)].
-    length : ndarray
-        Lengths of the cuts [m, (cuts,)].
-    depth : ndarray
-        Optical depth of the gases from the start to the ends of the pieces [1, (pieces, n)], or of the whole way [1, (n,)].
-    glow : ndarray or None
-        Mean Planck radiance of the pieces [W m-2 sr-1 per cm-1, (pieces, n)]; None where it is not needed.
-    """
-
-    ray: BentRay | None
-    height: FloatArray
-    length: FloatArray
+    ray: BentRay | None  #: The ray; None for a path between two heights.
+    height: FloatArray  #: Heights of the cuts [m, (cuts + 1,)].
+    length: FloatArray  #: Lengths of the cuts [m, (cuts,)].
+    #: Optical depth of the gases from the start to the ends of the pieces [1, (pieces, n)], or of the whole way [1, (n,)].
     depth: FloatArray
-    glow: FloatArray | None = None
+    glow: FloatArray | None = None  #: Mean Planck radiance of the pieces [W m-2 sr-1 per cm-1, (pieces, n)]; None where it is not needed.
 
     @property
     def size(self) -> int:

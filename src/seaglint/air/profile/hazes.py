@@ -21,21 +21,21 @@ from seaglint.air.profile.air_profile import AirProfile
 from seaglint.air.profile.lowtran_numbers import lowtran_numbers
 from seaglint.base.conventions import FloatArray
 
-VISIBILITIES: Final = (50.0, 23.0, 10.0, 5.0, 2.0)
-"""Visibilities of the profiles up to 2 km [km]."""
+VISIBILITIES: Final = (50.0, 23.0, 10.0, 5.0, 2.0)  #: Visibilities of the profiles up to 2 km [km].
 
+#: Hazes of the boundary layer.
 NAMES: Final = (
     "none", "rural-23km", "rural-5km", "navy-maritime", "maritime-23km", "urban", "tropospheric", "advective-fog", "radiative-fog",
     "desert",
 )  # fmt: skip
-"""Hazes of the boundary layer."""
 
+#: Visibility of a haze where none is given [km]; those of the Navy's and the desert's follow from the weather.
 DEFAULT_VISIBILITY: Final = {
     "rural-23km": 23.0, "rural-5km": 5.0, "maritime-23km": 23.0, "urban": 5.0, "tropospheric": 50.0, "advective-fog": 0.2,
     "radiative-fog": 0.5,
 }  # fmt: skip
-"""Visibility of a haze where none is given [km]; those of the Navy's and the desert's follow from the weather."""
 
+#: Tables of the hazes whose droplets grow with humidity.
 HUMID_TABLES: Final = {
     "rural-23km": "rural",
     "rural-5km": "rural",
@@ -43,71 +43,41 @@ HUMID_TABLES: Final = {
     "urban": "urban",
     "tropospheric": "troposphere",
 }
-"""Tables of the hazes whose droplets grow with humidity."""
 
-HUMIDITIES: Final = np.array([0.0, 70.0, 80.0, 99.0])
-"""Relative humidities of these tables [%]."""
+HUMIDITIES: Final = np.array([0.0, 70.0, 80.0, 99.0])  #: Relative humidities of these tables [%].
 
-TROPOSPHERE_HUMIDITY: Final = 70.0
-"""Humidity of the troposphere's aerosol above the boundary layer [%]."""
+TROPOSPHERE_HUMIDITY: Final = 70.0  #: Humidity of the troposphere's aerosol above the boundary layer [%].
 
-DROPLET_KINK: Final = 2.2 + 0.5 / 5.866
-"""Wind of the last 24 hours up to which the Navy's second size of droplets is constant [m s-1]."""
+DROPLET_KINK: Final = 2.2 + 0.5 / 5.866  #: Wind of the last 24 hours up to which the Navy's second size of droplets is constant [m s-1].
 
-CLEAR_MOLECULES: Final = 0.01159
-"""Extinction of clean air at 0.55 um [km-1]."""
+CLEAR_MOLECULES: Final = 0.01159  #: Extinction of clean air at 0.55 um [km-1].
 
-CONTRAST: Final = 3.912
-"""Koschmieder's constant: visibility times extinction."""
+CONTRAST: Final = 3.912  #: Koschmieder's constant: visibility times extinction.
 
 
 @dataclass(frozen=True)
 class HazeWeather:
-    """Choice of a haze and the weather that it depends on.
+    """Choice of a haze and the weather that it depends on."""
 
-    Attributes
-    ----------
-    haze : str
-        Name of the boundary layer's aerosol, ``none`` for no aerosol at any height.
-    visibility_km : float or None
-        Meteorological range at the sea [km]; None leaves it to the haze.
-    air_mass : int
-        Character of the air mass, 1 open ocean to 10 continental (Navy).
-    wind, wind_24h : float
-        Wind now and its mean over a day [m s-1], at most 20 for the Navy's haze.
-    """
-
-    haze: str = "navy-maritime"
-    visibility_km: float | None = None
-    air_mass: int = 3
+    haze: str = "navy-maritime"  #: Name of the boundary layer's aerosol, ``none`` for no aerosol at any height.
+    visibility_km: float | None = None  #: Meteorological range at the sea [km]; None leaves it to the haze.
+    air_mass: int = 3  #: Character of the air mass, 1 open ocean to 10 continental (Navy).
+    #: ``wind``, ``wind_24h``: Wind now and its mean over a day [m s-1], at most 20 for the Navy's haze.
     wind: float = 0.0
     wind_24h: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Aerosols:
-    """Aerosols of four regions.
+    """Aerosols of four regions."""
 
-    Attributes
-    ----------
-    density : ndarray
-        [km-1 at 0.55 um, (4, levels)].
-    tops : ndarray
-        Highest levels of the regions [m, (4,)].
-    extinction, absorption : ndarray
-        Relative to extinction at 0.55 um, on the channels [1, (4, n)].
-    asymmetry : ndarray
-        Mean cosine of the scattering angle [1, (4, n)].
-    visibility_km : float
-        Meteorological range at the sea that was used [km].
-    """
-
-    density: FloatArray
-    tops: FloatArray
+    density: FloatArray  #: [km-1 at 0.55 um, (4, levels)].
+    tops: FloatArray  #: Highest levels of the regions [m, (4,)].
+    #: ``extinction``, ``absorption``: Relative to extinction at 0.55 um, on the channels [1, (4, n)].
     extinction: FloatArray
     absorption: FloatArray
-    asymmetry: FloatArray
-    visibility_km: float
+    asymmetry: FloatArray  #: Mean cosine of the scattering angle [1, (4, n)].
+    visibility_km: float  #: Meteorological range at the sea that was used [km].
 
 
 def aerosols(profile: AirProfile, weather: HazeWeather, wavenumber_cm: FloatArray, humidity: float) -> Aerosols:

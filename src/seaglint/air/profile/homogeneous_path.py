@@ -21,23 +21,19 @@ from seaglint.base.reports import REPORTS
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 
-MOST_PPMV: Final = 50_000.0
-"""Largest amount of a trace gas [1e-6 of the volume of dry air]: laws for traces in air do not hold for more."""
+MOST_PPMV: Final = 50_000.0  #: Largest amount of a trace gas [1e-6 of the volume of dry air]: laws for traces in air do not hold for more.
 
-FITTED_K: Final = (200.0, 310.0)
-"""Temperatures of the paths to which ``lblrtm`` is fitted [K]."""
+FITTED_K: Final = (200.0, 310.0)  #: Temperatures of the paths to which ``lblrtm`` is fitted [K].
 
+#: Amounts beyond which a gas is none of the traces that ``lblrtm`` is fitted to [1e-6 of the volume of dry air].
 FITTED_PPMV: Final = {"CO2": 1000.0, "O3": 10.0, "N2O": 1.0, "CO": 1.0, "CH4": 5.0}
-"""Amounts beyond which a gas is none of the traces that ``lblrtm`` is fitted to [1e-6 of the volume of dry air]."""
 
-EVEN_HEIGHTS: Final = np.array([0.0, 5e4, 1e5])
-"""Levels of even air [m]."""
+EVEN_HEIGHTS: Final = np.array([0.0, 5e4, 1e5])  #: Levels of even air [m].
 
-OXYGEN: Final = 0.209
-"""Oxygen of dry air [1 of the volume]."""
+OXYGEN: Final = 0.209  #: Oxygen of dry air [1 of the volume].
 
+#: Amounts of nitrogen and oxygen by number, and the bands [cm-1] in which RRTMGP's tables hold their absorption.
 OF_AIR: Final = {4: (2390.0, 2680.0), 63: (1480.0, 1800.0), 1: (1480.0, 1800.0), 2: (1480.0, 1800.0)}
-"""Amounts of nitrogen and oxygen by number, and the bands [cm-1] in which RRTMGP's tables hold their absorption."""
 
 _LIMITS: Final = {
     "temperature_k": (150.0, 400.0, "K"),
@@ -48,19 +44,12 @@ _LIMITS: Final = {
 
 @dataclass(frozen=True, eq=False)
 class PathSpectrum:
-    """Spectrum of a path.
+    """Spectrum of a path."""
 
-    Attributes
-    ----------
-    wavenumber_cm, transmittance : ndarray
-        Channels [cm-1] and transmittance [1]; (n,).
-    mean : float
-        Mean over the band, weighted with the blackbody at the path's temperature [1].
-    """
-
+    #: ``wavenumber_cm``, ``transmittance``: Channels [cm-1] and transmittance [1]; (n,).
     wavenumber_cm: FloatArray
     transmittance: FloatArray
-    mean: float
+    mean: float  #: Mean over the band, weighted with the blackbody at the path's temperature [1].
 
 
 def homogeneous_spectrum(

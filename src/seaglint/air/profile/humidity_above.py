@@ -18,17 +18,15 @@ import numpy as np
 from seaglint.air.profile.air_profile import model_levels, saturation_density
 from seaglint.base.conventions import FloatArray
 
+#: Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour.
 JOIN_M: Final = 2000.0
-"""Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour."""
 
-LARGEST_RATIO: Final = 1e3
-"""Largest ratio at the join, either way."""
+LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
 
-TROPOSPHERE_HPA: Final = 200.0
-"""Pressure down to which the relative humidity is the model's [hPa]."""
+TROPOSPHERE_HPA: Final = 200.0  #: Pressure down to which the relative humidity is the model's [hPa].
 
+#: Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated.
 STRATOSPHERE_HPA: Final = 100.0
-"""Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated."""
 
 
 def continued_humidity(

@@ -22,15 +22,13 @@ from seaglint.air.profile.air_profile import AirProfile, saturation_density
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 
-REFERENCE_HEIGHT: Final = 10.0
-"""Height of wind, air temperature and humidity [m]."""
+REFERENCE_HEIGHT: Final = 10.0  #: Height of wind, air temperature and humidity [m].
 
-SIMILAR_UP_TO: Final = 50.0
-"""Height up to which the profiles follow the law [m]."""
+SIMILAR_UP_TO: Final = 50.0  #: Height up to which the profiles follow the law [m].
 
-JOINED_AT: Final = 500.0
-"""Height from which on the air is that of the profile [m]; between both the difference fades evenly."""
+JOINED_AT: Final = 500.0  #: Height from which on the air is that of the profile [m]; between both the difference fades evenly.
 
+#: Levels of the lowest air [m], close where it changes most.
 LEVELS: Final = (
     0.0,
     0.003,
@@ -58,19 +56,14 @@ LEVELS: Final = (
     320.0,
     500.0,
 )
-"""Levels of the lowest air [m], close where it changes most."""
 
-KARMAN: Final = 0.4
-"""Von Karman's constant of the COARE law."""
+KARMAN: Final = 0.4  #: Von Karman's constant of the COARE law.
 
-ADIABATIC: Final = 9.8e-3
-"""Fall of the temperature of dry air that rises [K m-1]."""
+ADIABATIC: Final = 9.8e-3  #: Fall of the temperature of dry air that rises [K m-1].
 
-SALT: Final = 0.98
-"""Vapour pressure over sea water in parts of that over fresh water."""
+SALT: Final = 0.98  #: Vapour pressure over sea water in parts of that over fresh water.
 
-CALMEST: Final = 0.2
-"""Least wind, of gusts [m s-1]."""
+CALMEST: Final = 0.2  #: Least wind, of gusts [m s-1].
 
 _VISCOSITY: Final = 1.5e-5
 _VAPOUR_CONSTANT: Final = 461.5

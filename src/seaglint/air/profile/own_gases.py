@@ -16,34 +16,22 @@ from seaglint.air.profile.air_profile import GASES, AirProfile, air_molecules, s
 from seaglint.air.profile.band_numbers import Spectroscopy
 from seaglint.base.conventions import FloatArray
 
-TODAY_CO2_PPMV: Final = 425.0
-"""Carbon dioxide of today [1e-6 of the volume of dry air]; LOWTRAN7's models have 330."""
+TODAY_CO2_PPMV: Final = 425.0  #: Carbon dioxide of today [1e-6 of the volume of dry air]; LOWTRAN7's models have 330.
 
-_DOBSON: Final = 2.6867e16
-"""Molecules per cm2 of 1 Dobson unit."""
+_DOBSON: Final = 2.6867e16  #: Molecules per cm2 of 1 Dobson unit.
 
-GRAM_PER_HPA: Final = 216.68
-"""Water vapour of 1 hPa at 1 K [g m-3]."""
+GRAM_PER_HPA: Final = 216.68  #: Water vapour of 1 hPa at 1 K [g m-3].
 
 
 @dataclass(frozen=True)
 class OwnGases:
-    """Gases that replace those of a profile; None leaves the profile's.
+    """Gases that replace those of a profile; None leaves the profile's."""
 
-    Attributes
-    ----------
-    co2_ppmv : float or None
-        Of dry air, the same at all heights.
-    ch4_ppmv, n2o_ppmv : float or None
-        Of dry air, at the lowest level; above in proportion to the profile's.
-    ozone_du : float or None
-        Column from the sea up [Dobson units].
-    """
-
-    co2_ppmv: float | None = None
+    co2_ppmv: float | None = None  #: Of dry air, the same at all heights.
+    #: ``ch4_ppmv``, ``n2o_ppmv``: Of dry air, at the lowest level; above in proportion to the profile's.
     ch4_ppmv: float | None = None
     n2o_ppmv: float | None = None
-    ozone_du: float | None = None
+    ozone_du: float | None = None  #: Column from the sea up [Dobson units].
 
     def of(self, spectroscopy: Spectroscopy) -> OwnGases:
         """Return the gases with carbon dioxide of today, unless LOWTRAN7's numbers go with LOWTRAN7's gases."""

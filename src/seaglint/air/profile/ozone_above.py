@@ -8,17 +8,14 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 
+#: Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft.
 JOIN_M: Final = 5000.0
-"""Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft."""
 
-LARGEST_RATIO: Final = 1e3
-"""Largest ratio at the join, either way."""
+LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
 
-BOLTZMANN: Final = 1.380649e-23
-"""[J K-1]."""
+BOLTZMANN: Final = 1.380649e-23  #: [J K-1].
 
-DOBSON: Final = 2.6867e20
-"""Molecules of one Dobson unit [m-2]."""
+DOBSON: Final = 2.6867e20  #: Molecules of one Dobson unit [m-2].
 
 
 def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) -> FloatArray:

@@ -35,37 +35,31 @@ if TYPE_CHECKING:
 
 Levels = Literal["continuous", "lowtran"]
 
+#: Wavelengths [um] from which on scattered sunlight counts for nothing (at 7 m/s at most 1e-3 of the thermal radiance in the warmer models,
+#: 4e-3 in midlatitude and 9e-3 in subarctic winter, looking into the Sun).
 THERMAL_UM: Final = 5.5
-"""Wavelengths [um] from which on scattered sunlight counts for nothing (at 7 m/s at most 1e-3 of the thermal radiance in the warmer
-models, 4e-3 in midlatitude and 9e-3 in subarctic winter, looking into the Sun)."""
 
 PATH_NODES: Final = 40
 SUN_NODES: Final = 40
 SKY_NODES: Final = 44
-DIP_NODES: Final = 20
-"""Numbers of rays between which spectra are splined."""
+DIP_NODES: Final = 20  #: Numbers of rays between which spectra are splined.
 
+#: Steps of the lowest height of rays that start downwards [m] above heights [m].
 LOWEST_STEPS: Final = ((0.0, 200.0), (20e3, 1e3), (50e3, 5e3))
-"""Steps of the lowest height of rays that start downwards [m] above heights [m]."""
 
+#: Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and go on along their tangent.
 BEYOND: Final = 1.1
-"""Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and go on along their tangent."""
 
-SKY_SCALE: Final = 0.004
-"""Angle at which the spacing of the sky's rays changes from even to geometric [rad]."""
+SKY_SCALE: Final = 0.004  #: Angle at which the spacing of the sky's rays changes from even to geometric [rad].
 
-ANGLE_SLACK: Final = 1e-6
-"""Tolerance of angles at the edges [rad]."""
+ANGLE_SLACK: Final = 1e-6  #: Tolerance of angles at the edges [rad].
 
-COLD: Final = 200.0
-"""Temperature [K] of colder sky in what an error of its radiance is worth: a band of no light has no temperature."""
+COLD: Final = 200.0  #: Temperature [K] of colder sky in what an error of its radiance is worth: a band of no light has no temperature.
 
-CLEAR: Final = 1e-9
-"""Smallest optical depth whose emission is evaluated."""
+CLEAR: Final = 1e-9  #: Smallest optical depth whose emission is evaluated.
 
 
-HEIGHT_RATIO: Final = 1.05
-"""Ratio of neighbouring heights between which the air of a sensor that moves is blended."""
+HEIGHT_RATIO: Final = 1.05  #: Ratio of neighbouring heights between which the air of a sensor that moves is blended.
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,27 +21,26 @@ from seaglint.air.scattering.scattering_laws import AEROSOL_COLUMNS, AerosolLaws
 from seaglint.base.conventions import FloatArray
 from seaglint.base.limits import NAVY_AEROSOL_WIND
 
+#: Wavenumber of the refractivity in cases evaluated one by one, whatever their bands [cm-1]: the middle of 2-5.5 um.
 MODELS_REFRACTED_CM: Final = 3410.0
-"""Wavenumber of the refractivity in cases evaluated one by one, whatever their bands [cm-1]: the middle of 2-5.5 um."""
 
-FINEST_KM: Final = 0.005
-"""Thickness of the first piece of lines of sight in continuous air [km]."""
+FINEST_KM: Final = 0.005  #: Thickness of the first piece of lines of sight in continuous air [km].
 
+#: Levels that single scattering is summed over, in LOWTRAN7's layers as the program does, and in continuous air (a sounding of 800 levels
+#: changes by 0.05 % in the median, 0.5 % at most); of profiles with more, those that interpolate the others best.
 MOST_LEVELS: Final = (34, 150)
-"""Levels that single scattering is summed over, in LOWTRAN7's layers as the program does, and in continuous air (a sounding of 800 levels
-changes by 0.05 % in the median, 0.5 % at most); of profiles with more, those that interpolate the others best."""
 
+#: Aerosol models of the phase functions before the four for rising humidity.
 HUMID_MODELS: Final = {
     "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
 }  # fmt: skip
-"""Aerosol models of the phase functions before the four for rising humidity."""
 
 FOG_MODELS: Final = {"advective-fog": 23, "radiative-fog": 24}
+#: Aerosol models of fogs, and above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust.
 ALOFT_MODELS: Final = (17, 20, 25)
-"""Aerosol models of fogs, and above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust."""
 
+#: Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%].
 _THINNING: Final = (0.002, 0.3, 2.0)
-"""Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
 
 
 class Scatterers:

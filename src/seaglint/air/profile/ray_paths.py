@@ -19,45 +19,29 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 
+#: Largest thickness of a layer [m] above heights [m]: within it the refractivity's gradient is one number.
 FINEST: Final = ((0.0, 5.0), (200.0, 25.0), (2e3, 200.0), (12e3, 1e3))
-"""Largest thickness of a layer [m] above heights [m]: within it the refractivity's gradient is one number."""
 
-ABOVE: Final = 2e5
-"""Height above the last level up to which rays are followed, without air [m]."""
+ABOVE: Final = 2e5  #: Height above the last level up to which rays are followed, without air [m].
 
-MOST_LEVELS: Final = 400
-"""Levels of a profile are kept where there are no more of them; of more, those at steps of :data:`DENSE` serve."""
+MOST_LEVELS: Final = 400  #: Levels of a profile are kept where there are no more of them; of more, those at steps of :data:`DENSE` serve.
 
-DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e3))
-"""As :data:`FINEST`, for profiles of many levels."""
+DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e3))  #: As :data:`FINEST`, for profiles of many levels.
 
-HIGHEST: Final = 0.01
-"""Elevation up to which a ray in a duct may come back to the sea [rad]."""
+HIGHEST: Final = 0.01  #: Elevation up to which a ray in a duct may come back to the sea [rad].
 
-STEEPER: Final = 16
-"""Elevations tried between straight down and where the horizon of standard air is, in even ratios."""
+STEEPER: Final = 16  #: Elevations tried between straight down and where the horizon of standard air is, in even ratios.
 
-MOST_CROSSINGS: Final = 20_000
-"""Largest number of levels that a ray crosses; one in a duct crosses some tens in 10 km."""
+MOST_CROSSINGS: Final = 20_000  #: Largest number of levels that a ray crosses; one in a duct crosses some tens in 10 km.
 
 
 @dataclass(frozen=True, eq=False)
 class RayPaths:
-    """Rays from one height, followed to the sea, to the top of the air or to the farthest arc.
+    """Rays from one height, followed to the sea, to the top of the air or to the farthest arc."""
 
-    Attributes
-    ----------
-    elevation : ndarray
-        Elevations at the sensor [rad, (rays,)].
-    end : ndarray
-        Arc at which each ray ends [m, (rays,)].
-    sea : ndarray of bool
-        True for rays that end at the sea.
-    """
-
-    elevation: FloatArray
-    end: FloatArray
-    sea: NDArray[np.bool_]
+    elevation: FloatArray  #: Elevations at the sensor [rad, (rays,)].
+    end: FloatArray  #: Arc at which each ray ends [m, (rays,)].
+    sea: NDArray[np.bool_]  #: True for rays that end at the sea.
     _radius: float
     _begin: FloatArray
     _height: FloatArray

@@ -15,18 +15,15 @@ from scipy.interpolate import CubicSpline
 
 from seaglint.base.conventions import FloatArray
 
-LIMIT: Final = 0.01
-"""Error between nodes from which on one more is added [K]."""
+LIMIT: Final = 0.01  #: Error between nodes from which on one more is added [K].
 
+#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: a smooth spline is 16 times better with
+#: twice the nodes, one over a corner at least twice.
 DOUBTED: Final = 4.0
-"""Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: a smooth spline is 16 times better with
-twice the nodes, one over a corner at least twice."""
 
-MOST_TIMES: Final = 4
-"""Largest number of nodes, in parts of the first ones."""
+MOST_TIMES: Final = 4  #: Largest number of nodes, in parts of the first ones.
 
-DEEPEST: Final = 5
-"""Number of times that an interval between two of the first nodes may be halved."""
+DEEPEST: Final = 5  #: Number of times that an interval between two of the first nodes may be halved.
 
 Values = Callable[[FloatArray], FloatArray]
 Errors = Callable[[FloatArray, FloatArray], FloatArray]

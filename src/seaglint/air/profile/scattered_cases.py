@@ -20,11 +20,9 @@ from seaglint.optics.band import Band
 
 _THREADS: Final = min(os.cpu_count() or 1, 4)
 
-SCATTERED_UM: Final = (2.0, 5.5)
-"""Wavelengths of bands whose scattered sunlight is computed [um]; in 7.5-14 um there is almost none."""
+SCATTERED_UM: Final = (2.0, 5.5)  #: Wavelengths of bands whose scattered sunlight is computed [um]; in 7.5-14 um there is almost none.
 
-_PARTS: Final = 8
-"""Parts of the work for each thread."""
+_PARTS: Final = 8  #: Parts of the work for each thread.
 
 
 def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, continuous: bool = False) -> list[FloatArray]:

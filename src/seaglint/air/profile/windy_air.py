@@ -80,18 +80,10 @@ class WindyAir:
 
 @dataclass(frozen=True, eq=False)
 class AirAtWind:
-    """Transmittance and sunlight of :class:`WindyAir` at one wind.
+    """Transmittance and sunlight of :class:`WindyAir` at one wind."""
 
-    Attributes
-    ----------
-    air : WindyAir
-        What does not depend on the wind.
-    sums : AirSums
-        The aerosol.
-    """
-
-    air: WindyAir
-    sums: AirSums
+    air: WindyAir  #: What does not depend on the wind.
+    sums: AirSums  #: The aerosol.
     _light: dict[tuple[float, ...], FloatArray] = field(default_factory=dict)
 
     @property

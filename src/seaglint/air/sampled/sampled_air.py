@@ -32,27 +32,22 @@ from seaglint.base.free_form import JsonObject
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir
 
-OPAQUE = 25.0
-"""Largest optical depth: transmittance 1e-11."""
+OPAQUE = 25.0  #: Largest optical depth: transmittance 1e-11.
 
-CLEAR = 1e-6
-"""Smallest optical depth whose emission is evaluated."""
+CLEAR = 1e-6  #: Smallest optical depth whose emission is evaluated.
 
-ANGLE_SLACK = 1e-6
-"""Tolerance within which angles outside the range count as on the edge: rounding of degrees [rad]."""
+ANGLE_SLACK = 1e-6  #: Tolerance within which angles outside the range count as on the edge: rounding of degrees [rad].
 
-HEIGHT_SLACK = 1e-3
-"""Tolerance within which two heights are equal [m]."""
+HEIGHT_SLACK = 1e-3  #: Tolerance within which two heights are equal [m].
 
-FILE_SUN = 1.02
-"""Ratio of assumed extraterrestrial sunlight to the largest value given, where no solar spectrum is known."""
+FILE_SUN = 1.02  #: Ratio of assumed extraterrestrial sunlight to the largest value given, where no solar spectrum is known.
 
 
+#: Scale height of the absorber [m], that of water vapour: paths to points above the sea are matched by equal amounts of it.
 SCALE_HEIGHT = 2000.0
-"""Scale height of the absorber [m], that of water vapour: paths to points above the sea are matched by equal amounts of it."""
 
+#: Least and largest power of the path length with which optical depth grows; strong lines grow by the root, continua linearly.
 GROWTH = (0.3, 1.0)
-"""Least and largest power of the path length with which optical depth grows; strong lines grow by the root, continua linearly."""
 
 
 class LiveLine(Protocol):
@@ -131,8 +126,7 @@ class SampledAtmosphere(ClearAir):
     _line: LiveLine | None = None
     _scattering: Callable[[], ScatteringAir] | None = None
     _free: tuple[bool, bool] = (False, False)
-    scattered: ScatteredSamples | None = None
-    """Sunlight scattered by the air, where the calculation contains it."""
+    scattered: ScatteredSamples | None = None  #: Sunlight scattered by the air, where the calculation contains it.
 
     @classmethod
     def create(

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 
+#: Optical depth beyond which nothing passes. Products of still smaller transmittances would be denormal numbers, which are slow.
 DEEPEST: Final = 600.0
-"""Optical depth beyond which nothing passes. Products of still smaller transmittances would be denormal numbers, which are slow."""
 
 
+#: LOWTRAN7's numbers of absorbers linear in the amount: scattering by molecules, N2, water (296 K, colder, foreign), HNO3, O3.
 CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8)
-"""LOWTRAN7's numbers of absorbers linear in the amount: scattering by molecules, N2, water (296 K, colder, foreign), HNO3, O3."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,17 +39,10 @@ class GasBand:
 
 @dataclass(frozen=True, eq=False)
 class GasBands:
-    """Bands of all gases on some channels, gas by gas. Make them with :meth:`of`.
+    """Bands of all gases on some channels, gas by gas. Make them with :meth:`of`."""
 
-    Attributes
-    ----------
-    numbers : list of int
-        Numbers of the scaled amounts, among which the bands' columns count from 0.
-    bands : tuple of GasBand
-    """
-
-    numbers: list[int]
-    bands: tuple[GasBand, ...]
+    numbers: list[int]  #: Numbers of the scaled amounts, among which the bands' columns count from 0.
+    bands: tuple[GasBand, ...]  #: tuple of GasBand.
 
     @classmethod
     def of(cls, column: NDArray[np.int64], power: FloatArray, log_coefficient: FloatArray) -> GasBands:

@@ -15,45 +15,37 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import njit
 
-AEROSOLS: Final = 4
-"""Number of aerosol regions (boundary layer, troposphere, stratosphere, above), the first columns of the amounts."""
+AEROSOLS: Final = 4  #: Number of aerosol regions (boundary layer, troposphere, stratosphere, above), the first columns of the amounts.
 
-MOLECULES: Final = 4
-"""Column of the scattering molecules."""
+MOLECULES: Final = 4  #: Column of the scattering molecules.
 
 SELF: Final = 6
-SELF_COLD: Final = 7
-"""Columns of the water continuum at 296 K and of its share that is colder."""
+SELF_COLD: Final = 7  #: Columns of the water continuum at 296 K and of its share that is colder.
 
-MOST_POINTS: Final = 400
-"""Largest number of points of a line."""
+MOST_POINTS: Final = 400  #: Largest number of points of a line.
 
-WORK_ROWS: Final = 6
-"""Rows [(columns,)] of scratch space that the kernels need."""
+WORK_ROWS: Final = 6  #: Rows [(columns,)] of scratch space that the kernels need.
 
+#: Quadrature nodes and weights along the ray, down to its tangent height.
 _NODES, _WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(4)[0]), 0.5 * np.polynomial.legendre.leggauss(4)[1])
-"""Quadrature nodes and weights along the ray, down to its tangent height."""
 
+#: Quadrature nodes and weights over the heights of a whole layer.
 _HEIGHTS, _HEIGHT_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(5)[0]), 0.5 * np.polynomial.legendre.leggauss(5)[1])
-"""Quadrature nodes and weights over the heights of a whole layer."""
 
+#: Nodes and weights with which the densities of a whole layer are integrated, once.
 _FINE, _FINE_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(12)[0]), 0.5 * np.polynomial.legendre.leggauss(12)[1])
-"""Nodes and weights with which the densities of a whole layer are integrated, once."""
 
+#: Matrix from densities at the fine nodes to weights of a function's values at the nodes of a whole layer.
 _TO_HEIGHTS = np.linalg.solve(np.vander(_HEIGHTS, increasing=True).T, np.vander(_FINE, 5, increasing=True).T).T * _FINE_WEIGHTS[:, None]
-"""Matrix from densities at the fine nodes to weights of a function's values at the nodes of a whole layer."""
 
+#: Largest thickness of a piece of a finely cut line above a height, and below it, where droplets grow with humidity [km, km, km].
 _HUMID: Final = (5.0, 3.0, 0.25)
-"""Largest thickness of a piece of a finely cut line above a height, and below it, where droplets grow with humidity [km, km, km]."""
 
-_STRAIGHT: Final = 2.5
-"""Growth of the squared cosine of the zenith angle below which a layer is summed on its fixed heights."""
+_STRAIGHT: Final = 2.5  #: Growth of the squared cosine of the zenith angle below which a layer is summed on its fixed heights.
 
-_THIN: Final = 1e-4
-"""Least thickness of LOWTRAN7's layers [km]."""
+_THIN: Final = 1e-4  #: Least thickness of LOWTRAN7's layers [km].
 
-SHADE: Final = -1.0
-"""Value for a ray that the Earth blocks."""
+SHADE: Final = -1.0  #: Value for a ray that the Earth blocks.
 
 
 class LayerGrid(NamedTuple):
@@ -93,10 +85,9 @@ class Laws(NamedTuple):
     power: np.ndarray
     coefficient: np.ndarray
     grid: LayerGrid
+    #: Thickness of the first piece of a line of sight [km]; further ones are as thick as they lie above or below it. 0: whole layers.
     finest: float
-    """Thickness of the first piece of a line of sight [km]; further ones are as thick as they lie above or below it. 0: whole layers."""
-    cold_kelvin: float
-    """Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's."""
+    cold_kelvin: float  #: Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's.
 
 
 @njit

@@ -22,14 +22,12 @@ COLUMNS: Final = 65
 ROWS: Final = 257
 DIP_ROWS: Final = 64
 
+#: Height [m] up to which the sky below the horizontal is the horizontal's.
+#:
+#: LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea.
 LOW: Final = 300.0
-"""Height [m] up to which the sky below the horizontal is the horizontal's.
 
-LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea.
-"""
-
-_RANK: Final = 1e-4
-"""Relative singular value of the spectra below which components are dropped."""
+_RANK: Final = 1e-4  #: Relative singular value of the spectra below which components are dropped.
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,8 +61,8 @@ class ScatteredTable(NamedTuple):
     dip_rows: int
 
 
+#: Table of air that scatters nothing.
 DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
-"""Table of air that scatters nothing."""
 
 
 @kernel

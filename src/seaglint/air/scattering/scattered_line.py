@@ -39,14 +39,12 @@ from seaglint.air.scattering.lowtran_ray import (
 from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.jit import njit
 
+#: Scatterers: boundary layer at relative humidities of 0, 70, 80 and 99 %, troposphere, stratosphere, meteoric dust, molecules.
 KINDS: Final = 8
-"""Scatterers: boundary layer at relative humidities of 0, 70, 80 and 99 %, troposphere, stratosphere, meteoric dust, molecules."""
 
-HUMIDITIES: Final = (0.0, 70.0, 80.0, 99.0)
-"""Relative humidities of the tabulated phase functions of the boundary layer [%]."""
+HUMIDITIES: Final = (0.0, 70.0, 80.0, 99.0)  #: Relative humidities of the tabulated phase functions of the boundary layer [%].
 
-_GRAZING: Final = 1e-7
-"""Tolerance within which rays count as touching the sea [rad]."""
+_GRAZING: Final = 1e-7  #: Tolerance within which rays count as touching the sea [rad].
 
 
 class SunwardTable(NamedTuple):
@@ -62,8 +60,7 @@ class SunwardTable(NamedTuple):
     coefficient: np.ndarray
 
 
-NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))
-"""Table without heights: every amount is summed for itself."""
+NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))  #: Table without heights: every amount is summed for itself.
 
 
 @njit

@@ -9,8 +9,8 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: Tolerance within which two zenith angles of the Sun are equal [rad]; at 85 deg scattered light changes by 1 % over it.
 SAME_SUN = np.radians(0.1)
-"""Tolerance within which two zenith angles of the Sun are equal [rad]; at 85 deg scattered light changes by 1 % over it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,27 +24,13 @@ class ScatteredSky:
 
 @dataclass(frozen=True, eq=False)
 class ScatteredSamples:
-    """Sunlight scattered into the line of sight, for one Sun at 1 au.
+    """Sunlight scattered into the line of sight, for one Sun at 1 au."""
 
-    Attributes
-    ----------
-    solar_zenith : float
-        Zenith angle of that Sun at the sensor's foot [rad].
-    azimuth : (a,)
-        Azimuths of the line of sight from the Sun, ascending within 0 to pi [rad]; the other side is the mirror image.
-    range_m : (k,)
-        Arcs of the paths from the sea to the sensor, ascending [m].
-    path : (k, a, n) or None
-        Radiance of the paths [W m-2 sr-1 per cm-1].
-    skies : tuple of ScatteredSky
-        Seen from the sea (height 0) and from the sensor, those that are known.
-    """
-
-    solar_zenith: float
-    azimuth: FloatArray
-    range_m: FloatArray
-    path: FloatArray | None
-    skies: tuple[ScatteredSky, ...] = ()
+    solar_zenith: float  #: Zenith angle of that Sun at the sensor's foot [rad].
+    azimuth: FloatArray  #: Azimuths of the line of sight from the Sun, ascending within 0 to pi [rad]; the other side is the mirror image.
+    range_m: FloatArray  #: Arcs of the paths from the sea to the sensor, ascending [m].
+    path: FloatArray | None  #: Radiance of the paths [W m-2 sr-1 per cm-1].
+    skies: tuple[ScatteredSky, ...] = ()  #: Seen from the sea (height 0) and from the sensor, those that are known.
 
     def require_sun(self, solar_zenith: float, name: str) -> None:
         """Refuse a Sun other than the one of the samples; one below the horizontal scatters nothing and is allowed.

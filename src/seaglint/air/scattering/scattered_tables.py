@@ -29,44 +29,38 @@ from seaglint.air.sky_spline import grazing_coordinate, grazing_share
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
 
-ANGLES: Final = 721
-"""Scattering angles tabulated, 0-180 deg: between them the steepest phase function is within 0.1 %."""
+ANGLES: Final = 721  #: Scattering angles tabulated, 0-180 deg: between them the steepest phase function is within 0.1 %.
 
 ELEVATION_NODES: Final = 26
 DIP_NODES: Final = 12
 DIP_PIECE_NODES: Final = 6
+#: Numbers of computed lines from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea.
 PATH_NODES: Final = 26
-"""Numbers of computed lines from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea."""
 
 ROWS: Final = 257
 DIP_ROWS: Final = 128
-COLUMNS: Final = 17
-"""Rows and columns of the tables, splined from the computed lines."""
+COLUMNS: Final = 17  #: Rows and columns of the tables, splined from the computed lines.
 
-SHAPE_ERROR: Final = 3e-4
-"""Root-mean-square relative error of the phase function expansion, weighted over kinds and wavenumbers."""
+SHAPE_ERROR: Final = 3e-4  #: Root-mean-square relative error of the phase function expansion, weighted over kinds and wavenumbers.
 
-SPECTRAL_ERROR: Final = 1e-3
-"""Largest root-mean-square relative error of a spectrum, a tenth of which remains in sums over the band."""
+SPECTRAL_ERROR: Final = 1e-3  #: Largest root-mean-square relative error of a spectrum, a tenth of which remains in sums over the band.
 
 MOST_SHAPES: Final = 10
 
-LEAST_COSINE: Final = 1e-5
-"""Cosine of the zenith angle at the sea of the last path, which almost grazes the sea."""
+LEAST_COSINE: Final = 1e-5  #: Cosine of the zenith angle at the sea of the last path, which almost grazes the sea.
 
 _LEAST: Final = 1e-30
 
 _SUNS: Final = 7
+#: Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated.
 _SUN_ROWS: Final = 13
-"""Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated."""
 
 _SMALL_TURN: Final = np.radians(1.0)
 
-_ONE_SUN: Final = np.radians(0.1)
-"""Largest difference of zenith angles that is treated as one Sun [rad]."""
+_ONE_SUN: Final = np.radians(0.1)  #: Largest difference of zenith angles that is treated as one Sun [rad].
 
+#: Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc.
 _LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
-"""Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc."""
 
 _HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
 
@@ -74,8 +68,7 @@ _MOST_KEPT: Final = 2
 _KEPT: Final[OrderedDict[bytes, ScatteredLight]] = OrderedDict()
 _LOCK: Final = threading.Lock()
 
-Resample = Callable[[FloatArray], FloatArray]
-"""Function that resamples node values along the second axis to rows."""
+Resample = Callable[[FloatArray], FloatArray]  #: Function that resamples node values along the second axis to rows.
 
 
 def scattered_in(
@@ -116,29 +109,17 @@ def scattered_in(
 class ScatteredLight:
     """Scattered sunlight of one band, wind, sensor height and Sun; its tables are computed on first use.
 
-    Attributes
-    ----------
-    air : ScatteringAir or None
-        On the band's channels; None where nothing scatters, the tables then hold nothing.
-    weights : ndarray
-        Quadrature weights of the band on them [cm-1, (n,)].
-    height : float
-        Sensor height [m].
-    solar_zenith : float
-        Apparent zenith angle of the Sun's centre at the sea at the sensor's foot [rad].
-    farthest_turn : float
-        Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` then serves Suns that much higher and lower.
-
     Notes
     -----
     A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below scatters
     nothing, twilight is left out. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
     """
 
-    air: ScatteringAir | None
-    weights: FloatArray
-    height: float
-    solar_zenith: float
+    air: ScatteringAir | None  #: On the band's channels; None where nothing scatters, the tables then hold nothing.
+    weights: FloatArray  #: Quadrature weights of the band on them [cm-1, (n,)].
+    height: float  #: Sensor height [m].
+    solar_zenith: float  #: Apparent zenith angle of the Sun's centre at the sea at the sensor's foot [rad].
+    #: Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` then serves Suns that much higher and lower.
     farthest_turn: float = 0.0
 
     @property

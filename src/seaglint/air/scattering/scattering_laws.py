@@ -30,27 +30,22 @@ from seaglint.air.scattering.scattered_line import (
 )
 from seaglint.base.conventions import FloatArray
 
-AEROSOL_COLUMNS: Final = (7, 12, 13, 14)
-"""Numbers of LOWTRAN7 for the aerosols of the four regions."""
+AEROSOL_COLUMNS: Final = (7, 12, 13, 14)  #: Numbers of LOWTRAN7 for the aerosols of the four regions.
 
-NO_BAND: Final = -20.0
-"""Value that LOWTRAN7 uses as the logarithm of a band's coefficient where there is no band."""
+NO_BAND: Final = -20.0  #: Value that LOWTRAN7 uses as the logarithm of a band's coefficient where there is no band.
 
+#: Numbers of zenith angles of the Sun between which amounts towards it are interpolated, up to :data:`HIGH_SUN` and beyond.
 SUN_NODES: Final = (6, 10)
-"""Numbers of zenith angles of the Sun between which amounts towards it are interpolated, up to :data:`HIGH_SUN` and beyond."""
 
-HIGH_SUN: Final = float(np.radians(66.0))
-"""Zenith angle [rad]."""
+HIGH_SUN: Final = float(np.radians(66.0))  #: Zenith angle [rad].
 
-LOWEST_SUN: Final = float(np.radians(88.0))
-"""Zenith angle of the Sun up to which they are [rad]."""
+LOWEST_SUN: Final = float(np.radians(88.0))  #: Zenith angle of the Sun up to which they are [rad].
 
+#: Part of the Sun's elevation by which it may be lower at a place in the table, and half that by which it may be higher; beyond, rays are
+#: followed one by one.
 NEARER: Final = 0.35
-"""Part of the Sun's elevation by which it may be lower at a place in the table, and half that by which it may be higher; beyond, rays are
-followed one by one."""
 
-_PER_MOLECULE: Final = 1e-20
-"""Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2."""
+_PER_MOLECULE: Final = 1e-20  #: Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2.
 
 
 _EVEN: Final[deque[tuple[FloatArray, FloatArray]]] = deque(maxlen=2)
@@ -67,21 +62,11 @@ class Segments(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SpectralLaws:
-    """Part of the scattering laws that is the same for all model atmospheres.
+    """Part of the scattering laws that is the same for all model atmospheres."""
 
-    Attributes
-    ----------
-    wavenumber_cm : ndarray
-        Channels [cm-1, (n,)].
-    continuum : ndarray
-        Coefficients in the order of :data:`CONTINUA` [(7, n)].
-    gases : GasBands
-        Bands.
-    """
-
-    wavenumber_cm: FloatArray
-    continuum: FloatArray
-    gases: GasBands
+    wavenumber_cm: FloatArray  #: Channels [cm-1, (n,)].
+    continuum: FloatArray  #: Coefficients in the order of :data:`CONTINUA` [(7, n)].
+    gases: GasBands  #: Bands.
 
     @property
     def columns(self) -> list[int]:
@@ -106,31 +91,18 @@ class SpectralLaws:
 
 @dataclass(frozen=True, eq=False)
 class AirLevels:
-    """One atmosphere at LOWTRAN7's levels.
+    """One atmosphere at LOWTRAN7's levels."""
 
-    Attributes
-    ----------
-    earth_radius : float
-        [km].
-    height, pressure, temperature, refractivity, humidity : ndarray
-        [km], [hPa], [K], ``n - 1`` [1], relative [%]; (levels,).
-    tops : ndarray
-        Highest levels of the aerosol's regions [km, (4,)].
-    density : ndarray
-        Scaled densities in the order of :attr:`SpectralLaws.columns` [(columns, levels)].
-    cold_kelvin : float
-        Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's.
-    """
-
-    earth_radius: float
+    earth_radius: float  #: [km].
+    #: ``height``, ``pressure``, ``temperature``, ``refractivity``, ``humidity``: [km], [hPa], [K], ``n - 1`` [1], relative [%]; (levels,).
     height: FloatArray
     pressure: FloatArray
     temperature: FloatArray
     refractivity: FloatArray
     humidity: FloatArray
-    tops: FloatArray
-    density: FloatArray
-    cold_kelvin: float = 0.0
+    tops: FloatArray  #: Highest levels of the aerosol's regions [km, (4,)].
+    density: FloatArray  #: Scaled densities in the order of :attr:`SpectralLaws.columns` [(columns, levels)].
+    cold_kelvin: float = 0.0  #: Temperature of the law by which water's own continuum grows in cold air [K], 0 for LOWTRAN7's.
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,21 +121,11 @@ class AerosolLaws:
 
 @dataclass(frozen=True, eq=False)
 class ScatteringAir:
-    """Atmosphere that scatters sunlight. Make it with :meth:`of`.
+    """Atmosphere that scatters sunlight. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    spectral : SpectralLaws
-        Continua and bands.
-    source : ndarray
-        Sunlight outside the atmosphere at 1 au [W m-2 per cm-1, (n,)].
-    laws : Laws
-        For the kernels.
-    """
-
-    spectral: SpectralLaws
-    source: FloatArray
-    laws: Laws
+    spectral: SpectralLaws  #: Continua and bands.
+    source: FloatArray  #: Sunlight outside the atmosphere at 1 au [W m-2 per cm-1, (n,)].
+    laws: Laws  #: For the kernels.
     _aerosol: AerosolLaws
 
     @property

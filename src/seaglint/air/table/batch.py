@@ -24,17 +24,6 @@ from seaglint.optics.blackbody import planck_wavenumber
 class BatchAtmosphere:
     """LOWTRAN7 model atmosphere over one band for cases with their own winds. Make it with :meth:`load`.
 
-    Attributes
-    ----------
-    model : str
-        Name of the model atmosphere.
-    wavenumber_cm : ndarray
-        Ascending spectral samples [cm-1, (n,)].
-    wind_range, height_range : tuple of float
-        Ranges of the table [m s-1], [m].
-    extrapolate : bool
-        Whether winds and heights beyond that are taken.
-
     Notes
     -----
     LOWTRAN7's Navy maritime aerosol at winds (U10, also the 24-hour mean) of 0 to 20 m/s, heights of 2 m to 10 km, paths to the sea named
@@ -55,18 +44,18 @@ class BatchAtmosphere:
     (2, 173)
     """
 
-    model: str
-    wavenumber_cm: FloatArray
+    model: str  #: Name of the model atmosphere.
+    wavenumber_cm: FloatArray  #: Ascending spectral samples [cm-1, (n,)].
+    #: ``wind_range``, ``height_range``: Ranges of the table [m s-1], [m].
     wind_range: tuple[float, float]
     height_range: tuple[float, float]
-    extrapolate: bool
+    extrapolate: bool  #: Whether winds and heights beyond that are taken.
     _table: BandTable
     _ray: FloatArray
+    #: Scores of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)].
     _path_scores: FloatArray
-    """Scores of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)]."""
     _sun_scores: FloatArray
-    _sky_scores: FloatArray
-    """Scores of the sky seen from the sea against elevation, values and slopes [(winds, 2 nodes, components)]."""
+    _sky_scores: FloatArray  #: Scores of the sky seen from the sea against elevation, values and slopes [(winds, 2 nodes, components)].
 
     @classmethod
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:

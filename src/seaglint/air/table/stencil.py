@@ -17,21 +17,11 @@ from seaglint.base.conventions import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Stencil:
-    """Indices and weights of the node values in a spline at each case; short rows are padded with weight 0.
+    """Indices and weights of the node values in a spline at each case; short rows are padded with weight 0."""
 
-    Attributes
-    ----------
-    index : ndarray of int
-        Nodes [(cases, m)].
-    weight : ndarray
-        Weights [1, (cases, m)].
-    size : int
-        Number of nodes.
-    """
-
-    index: NDArray[np.intp]
-    weight: FloatArray
-    size: int
+    index: NDArray[np.intp]  #: Nodes [(cases, m)].
+    weight: FloatArray  #: Weights [1, (cases, m)].
+    size: int  #: Number of nodes.
 
     @classmethod
     def between_kinks(cls, nodes: FloatArray, kinks: tuple[float, ...], x: FloatArray) -> Stencil:

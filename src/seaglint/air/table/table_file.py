@@ -44,8 +44,7 @@ _REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
 
 _QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
 
-ANGLE_SLACK = 1e-6
-"""Tolerance within which angles below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad]."""
+ANGLE_SLACK = 1e-6  #: Tolerance within which angles below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad].
 
 
 def models(region: str = "mwir") -> tuple[str, ...]:
@@ -115,39 +114,28 @@ class Spectra:
 
 @dataclass(frozen=True, eq=False)
 class BandTable:
-    """Atmosphere table cut to a band, all winds. Make it with :meth:`read`.
+    """Atmosphere table cut to a band, all winds. Make it with :meth:`read`."""
 
-    Attributes
-    ----------
-    model, region : str
-        Model atmosphere and spectral region.
-    wavenumber_cm, solar : ndarray
-        Channels [cm-1] and sunlight outside the atmosphere at 1 au [W m-2 per cm-1], both (n,).
-    winds, heights, sky_heights : ndarray
-        Nodes [m s-1], [m], [m].
-    refraction : RefractingAir
-        LOWTRAN7's own.
-    horizon_excess, ray : ndarray
-        Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate of LOWTRAN7's rays
-        against that of straight ones [1, (heights, nodes)].
-    path_depth, path_temperature, sun_depth, sky_temperature, sky_dip : Spectra
-        Spectra that :func:`read_table` describes.
-    """
-
+    #: ``model``, ``region``: Model atmosphere and spectral region.
     model: str
     region: Region
+    #: ``wavenumber_cm``, ``solar``: Channels [cm-1] and sunlight outside the atmosphere at 1 au [W m-2 per cm-1], both (n,).
     wavenumber_cm: FloatArray
     solar: FloatArray
     provenance: JsonObject
+    #: ``winds``, ``heights``, ``sky_heights``: Nodes [m s-1], [m], [m].
     winds: FloatArray
     wind_kinks: tuple[float, ...]
-    heights: FloatArray
-    sky_heights: FloatArray
+    heights: FloatArray  #: See ``winds``.
+    sky_heights: FloatArray  #: See ``winds``.
     levels: tuple[float, ...]
     height_kinks: tuple[float, ...]
-    refraction: RefractingAir
+    refraction: RefractingAir  #: LOWTRAN7's own.
+    #: ``horizon_excess``, ``ray``: Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate
+    #: of LOWTRAN7's rays against that of straight ones [1, (heights, nodes)].
     horizon_excess: FloatArray
     ray: FloatArray
+    #: ``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``, ``sky_dip``: Spectra that :func:`read_table` describes.
     path_depth: Spectra
     path_temperature: Spectra
     sun_depth: Spectra

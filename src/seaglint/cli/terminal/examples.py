@@ -53,6 +53,7 @@ _SHIP = (
     "    --map cloud_cover=clouds:oktas -o weather.csv",
 )
 
+#: Lines by command; of a group of commands, and of the program itself under no name, those of what one begins with.
 EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "": ("seaglint init my.toml", "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
     "init": (
@@ -140,7 +141,6 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "labels": (*_BOAT, "seaglint render boat.toml -o boat.zarr --frames 0:2 --resume", "seaglint labels boat.zarr -o labels.json"),
     "dataset": (*_WINDS, "seaglint dataset winds.toml -o data --format coco"),
 }
-"""Lines by command; of a group of commands, and of the program itself under no name, those of what one begins with."""
 
 
 def epilog(command: str) -> str | None:

@@ -19,17 +19,14 @@ if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
 
-LONGEST_WORD: Final = 500
-"""Characters from which a word is cut: longer than the path of any file that a user gives a name."""
+LONGEST_WORD: Final = 500  #: Characters from which a word is cut: longer than the path of any file that a user gives a name.
 
-KEPT_OF_WORD: Final = 80
-"""Characters that are kept of such a word."""
+KEPT_OF_WORD: Final = 80  #: Characters that are kept of such a word.
 
-LONGEST_LINE: Final = 4000
-"""Characters after which a line is cut."""
+LONGEST_LINE: Final = 4000  #: Characters after which a line is cut.
 
+#: Classes of characters that a terminal does not show but obeys, or that are none.
 _STEERING: Final = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
-"""Classes of characters that a terminal does not show but obeys, or that are none."""
 
 
 def option_names(group: Any, words: Sequence[str]) -> dict[str, str]:

@@ -69,8 +69,7 @@ class Pace:
         return None if rate is None else max((self.total - self.done) / rate - (self._clock() - self._latest), 0.0)
 
 
-LOG_INTERVAL = 10.0
-"""Seconds between two lines of a log: a batch job of hours stays readable."""
+LOG_INTERVAL = 10.0  #: Seconds between two lines of a log: a batch job of hours stays readable.
 
 
 @contextmanager
@@ -90,8 +89,7 @@ def progress(mode: ProgressMode, what: str, pace: Pace | None = None, clock: Cal
         yield lambda done, total: None
 
 
-PATIENCE = 2.0
-"""Seconds that work may take before its progress is shown where most runs are short."""
+PATIENCE = 2.0  #: Seconds that work may take before its progress is shown where most runs are short.
 
 
 @contextmanager

@@ -200,9 +200,9 @@ def _limits(text: str, option: str) -> tuple[float, float]:
     return near, far
 
 
-SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never": False}
-"""Values of the words of a switch."""
+SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never": False}  #: Values of the words of a switch.
 
+#: Readers of texts by the form of a parameter; each takes text and option. Frames are read where it is known how many there are.
 READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "numbers": contrasts_of,
     "pair": _pair,
@@ -214,17 +214,16 @@ READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "raw": _raw,
     "switch": lambda text, _: SWITCH[text],
 }
-"""Readers of texts by the form of a parameter; each takes text and option. Frames are read where it is known how many there are."""
 
+#: Ends of help texts by the form of a parameter: how a value is written on the command line.
 SPELLED: Final[Mapping[str, str]] = {
     "frames": ": 37, 37:38 (end not included), 10:",
     "every": ", by number: 37, 37:38 (end not included), 0:100:2",
     "shares": ", as shares from the top: 0.45: or 0.2:0.8",
 }
-"""Ends of help texts by the form of a parameter: how a value is written on the command line."""
 
+#: Texts of defaults by the form of a parameter; numbers with commas between them for other forms.
 WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {
     "shares": lambda ends: ":" if ends == (0.0, 1.0) else f"{ends[0]:g}:{ends[1]:g}",
     "size": lambda sides: f"{sides[0]}x{sides[1]}",
 }
-"""Texts of defaults by the form of a parameter; numbers with commas between them for other forms."""

@@ -70,5 +70,4 @@ class RunOptions(WorkRequest):
         done_here(self.workers, self.dask, self.dask_slurm, what)
 
 
-ALONE = ("workers", "dask", "dask_slurm")
-"""Fields of :class:`RunOptions` for work that several share."""
+ALONE = ("workers", "dask", "dask_slurm")  #: Fields of :class:`RunOptions` for work that several share.

@@ -8,8 +8,8 @@ import sys
 from contextlib import suppress
 from typing import Any, Final
 
+#: Containers made before memory is first searched for circles: a command's imports make 250,000 to 450,000, nearly all of which stay.
 OBJECTS: Final = 600_000
-"""Containers made before memory is first searched for circles: a command's imports make 250,000 to 450,000, nearly all of which stay."""
 
 
 def collect_later() -> None:

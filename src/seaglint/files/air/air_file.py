@@ -59,8 +59,8 @@ NEEDS: dict[str, tuple[str, ...]] = {
     "sun": ("zenith_deg", "irradiance"),
 }
 
+#: Largest zenith angles of a file [deg]: the sky seen from a height reaches below the horizontal.
 ANGLES = {"sky": 100.0, "sky-scattered": 100.0, "sun": 90.0}
-"""Largest zenith angles of a file [deg]: the sky seen from a height reaches below the horizontal."""
 
 
 @dataclass(frozen=True)

@@ -27,17 +27,16 @@ AZIMUTH: Final = "azimuth_from_sun_deg"
 
 SUN: Final = "solar_zenith_deg"
 
-KINDS: Final = {"path-scattered": "path", "sky-scattered": "sky"}
-"""Kinds of lines of a CSV file, and the kind whose nodes they share."""
+KINDS: Final = {"path-scattered": "path", "sky-scattered": "sky"}  #: Kinds of lines of a CSV file, and the kind whose nodes they share.
 
 COLUMNS: Final = (AZIMUTH, SUN)
 
+#: Variables of a NetCDF file, with their kind and coordinate.
 VARIABLES: Final = {
     "path_scattered": ("path", "range_m"),
     "sky_scattered": ("sky", "sky_zenith_deg"),
     "sensor_sky_scattered": ("sensor_sky", "sensor_sky_zenith_deg"),
 }
-"""Variables of a NetCDF file, with their kind and coordinate."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from seaglint.files.dataset.sirst import Sirst
 from seaglint.files.dataset.stores import Stores
 from seaglint.files.dataset.yolo import Yolo
 
+#: All formats. Help texts, lists in errors, writing and checking follow from it.
 FORMATS: Final[tuple[type[DatasetFormat], ...]] = (Coco, Yolo, Sirst, Stores)
-"""All formats. Help texts, lists in errors, writing and checking follow from it."""
 
 
 def format_named(name: str) -> type[DatasetFormat]:

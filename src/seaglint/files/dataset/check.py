@@ -17,8 +17,7 @@ from seaglint.files.text_file import read_json, read_text, write_text
 
 SUMS: Final = "SHA256SUMS"
 ABOUT: Final = "dataset.json"
-KIND: Final = "seaglint-dataset-1"
-"""What ``kind`` of ``dataset.json`` says of our data sets."""
+KIND: Final = "seaglint-dataset-1"  #: What ``kind`` of ``dataset.json`` says of our data sets.
 
 
 def files(folder: Path) -> list[str]:

@@ -20,11 +20,9 @@ from seaglint.files.tables.rows import require_parquet, write_parquet, write_row
 from seaglint.files.text_file import write_json, write_text
 from seaglint.version import __version__
 
-LICENCE: Final = "CC-BY-4.0"
-"""Licence of a data set whose ensemble says none."""
+LICENCE: Final = "CC-BY-4.0"  #: Licence of a data set whose ensemble says none.
 
-EXAMPLES: Final = 18
-"""Pictures on the sheet of examples."""
+EXAMPLES: Final = 18  #: Pictures on the sheet of examples.
 
 
 def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, about: Mapping[str, Any]) -> None:

@@ -27,33 +27,18 @@ from seaglint.objects.drawing.truth import LEAST_CLUTTER, SURROUND
 if TYPE_CHECKING:
     import xarray as xr
 
-BLUR: Final = 2
-"""Pixels around masks into which optics spread an object: left out of its surroundings."""
+BLUR: Final = 2  #: Pixels around masks into which optics spread an object: left out of its surroundings.
 
 
 @dataclass(frozen=True)
 class ConversionSettings:
-    """How scenes are written.
+    """How scenes are written."""
 
-    Attributes
-    ----------
-    folder : str
-        Of the data set, or of the unfinished one.
-    format : str
-        Name of one of :data:`seaglint.files.dataset.FORMATS`.
-    bits : 8 or 16
-        Of a pixel.
-    image : str
-        Ending of pictures.
-    classes : mapping
-        Category of an object by its name; its preset, or the kind of its shape, where nothing is said.
-    """
-
-    folder: str
-    format: str
-    bits: Bits
-    image: str
-    classes: Mapping[str, str]
+    folder: str  #: Of the data set, or of the unfinished one.
+    format: str  #: Name of one of :data:`seaglint.files.dataset.FORMATS`.
+    bits: Bits  #: Of a pixel.
+    image: str  #: Ending of pictures.
+    classes: Mapping[str, str]  #: Category of an object by its name; its preset, or the kind of its shape, where nothing is said.
 
 
 def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:

@@ -17,30 +17,14 @@ if TYPE_CHECKING:
 
 
 class DatasetFormat:
-    """Format of a data set; each is a class in a file of its own, listed in ``FORMATS`` of :mod:`seaglint.files.dataset`.
+    """Format of a data set; each is a class in a file of its own, listed in ``FORMATS`` of :mod:`seaglint.files.dataset`."""
 
-    Attributes
-    ----------
-    name : str
-        Name by which users choose it.
-    bits : 8 or 16
-        Bits of a pixel where none are requested: those that the programs expect which read the format.
-    layout : str
-        Sentence of the data card on its files.
-    note : str
-        Remark of the help on it.
-    folders : tuple of str
-        Folders that are made before the first scene is written.
-    pictures : bool
-        Whether scenes become pictures; otherwise they stay stores.
-    """
-
-    name: ClassVar[str]
-    bits: ClassVar[Bits]
-    layout: ClassVar[str]
-    note: ClassVar[str] = ""
-    folders: ClassVar[tuple[str, ...]]
-    pictures: ClassVar[bool] = True
+    name: ClassVar[str]  #: Name by which users choose it.
+    bits: ClassVar[Bits]  #: Bits of a pixel where none are requested: those that the programs expect which read the format.
+    layout: ClassVar[str]  #: Sentence of the data card on its files.
+    note: ClassVar[str] = ""  #: Remark of the help on it.
+    folders: ClassVar[tuple[str, ...]]  #: Folders that are made before the first scene is written.
+    pictures: ClassVar[bool] = True  #: Whether scenes become pictures; otherwise they stay stores.
 
     @classmethod
     def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:

@@ -15,26 +15,16 @@ Bits = Literal[8, 16]
 
 @dataclass(frozen=True)
 class PictureLevels:
-    """Linear relation of one scene's levels, the same for all of its frames: ``value = offset + scale * level``.
+    """Linear relation of one scene's levels, the same for all of its frames: ``value = offset + scale * level``."""
 
-    Attributes
-    ----------
-    bits : 8 or 16
-        Of a level.
-    scale, offset : float
-        Of what the levels were made from: counts, or radiance [W m-2 sr-1].
-    radiance_scale, radiance_offset : float
-        Radiance of a level and of level 0 [W m-2 sr-1].
-    counts : bool
-        Whether the levels were made from a detector's counts.
-    """
-
-    bits: Bits
+    bits: Bits  #: Of a level.
+    #: ``scale``, ``offset``: Of what the levels were made from: counts, or radiance [W m-2 sr-1].
     scale: float
     offset: float
+    #: ``radiance_scale``, ``radiance_offset``: Radiance of a level and of level 0 [W m-2 sr-1].
     radiance_scale: float
     radiance_offset: float
-    counts: bool
+    counts: bool  #: Whether the levels were made from a detector's counts.
 
     @classmethod
     def of_counts(cls, low: int, high: int, bits: Bits, line: tuple[float, float]) -> PictureLevels:

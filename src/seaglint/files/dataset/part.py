@@ -14,8 +14,7 @@ from seaglint.files.dataset.grey_levels import PictureLevels
 from seaglint.files.text_file import read_json, write_json
 from seaglint.objects.drawing.truth_names import NUMBERS
 
-FOLDER: Final = ".parts"
-"""Folder of the records while a data set is made."""
+FOLDER: Final = ".parts"  #: Folder of the records while a data set is made.
 
 
 @dataclass(frozen=True)
@@ -23,41 +22,30 @@ class Entry:
     """Finished scene store that goes into a data set."""
 
     name: str
-    store: str
-    """Return the path of the store."""
+    store: str  #: Return the path of the store.
     split: str
-    parameters: Mapping[str, Any]
-    """Return the drawn values by column."""
+    parameters: Mapping[str, Any]  #: Return the drawn values by column.
 
 
 @dataclass(frozen=True)
 class Piece:
     """Visible piece of an object in a picture; one that spans the seam of a panorama has two pieces."""
 
-    box: tuple[int, int, int, int]
-    """First column and row, columns and rows."""
-    area: int
-    """Pixels of the mask."""
-    counts: str
-    """Run lengths of the mask."""
+    box: tuple[int, int, int, int]  #: First column and row, columns and rows.
+    area: int  #: Pixels of the mask.
+    counts: str  #: Run lengths of the mask.
 
 
 @dataclass(frozen=True)
 class DatasetObject:
     """Object in a frame, in view or not."""
 
-    frame: int
-    """Index of the picture in the record."""
-    number: int
-    """Number of the object in its scene, from 0."""
-    values: Mapping[str, float | None]
-    """Numbers of the truth by name; None where not known."""
-    local_contrast: float | None
-    """Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1]."""
-    snr: float | None
-    """Local contrast over the standard deviation around the mask."""
-    pieces: tuple[Piece, ...]
-    """Visible pieces; empty where the object is not seen."""
+    frame: int  #: Index of the picture in the record.
+    number: int  #: Number of the object in its scene, from 0.
+    values: Mapping[str, float | None]  #: Numbers of the truth by name; None where not known.
+    local_contrast: float | None  #: Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1].
+    snr: float | None  #: Local contrast over the standard deviation around the mask.
+    pieces: tuple[Piece, ...]  #: Visible pieces; empty where the object is not seen.
 
 
 @dataclass(frozen=True)
@@ -76,15 +64,11 @@ class DatasetScene:
     scene: str
     split: str
     seed: int
-    shape: tuple[int, int]
-    """Rows and columns."""
+    shape: tuple[int, int]  #: Rows and columns.
     frame_rate_hz: float
-    levels: PictureLevels | None
-    """Levels of the pictures; None where the store itself is delivered."""
-    names: tuple[str, ...]
-    """Names of the objects."""
-    categories: tuple[str, ...]
-    """Categories of the objects."""
+    levels: PictureLevels | None  #: Levels of the pictures; None where the store itself is delivered.
+    names: tuple[str, ...]  #: Names of the objects.
+    categories: tuple[str, ...]  #: Categories of the objects.
     pictures: tuple[DatasetFrame, ...]
     rows: tuple[DatasetObject, ...]
     parameters: Mapping[str, Any]
@@ -141,8 +125,7 @@ class Catalogue:
 
     title: str
     seed: int
-    image: str
-    """Return the ending of pictures."""
+    image: str  #: Return the ending of pictures.
     parts: Sequence[DatasetScene]
 
     @property
@@ -198,12 +181,12 @@ class Catalogue:
         return [{name: row.get(name) for name in names} for row in rows]
 
 
+#: Columns of the truth table.
 TRUTH_COLUMNS: Final = (
     *("scene", "split", "image", "frame", "time_s", "object", "object_id", "track_id", "category", "annotated"),
     *("local_contrast_W_m2_sr", "snr"),
     *NUMBERS,
 )
-"""Columns of the truth table."""
 
 
 def known(value: float) -> float | None:

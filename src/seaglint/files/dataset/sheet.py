@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from seaglint.base.brightness import Scale, eight_bit, scale_limits
 from seaglint.files.outputs import moved_when_whole
 
-WIDTH: Final = 240
-"""Greatest side of an example [pixels]."""
+WIDTH: Final = 240  #: Greatest side of an example [pixels].
 
 COLUMNS: Final = 6
 

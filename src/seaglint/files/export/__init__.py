@@ -8,8 +8,8 @@ from seaglint.files.export.hdf5 import Hdf5
 from seaglint.files.export.plain import Npy, Raw
 from seaglint.files.export.tiff import Tiff
 
+#: All formats of numbers. Help texts, lists in errors and writing follow from it.
 FORMATS: Final[tuple[type[ExportFormat], ...]] = (Hdf5, Tiff, Fits, Npy, Raw)
-"""All formats of numbers. Help texts, lists in errors and writing follow from it."""
 
 
 def endings() -> tuple[str, ...]:

@@ -12,8 +12,7 @@ from seaglint.base.errors import DataError
 
 Kind = Literal["uint16", "float32"]
 
-MOST: Final = 65535
-"""Largest count."""
+MOST: Final = 65535  #: Largest count.
 
 
 @dataclass(frozen=True)

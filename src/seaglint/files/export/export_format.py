@@ -14,21 +14,11 @@ if TYPE_CHECKING:
 
 
 class ExportFormat:
-    """Format of an exported run; each is a class, listed in ``FORMATS`` of :mod:`seaglint.files.export`.
+    """Format of an exported run; each is a class, listed in ``FORMATS`` of :mod:`seaglint.files.export`."""
 
-    Attributes
-    ----------
-    endings : tuple of str
-        Endings of its files, in lower case.
-    aliases : tuple of str
-        Other endings of the same files, which the help leaves out.
-    note : str
-        Remark of the help on it.
-    """
-
-    endings: ClassVar[tuple[str, ...]]
-    aliases: ClassVar[tuple[str, ...]] = ()
-    note: ClassVar[str] = ""
+    endings: ClassVar[tuple[str, ...]]  #: Endings of its files, in lower case.
+    aliases: ClassVar[tuple[str, ...]] = ()  #: Other endings of the same files, which the help leaves out.
+    note: ClassVar[str] = ""  #: Remark of the help on it.
 
     @classmethod
     def require(cls) -> None:

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from seaglint.files.export.encoding import NumberFormat
     from seaglint.files.export.stack import Stack
 
-_EVEN: Final = 1e-3
-"""Part of a step by which a coordinate may be off its linear axis."""
+_EVEN: Final = 1e-3  #: Part of a step by which a coordinate may be off its linear axis.
 
 Card = tuple[str, Any, str]
 

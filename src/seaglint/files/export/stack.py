@@ -21,38 +21,23 @@ from seaglint.version import __version__
 if TYPE_CHECKING:
     import xarray as xr
 
-AXES: Final = ("time", "y", "x")
-"""Dimensions of what is exported, frames first, row 0 on top."""
+AXES: Final = ("time", "y", "x")  #: Dimensions of what is exported, frames first, row 0 on top.
 
 
 @dataclass(frozen=True)
 class Exported:
-    """Result of an export.
+    """Result of an export."""
 
-    Attributes
-    ----------
-    files : tuple of Path
-        The file asked for, and its header where the format has none of its own.
-    variable, units : str
-        What the numbers are.
-    shape : (int, int, int)
-        Frames, rows, columns.
-    dtype : str
-        Type of the numbers in the file.
-    scale_factor, add_offset : float or None
-        ``value = add_offset + scale_factor * count``, where values were made counts.
-    cut : int
-        Values beyond the range, put to its ends.
-    """
-
-    files: tuple[Path, ...]
+    files: tuple[Path, ...]  #: The file asked for, and its header where the format has none of its own.
+    #: ``variable``, ``units``: What the numbers are.
     variable: str
     units: str
-    shape: tuple[int, int, int]
-    dtype: str
+    shape: tuple[int, int, int]  #: Frames, rows, columns.
+    dtype: str  #: Type of the numbers in the file.
+    #: ``scale_factor``, ``add_offset``: ``value = add_offset + scale_factor * count``, where values were made counts.
     scale_factor: float | None = None
     add_offset: float | None = None
-    cut: int = 0
+    cut: int = 0  #: Values beyond the range, put to its ends.
 
     @property
     def line(self) -> str:
@@ -72,18 +57,10 @@ class Exported:
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Images of one variable.
+    """Images of one variable."""
 
-    Attributes
-    ----------
-    dataset : xarray.Dataset
-        The frames chosen: coordinates, attributes and ``variable`` (time, y, x), read when it is asked for.
-    variable : str
-        Name of the variable.
-    """
-
-    dataset: xr.Dataset
-    variable: str
+    dataset: xr.Dataset  #: The frames chosen: coordinates, attributes and ``variable`` (time, y, x), read when it is asked for.
+    variable: str  #: Name of the variable.
 
     @property
     def images(self) -> xr.DataArray:

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from seaglint.files.export.encoding import NumberFormat
     from seaglint.files.export.stack import Stack
 
+#: Bytes that places of 32 bits reach, less the pages' own tables; larger files are BigTIFF, which ImageJ does not read alone.
 _SMALL: Final = (1 << 32) - (1 << 25)
-"""Bytes that places of 32 bits reach, less the pages' own tables; larger files are BigTIFF, which ImageJ does not read alone."""
 
+#: Types of numbers that ImageJ has; files of others, and BigTIFF, hold the JSON as their description.
 _IMAGEJ: Final = ("uint8", "uint16", "float32")
-"""Types of numbers that ImageJ has; files of others, and BigTIFF, hold the JSON as their description."""
 
 
 class Tiff(ExportFormat):

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import NAVY_AEROSOL_WIND
 
+#: LOWTRAN7's model atmospheres and their numbers on card 1.
 MODELS = {
     "tropical": 1,
     "midlatitude-summer": 2,
@@ -16,7 +17,6 @@ MODELS = {
     "subarctic-winter": 5,
     "us-standard-1976": 6,
 }
-"""LOWTRAN7's model atmospheres and their numbers on card 1."""
 
 Haze = Literal[
     "none",
@@ -31,35 +31,22 @@ Haze = Literal[
     "desert",
 ]
 
+#: Boundary-layer aerosols and their numbers on card 2 (IHAZE); 7 is LOWTRAN7's user-defined one.
 HAZES: dict[Haze, int] = dict(zip(get_args(Haze), (0, 1, 2, 3, 4, 5, 6, 8, 9, 10), strict=True))
-"""Boundary-layer aerosols and their numbers on card 2 (IHAZE); 7 is LOWTRAN7's user-defined one."""
 
-MOST_LEVELS = 33
-"""Largest number of levels of a user's profile; LOWTRAN7 has room for 34."""
+MOST_LEVELS = 33  #: Largest number of levels of a user's profile; LOWTRAN7 has room for 34.
 
-STEP_CM = 5
-"""Step of LOWTRAN7's spectral samples [cm-1]; its resolution is 20."""
+STEP_CM = 5  #: Step of LOWTRAN7's spectral samples [cm-1]; its resolution is 20.
 
 
 @dataclass(frozen=True)
 class Aerosol:
-    """Boundary-layer aerosol (card 2).
+    """Boundary-layer aerosol (card 2)."""
 
-    Attributes
-    ----------
-    haze : str
-        One of :data:`HAZES`.
-    visibility_km : float or None
-        Meteorological range at sea level [km]; None leaves it to the model.
-    air_mass : int
-        Air mass character of the Navy model (ICSTL), 1 open ocean ... 10 strong continental influence.
-    wind, wind_24h : float
-        Wind now and its mean over 24 hours [m s-1]; the Navy model uses both, the desert model the first.
-    """
-
-    haze: Haze = "navy-maritime"
-    visibility_km: float | None = None
-    air_mass: int = 3
+    haze: Haze = "navy-maritime"  #: One of :data:`HAZES`.
+    visibility_km: float | None = None  #: Meteorological range at sea level [km]; None leaves it to the model.
+    air_mass: int = 3  #: Air mass character of the Navy model (ICSTL), 1 open ocean ... 10 strong continental influence.
+    #: ``wind``, ``wind_24h``: Wind now and its mean over 24 hours [m s-1]; the Navy model uses both, the desert model the first.
     wind: float = 0.0
     wind_24h: float = 0.0
 

@@ -25,19 +25,17 @@ from seaglint.base.user_cache import cache_folder
 from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, LowtranCase
 
+#: Compiler flags for double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents.
 FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
-"""Compiler flags for double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""
 
 DRIVER = Path(__file__).with_name("driver.f90")
 
+#: Code put into the routine TRANS before its sum over the layers, so that the driver can record coefficients.
 HOOK = ("109   TEB1  =-99.", "      CALL SEAGLINT_LAWS(V)\n109   TEB1  =-99.")
-"""Code put into the routine TRANS before its sum over the layers, so that the driver can record coefficients."""
 
-TIMEOUT = 60.0
-"""Time after which a run, which takes hundredths of a second, counts as hung [s]."""
+TIMEOUT = 60.0  #: Time after which a run, which takes hundredths of a second, counts as hung [s].
 
-QUIET = 2.0
-"""Time of work before progress is reported [s]."""
+QUIET = 2.0  #: Time of work before progress is reported [s].
 
 _LEVELS = 34
 
@@ -48,36 +46,22 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class LowtranSpectrum:
-    """Spectra that LOWTRAN7 computed for a case, unrounded.
+    """Spectra that LOWTRAN7 computed for a case, unrounded."""
 
-    Attributes
-    ----------
-    arc_m : float
-        Arc along the sea below the path, on LOWTRAN7's Earth [m].
-    earth_radius_m : float
-        Radius of that Earth [m].
-    level_height_m, refractivity : (34,)
-        Levels [m] and ``n - 1`` there.
-    wavenumber_cm, transmittance : (n,)
-        [cm-1], [1].
-    radiance : (n,)
-        Thermal, of the whole path [W m-2 sr-1 per cm-1].
-    irradiance, source : (n,)
-        Sunlight normal to the beam at the lower end and outside the atmosphere, 1 au [W m-2 per cm-1]; 0 for other kinds of case.
-    scattered : (n,)
-        Sunlight scattered into the path [W m-2 sr-1 per cm-1]; 0 for cases without a Sun.
-    """
-
-    arc_m: float
-    earth_radius_m: float
+    arc_m: float  #: Arc along the sea below the path, on LOWTRAN7's Earth [m].
+    earth_radius_m: float  #: Radius of that Earth [m].
+    #: ``level_height_m``, ``refractivity``: Levels [m] and ``n - 1`` there.
     level_height_m: FloatArray
     refractivity: FloatArray
+    #: ``wavenumber_cm``, ``transmittance``: [cm-1], [1].
     wavenumber_cm: FloatArray
     transmittance: FloatArray
-    radiance: FloatArray
+    radiance: FloatArray  #: Thermal, of the whole path [W m-2 sr-1 per cm-1].
+    #: ``irradiance``, ``source``: Sunlight normal to the beam at the lower end and outside the atmosphere, 1 au [W m-2 per cm-1]; 0 for
+    #: other kinds of case.
     irradiance: FloatArray
     source: FloatArray
-    scattered: FloatArray
+    scattered: FloatArray  #: Sunlight scattered into the path [W m-2 sr-1 per cm-1]; 0 for cases without a Sun.
 
 
 def fortran_file() -> Path:

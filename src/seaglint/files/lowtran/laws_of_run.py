@@ -16,71 +16,56 @@ from seaglint.base.errors import BackendError
 from seaglint.files.lowtran import cache, engine
 from seaglint.files.lowtran.deck import Haze, LowtranAir, LowtranCase
 
+#: Scattering angles of the Mie data base [deg] (DATA ANG of PHASEF).
 PHASE_ANGLES_DEG: Final = np.array([*range(0, 13, 2), *range(16, 41, 4), *range(50, 121, 10), *range(125, 181, 5)], dtype=np.float64)
-"""Scattering angles of the Mie data base [deg] (DATA ANG of PHASEF)."""
 
+#: Wavelengths of the Mie data base [um] (DATA WAVE).
 PHASE_WAVELENGTHS_UM: Final = np.array(
     [
         *(0.2, 0.3, 0.55, 0.6943, 1.06, 1.536, 2.0, 2.5, 2.7, 3.0, 3.2, 3.39, 5.0, 6.0, 7.2, 7.9, 8.7, 9.2, 10.0, 10.59),
         *(12.5, 15.0, 17.2, 18.5, 21.3, 30.0, 40.0),
     ]
 )
-"""Wavelengths of the Mie data base [um] (DATA WAVE)."""
 
 _LEVELS, _COLUMNS, _NODES, _MODELS, _FUNCTIONS = 34, 63, 47, 26, 70
 
+#: Aerosol models of the phase functions above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust.
 ALOFT: Final = (18, 21, 26)
-"""Aerosol models of the phase functions above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust."""
 
 _FOGS: Final[dict[Haze, int]] = {"advective-fog": 24, "radiative-fog": 25}
 
+#: Aerosol models before the four for rising humidity.
 HUMID: Final[dict[Haze, int]] = {
     "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
 }  # fmt: skip
-"""Aerosol models before the four for rising humidity."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dump:
-    """Output file of a run, as read.
+    """Output file of a run, as read."""
 
-    Attributes
-    ----------
-    earth_radius : float
-        [km].
-    tops, humidity, height, pressure, temperature, refractivity : ndarray
-        Profiles as in :class:`~seaglint.air.scattering.scattering_laws.AirLevels`.
-    density : ndarray
-        All of LOWTRAN7's columns [(63, levels)].
-    node_um, node_extinction, node_absorption : ndarray
-        Boundary-layer aerosol at LOWTRAN7's wavelengths [um], [1], [1]; (47,).
-    phase : ndarray
-        Phase functions [sr-1, (26 aerosol models, wavelengths, angles)].
-    wavenumber_cm : ndarray
-        [cm-1, (n,)].
-    abb, log_coefficient, power, column : ndarray
-        Continuum coefficients (n, 17), and per gas (n, 11).
-    extinction, absorption, asymmetry : ndarray
-        Aerosols of the five regions [(n, 5)].
-    """
-
-    earth_radius: float
+    earth_radius: float  #: [km].
+    #: ``tops``, ``humidity``, ``height``, ``pressure``, ``temperature``, ``refractivity``: Profiles as in
+    #: :class:`~seaglint.air.scattering.scattering_laws.AirLevels`.
     tops: FloatArray
     humidity: FloatArray
     height: FloatArray
     pressure: FloatArray
     temperature: FloatArray
     refractivity: FloatArray
-    density: FloatArray
+    density: FloatArray  #: All of LOWTRAN7's columns [(63, levels)].
+    #: ``node_um``, ``node_extinction``, ``node_absorption``: Boundary-layer aerosol at LOWTRAN7's wavelengths [um], [1], [1]; (47,).
     node_um: FloatArray
     node_extinction: FloatArray
     node_absorption: FloatArray
-    phase: FloatArray
-    wavenumber_cm: FloatArray
+    phase: FloatArray  #: Phase functions [sr-1, (26 aerosol models, wavelengths, angles)].
+    wavenumber_cm: FloatArray  #: [cm-1, (n,)].
+    #: ``abb``, ``log_coefficient``, ``power``, ``column``: Continuum coefficients (n, 17), and per gas (n, 11).
     abb: FloatArray
     log_coefficient: FloatArray
     power: FloatArray
     column: NDArray[np.int64]
+    #: ``extinction``, ``absorption``, ``asymmetry``: Aerosols of the five regions [(n, 5)].
     extinction: FloatArray
     absorption: FloatArray
     asymmetry: FloatArray

@@ -11,14 +11,12 @@ from seaglint.base.conventions import FloatArray
 from seaglint.files.lowtran.deck import MOST_LEVELS, ProfileLevel
 from seaglint.files.soundings.sounding import Sounding, read_sounding
 
-MODEL_LEVELS_KM = (*range(1, 26), 30, 35, 40, 45, 50, 70, 100)
-"""Levels of LOWTRAN7's own models, which continue a sounding upwards."""
+MODEL_LEVELS_KM = (*range(1, 26), 30, 35, 40, 45, 50, 70, 100)  #: Levels of LOWTRAN7's own models, which continue a sounding upwards.
 
-LEVELS_ABOVE = 12
-"""Largest number of levels of the model above a sounding that needs room itself."""
+LEVELS_ABOVE = 12  #: Largest number of levels of the model above a sounding that needs room itself.
 
+#: Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%].
 THINNING = (0.002, 0.3, 2.0)
-"""Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
 
 
 def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple[ProfileLevel, ...]:

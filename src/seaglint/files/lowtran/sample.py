@@ -29,18 +29,16 @@ from seaglint.files.lowtran.laws_of_run import live_air
 PATH_NODES = 28
 SUN_NODES = 28
 SKY_NODES = 28
-DIP_NODES = 8
-"""Number of nodes between two grazed levels below the horizontal."""
+DIP_NODES = 8  #: Number of nodes between two grazed levels below the horizontal.
 
-LEAST_SINE = 1e-5
-"""Smallest cosine of the zenith angle at the sea, since LOWTRAN7 refuses rays that graze the sea exactly."""
+LEAST_SINE = 1e-5  #: Smallest cosine of the zenith angle at the sea, since LOWTRAN7 refuses rays that graze the sea exactly.
 
 
+#: A line to a point is run live where it clears the sea by this part of its sag over the round Earth and so much more [m].
 GRAZING, LEAST_CLEARANCE = 0.15, 1.0
-"""A line to a point is run live where it clears the sea by this part of its sag over the round Earth and so much more [m]."""
 
+#: Lines to points shorter than the one are not run live, over arcs shorter than the other they count as straight up or down [m].
 SHORTEST, UPRIGHT = 5.0, 0.5
-"""Lines to points shorter than the one are not run live, over arcs shorter than the other they count as straight up or down [m]."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,7 @@ class _Group:
 
     arc: FloatArray
     transmittance: FloatArray
-    emitted: FloatArray
-    """Return the thermal radiance, or the irradiance for the Sun."""
+    emitted: FloatArray  #: Return the thermal radiance, or the irradiance for the Sun.
     refraction: RefractingAir
     source: FloatArray
 

@@ -18,6 +18,7 @@ from seaglint.base.errors import DataError
 from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, ModtranSight, ModtranSpectrum, Table, column_of, spectrum_of
 from seaglint.files.text_file import parsed_json
 
+#: Mode (IEMSCT) by its name in MODTRAN 6.
 MODES: Final = {
     "RT_TRANSMITTANCE": 0,
     "RT_THERMAL_ONLY": 1,
@@ -26,7 +27,6 @@ MODES: Final = {
     "RT_LUNAR_AND_THERMAL": 2,
     "RT_LUNAR_IRRADIANCE": 3,
 }
-"""Mode (IEMSCT) by its name in MODTRAN 6."""
 
 _SPECTRA: Final = ("RADIANCE", "IRRADIANCE", "TRANSMITTANCE")
 

@@ -23,42 +23,27 @@ VERSION: Final = 1
 
 PATH_NODES: Final = 28
 SKY_NODES: Final = 28
+#: Numbers of nodes: paths from straight down to the horizon, sky and Sun down to the horizontal, sky down to the horizon.
 DIP_NODES: Final = 24
-"""Numbers of nodes: paths from straight down to the horizon, sky and Sun down to the horizontal, sky down to the horizon."""
 
+#: Azimuths from the Sun at which sunlight scattered by the air is sampled [deg]: the aureole is 10 deg wide.
 AZIMUTHS: Final = (0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 150.0, 180.0)
-"""Azimuths from the Sun at which sunlight scattered by the air is sampled [deg]: the aureole is 10 deg wide."""
 
 SHORT_OF_HORIZON: Final = 1e-3
+#: Part of the horizon's depression by which paths end below it: rays there may miss the sea in another code, or by rounding.
 SHORT_OF_LOWTRAN7_HORIZON: Final = 1e-4
-"""Part of the horizon's depression by which paths end below it: rays there may miss the sea in another code, or by rounding."""
 
 
 @dataclass(frozen=True)
 class ModtranCase:
-    """Line of sight of one case: ``path`` from the sensor to the sea, ``sky`` from sensor or sea, ``sun`` from the sea to the Sun.
-
-    Attributes
-    ----------
-    kind : str
-    height_m : float
-        Height of the eye: H1 [m].
-    zenith_deg : float
-        Zenith angle of the line there: ANGLE, OBSZEN [deg].
-    range_m : float or None
-        Arc of a path along the sea [m].
-    horizon_share : float or None
-        Depression of sky below the horizontal over that of the calculation's own horizon [1].
-    azimuth_deg : float or None
-        From the Sun [deg]; None without scattered sunlight.
-    """
+    """Line of sight of one case: ``path`` from the sensor to the sea, ``sky`` from sensor or sea, ``sun`` from the sea to the Sun."""
 
     kind: Literal["path", "sky", "sun"]
-    height_m: float
-    zenith_deg: float
-    range_m: float | None = None
-    horizon_share: float | None = None
-    azimuth_deg: float | None = None
+    height_m: float  #: Height of the eye: H1 [m].
+    zenith_deg: float  #: Zenith angle of the line there: ANGLE, OBSZEN [deg].
+    range_m: float | None = None  #: Arc of a path along the sea [m].
+    horizon_share: float | None = None  #: Depression of sky below the horizontal over that of the calculation's own horizon [1].
+    azimuth_deg: float | None = None  #: From the Sun [deg]; None without scattered sunlight.
 
 
 @dataclass(frozen=True)
@@ -67,10 +52,8 @@ class Manifest:
 
     lines: tuple[ModtranCase, ...]
     sensor_height_m: float
-    solar_zenith_deg: float | None
-    """Zenith angle of the Sun whose scattered light is included [deg]; None without scattered light."""
-    outputs: tuple[str, ...]
-    """Names of the results that the decks make; the first one that exists is read."""
+    solar_zenith_deg: float | None  #: Zenith angle of the Sun whose scattered light is included [deg]; None without scattered light.
+    outputs: tuple[str, ...]  #: Names of the results that the decks make; the first one that exists is read.
 
     def text(self) -> str:
         """Return the manifest as JSON."""

@@ -37,6 +37,7 @@ Column = Literal[
     "depth",
 ]
 
+#: Meaning of a column by its name in capitals without anything but letters and digits.
 NAMES: Final[dict[str, Column]] = {
     **dict.fromkeys(("FREQ", "FREQCM1", "WAVENUMBER", "FREQUENCY"), "wavenumber"),
     **dict.fromkeys(("WAVLENMCRN", "WAVLENUM", "WAVELENGTHUM", "WAVELENGTHMICRONS"), "wavelength_um"),
@@ -55,15 +56,12 @@ NAMES: Final[dict[str, Column]] = {
     **dict.fromkeys(("SOLOBS", "SOLATOBS", "IRRADIANCEATOBSERVER"), "sun_at_observer"),
     **dict.fromkeys(("DEPTH", "NATLOGPATHTRANS"), "depth"),
 }
-"""Meaning of a column by its name in capitals without anything but letters and digits."""
 
 SPECTRAL: Final[tuple[Column, ...]] = ("wavenumber", "wavelength_um", "wavelength_nm")
 
-PER_SQUARE_METRE: Final = 1e4
-"""Factor from W cm-2 to W m-2."""
+PER_SQUARE_METRE: Final = 1e4  #: Factor from W cm-2 to W m-2.
 
-AGREES: Final = 2e-2
-"""Relative tolerance of the total radiance against its parts: three printed digits of up to five parts."""
+AGREES: Final = 2e-2  #: Relative tolerance of the total radiance against its parts: three printed digits of up to five parts.
 
 
 def column_of(label: str) -> Column | None:
@@ -94,31 +92,16 @@ class ModtranSight:
 
 @dataclass(frozen=True, eq=False)
 class ModtranSpectrum:
-    """Spectrum of one line of sight in SI units.
+    """Spectrum of one line of sight in SI units."""
 
-    Attributes
-    ----------
-    where : str
-        File and case, as error messages call it.
-    sight : ModtranSight or None
-        Geometry that the file states.
-    wavenumber_cm : (n,)
-        Ascending [cm-1].
-    transmittance : (n,) or None
-        [1].
-    thermal, scattered : (n,) or None
-        Radiance of the path, emitted (and scattered thermal) and scattered sunlight [W m-2 sr-1 per cm-1].
-    sun : (n,) or None
-        Sunlight normal to the beam at H1 [W m-2 per cm-1].
-    """
-
-    where: str
-    sight: ModtranSight | None
-    wavenumber_cm: FloatArray
-    transmittance: FloatArray | None
+    where: str  #: File and case, as error messages call it.
+    sight: ModtranSight | None  #: Geometry that the file states.
+    wavenumber_cm: FloatArray  #: Ascending [cm-1].
+    transmittance: FloatArray | None  #: [1].
+    #: ``thermal``, ``scattered``: Radiance of the path, emitted (and scattered thermal) and scattered sunlight [W m-2 sr-1 per cm-1].
     thermal: FloatArray | None
     scattered: FloatArray | None
-    sun: FloatArray | None
+    sun: FloatArray | None  #: Sunlight normal to the beam at H1 [W m-2 per cm-1].
 
     def need(self, name: Literal["transmittance", "thermal", "scattered", "sun"]) -> FloatArray:
         """Return one of the four spectra; raise an error where the file has none.

@@ -22,14 +22,12 @@ from seaglint.files.modtran.tape7 import is_tape7, read_tape7
 if TYPE_CHECKING:
     import xarray as xr
 
+#: A file prints three decimals of angles [deg] and heights [km], and codes may move a ray by some thousandths.
 SAME_ANGLE, SAME_HEIGHT = 0.006, 0.0015
-"""A file prints three decimals of angles [deg] and heights [km], and codes may move a ray by some thousandths."""
 
-GRAZING: Final = 3e-3
-"""Tolerance of a path to the horizon, as part of the horizon's depression; longer paths continue along its tangent."""
+GRAZING: Final = 3e-3  #: Tolerance of a path to the horizon, as part of the horizon's depression; longer paths continue along its tangent.
 
-LARGEST: Final = 2 << 30
-"""Largest size of a file of these formats [bytes]."""
+LARGEST: Final = 2 << 30  #: Largest size of a file of these formats [bytes].
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,17 +13,14 @@ from typing import Final
 from seaglint.files.lowtran.deck import MODELS, STEP_CM, LowtranAir
 from seaglint.files.modtran.lines import ModtranCase
 
-FWHM_CM: Final = 20
-"""Width of MODTRAN's slit function [cm-1], which is LOWTRAN7's resolution."""
+FWHM_CM: Final = 20  #: Width of MODTRAN's slit function [cm-1], which is LOWTRAN7's resolution.
 
-LOWTRAN7_CO2_PPMV: Final = 330.0
-"""Carbon dioxide of LOWTRAN7's models [1e-6 of the volume]."""
+LOWTRAN7_CO2_PPMV: Final = 330.0  #: Carbon dioxide of LOWTRAN7's models [1e-6 of the volume].
 
-AT_1_AU: Final = 93
-"""Day of the year on which both programs take the Sun's mean distance (IDAY)."""
+AT_1_AU: Final = 93  #: Day of the year on which both programs take the Sun's mean distance (IDAY).
 
+#: Temperature of the boundary (TBOUND, TPTEMP) [K]: the sea adds nothing, and 0 would mean that of the lowest air.
 LEAST_BOUNDARY_TEMPERATURE: Final = "   0.001"
-"""Temperature of the boundary (TBOUND, TPTEMP) [K]: the sea adds nothing, and 0 would mean that of the lowest air."""
 
 
 def deck(

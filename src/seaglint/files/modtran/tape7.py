@@ -45,11 +45,10 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+|\d+(?=\s|$))(?:[EDed][-+]?\d{2}|[-
 
 _END = re.compile(r"^\s*-9999\.?")
 
+#: Largest offset in columns between the end of a number and that of its column's name: names of mode 3 stand up to 2 aside.
 FARTHEST: Final = 4
-"""Largest offset in columns between the end of a number and that of its column's name: names of mode 3 stand up to 2 aside."""
 
-UNNAMED_DEPTH: Final = 105
-"""Column in which the optical depth ends (T96, E10.3) where the header does not name it: LOWTRAN7, and mode 3."""
+UNNAMED_DEPTH: Final = 105  #: Column in which the optical depth ends (T96, E10.3) where the header does not name it: LOWTRAN7, and mode 3.
 
 
 @dataclass(frozen=True)

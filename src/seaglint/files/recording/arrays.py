@@ -21,30 +21,17 @@ from seaglint.files.recording.decoding import PLAIN, Decoded, Decoding
 from seaglint.files.recording.frame_times import RATE_NAMES, frame_rate_of
 from seaglint.files.recording.stored import CHANNELS, SeveralChannelsError, colour_notes, full_scale, grey
 
-RESOLVED: Final = 1000.0
-"""Smallest spread of the values in steps of single precision; below it an offset is subtracted."""
+RESOLVED: Final = 1000.0  #: Smallest spread of the values in steps of single precision; below it an offset is subtracted.
 
 
 @dataclass(frozen=True)
 class ArrayReading:
-    """Properties of an array that the user states in place of its file.
+    """Properties of an array that the user states in place of its file."""
 
-    Attributes
-    ----------
-    variable : str or None
-        Name of the array in a file that holds several.
-    channel : str or None
-        Channel: a colour, or a number from 1.
-    axes : str or None
-        Order of the axes, letters of :data:`~seaglint.files.recording.axes.LETTERS`.
-    missing : tuple of float
-        Stored numbers that are missing values, besides those that the file states.
-    """
-
-    variable: str | None = None
-    channel: str | None = None
-    axes: str | None = None
-    missing: tuple[float, ...] = ()
+    variable: str | None = None  #: Name of the array in a file that holds several.
+    channel: str | None = None  #: Channel: a colour, or a number from 1.
+    axes: str | None = None  #: Order of the axes, letters of :data:`~seaglint.files.recording.axes.LETTERS`.
+    missing: tuple[float, ...] = ()  #: Stored numbers that are missing values, besides those that the file states.
 
     def decoding(self, stated: Decoding, dtype: np.dtype[Any]) -> Decoding:
         """Return a file's decoding with the user's own missing values."""
@@ -53,42 +40,18 @@ class ArrayReading:
 
 @dataclass(frozen=True)
 class ArrayFacts:
-    """Facts of a file about an array, beside its numbers.
+    """Facts of a file about an array, beside its numbers."""
 
-    Attributes
-    ----------
-    frame_rate : float or None
-        [Hz].
-    units : str or None
-        Units of the values.
-    names : tuple of str
-        Names of the dimensions.
-    decoding : Decoding
-        Relation of stored numbers to values.
-    saturation : float or None
-        Value of full scale; None for that of the number type.
-    channels : tuple of str
-        Names of the channels.
-    colours : bool
-        True where the file says that its channels are red, green and blue.
-    order : str
-        Order of three axes where nothing says it.
-    notes : tuple of str
-        Sentences for the user.
-    blur_px : float or None
-        Blur of what made the images, 0 without a sensor; None where the file does not say [px].
-    """
-
-    frame_rate: float | None = None
-    units: str | None = None
-    names: tuple[str, ...] = ()
-    decoding: Decoding = PLAIN
-    saturation: float | None = None
-    channels: tuple[str, ...] = ()
-    colours: bool = False
-    order: str = "tyx"
-    notes: tuple[str, ...] = ()
-    blur_px: float | None = None
+    frame_rate: float | None = None  #: [Hz].
+    units: str | None = None  #: Units of the values.
+    names: tuple[str, ...] = ()  #: Names of the dimensions.
+    decoding: Decoding = PLAIN  #: Relation of stored numbers to values.
+    saturation: float | None = None  #: Value of full scale; None for that of the number type.
+    channels: tuple[str, ...] = ()  #: Names of the channels.
+    colours: bool = False  #: True where the file says that its channels are red, green and blue.
+    order: str = "tyx"  #: Order of three axes where nothing says it.
+    notes: tuple[str, ...] = ()  #: Sentences for the user.
+    blur_px: float | None = None  #: Blur of what made the images, 0 without a sensor; None where the file does not say [px].
 
 
 def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | None = None) -> Recording:

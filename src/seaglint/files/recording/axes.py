@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 
-LETTERS: Final = "tyxc"
-"""Letters of the axes: frames (times), rows, columns, channels."""
+LETTERS: Final = "tyxc"  #: Letters of the axes: frames (times), rows, columns, channels.
 
+#: Names of dimensions by letter, in lower case.
 _NAMES: Final = {
     "t": ("t", "time", "times", "valid_time", "frame", "frames", "frame_number", "image", "images", "n_frames"),
     "y": ("y", "row", "rows", "line", "lines", "lat", "latitude", "height", "ny", "y_pixel", "yc", "north", "northing", "south_north"),
@@ -22,29 +22,19 @@ _NAMES: Final = {
     "c": ("c", "channel", "channels", "band", "bands", "wavelength", "wavelengths", "filter", "s",
           "color", "colour", "colors", "colours", "rgb", "rgba"),
 }  # fmt: skip
-"""Names of dimensions by letter, in lower case."""
 
+#: Names of dimensions whose channels are red, green and blue.
 COLOUR_NAMES: Final = ("rgb", "rgba", "color", "colour", "colors", "colours")
-"""Names of dimensions whose channels are red, green and blue."""
 
-MOST_COLOURS: Final = 4
-"""Largest number of channels of a colour picture: red, green, blue and alpha."""
+MOST_COLOURS: Final = 4  #: Largest number of channels of a colour picture: red, green, blue and alpha.
 
 
 @dataclass(frozen=True)
 class AxisOrder:
-    """Order of an array's axes.
+    """Order of an array's axes."""
 
-    Attributes
-    ----------
-    letters : str
-        A letter of :data:`LETTERS` for each axis; ``1`` for an axis of length one that is left out.
-    guessed : bool
-        True where only the sizes say it.
-    """
-
-    letters: str
-    guessed: bool
+    letters: str  #: A letter of :data:`LETTERS` for each axis; ``1`` for an axis of length one that is left out.
+    guessed: bool  #: True where only the sizes say it.
 
     def size(self, shape: Sequence[int], letter: str) -> int:
         """Return the length of an axis; 1 for one that is not there."""

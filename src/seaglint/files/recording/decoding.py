@@ -11,17 +11,16 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 
+#: Values that the NetCDF library writes where nothing was written (``netcdf.h``, NC_FILL_*); it has none for bytes.
 DEFAULT_FILLS: Final = {
     "f4": 9.9692099683868690e36, "f8": 9.9692099683868690e36, "i2": -32767, "i4": -2147483647, "i8": -9223372036854775806,
 }  # fmt: skip
-"""Values that the NetCDF library writes where nothing was written (``netcdf.h``, NC_FILL_*); it has none for bytes."""
 
-_COUNTS: Final = ("count", "counts", "dn", "adu", "digital number", "digital numbers")
-"""Units of stored numbers."""
+_COUNTS: Final = ("count", "counts", "dn", "adu", "digital number", "digital numbers")  #: Units of stored numbers.
 
 _SCALES: Final = ("scale", "slope", "gain")
+#: Names that other programs give to a scale or an offset, in lower case; CF, which HDF5, NetCDF and Zarr share, has others.
 _OFFSETS: Final = ("offset", "intercept", "bias")
-"""Names that other programs give to a scale or an offset, in lower case; CF, which HDF5, NetCDF and Zarr share, has others."""
 
 
 @dataclass(frozen=True)
@@ -30,28 +29,17 @@ class Decoding:
 
     A stored number that is missing or outside the valid range has no value; otherwise ``value = offset + scale * n``, where ``n`` is the
     number, or ``white - number`` where white is zero.
-
-    Attributes
-    ----------
-    missing : tuple of float
-        Stored numbers that stand for no value.
-    low, high : float or None
-        Valid range of the stored numbers.
-    scale, offset : float
-        Line of the values.
-    white : float or None
-        Largest number of a picture whose white is zero.
-    unsigned : numpy.dtype or None
-        Type of the numbers where the file's own type has the wrong sign.
     """
 
-    missing: tuple[float, ...] = ()
+    missing: tuple[float, ...] = ()  #: Stored numbers that stand for no value.
+    #: ``low``, ``high``: Valid range of the stored numbers.
     low: float | None = None
     high: float | None = None
+    #: ``scale``, ``offset``: Line of the values.
     scale: float = 1.0
     offset: float = 0.0
-    white: float | None = None
-    unsigned: np.dtype[Any] | None = None
+    white: float | None = None  #: Largest number of a picture whose white is zero.
+    unsigned: np.dtype[Any] | None = None  #: Type of the numbers where the file's own type has the wrong sign.
 
     @property
     def masks(self) -> bool:
@@ -124,8 +112,7 @@ class Decoding:
         return tuple(notes)
 
 
-PLAIN: Final = Decoding()
-"""Stored numbers that are the values."""
+PLAIN: Final = Decoding()  #: Stored numbers that are the values.
 
 
 def in_type(numbers: Iterable[Any], dtype: np.dtype[Any]) -> tuple[float, ...]:

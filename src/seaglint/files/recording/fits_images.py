@@ -26,8 +26,7 @@ from seaglint.files.recording.joined import joined
 
 ENDINGS: Final = (".fits", ".fit", ".fts", ".fits.gz", ".fit.gz", ".fts.gz", ".fits.fz", ".fit.fz", ".fz")
 
-_RATES: Final = ("FRMRATE", "FRATE", "FPS", "FRAMERAT")
-"""Cards of a frame rate [Hz]."""
+_RATES: Final = ("FRMRATE", "FRATE", "FPS", "FRAMERAT")  #: Cards of a frame rate [Hz].
 
 _TIMES: Final = ("TIME", "UTC", "TAI", "TT")
 _LISTED: Final = 6

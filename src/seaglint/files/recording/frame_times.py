@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.free_form import Attributes
 
+#: Seconds in a unit of time, by its spellings in lower case; the escaped one is how ImageJ writes a micro sign.
 SECONDS: Final = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
     **dict.fromkeys(("ms", "msec", "msecs", "millisecond", "milliseconds"), 1e-3),
@@ -19,13 +20,10 @@ SECONDS: Final = {
     **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 3600.0),
     **dict.fromkeys(("d", "day", "days"), 86400.0),
 }
-"""Seconds in a unit of time, by its spellings in lower case; the escaped one is how ImageJ writes a micro sign."""
 
-RATE_NAMES: Final = ("frame_rate", "frame_rate_hz", "fps")
-"""Names of a frame rate in attributes, and of arrays that hold one number."""
+RATE_NAMES: Final = ("frame_rate", "frame_rate_hz", "fps")  #: Names of a frame rate in attributes, and of arrays that hold one number.
 
-SAME: Final = 1e-3
-"""Relative difference below which two rates or steps are one."""
+SAME: Final = 1e-3  #: Relative difference below which two rates or steps are one.
 
 
 def seconds_in(unit: object) -> float | None:

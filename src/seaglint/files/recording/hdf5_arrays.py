@@ -21,14 +21,14 @@ from seaglint.files.recording.axes import letter_of
 from seaglint.files.recording.decoding import DEFAULT_FILLS, Decoding, of_attributes
 from seaglint.files.recording.frame_times import RATE_NAMES, frame_rate_of, rate_of_times
 
+#: Classes of MATLAB arrays that are numbers.
 _MATLAB_NUMBERS: Final = (
     *("double", "single", "logical", "int8", "uint8", "int16", "uint16"),
     *("int32", "uint32", "int64", "uint64"),
 )
-"""Classes of MATLAB arrays that are numbers."""
 
+#: Axes that are turned by the corner where a picture begins (HDF5 image specification 1.2, DISPLAY_ORIGIN).
 _FLIPS: Final[dict[str, tuple[str, ...]]] = {"UL": (), "LL": ("y",), "UR": ("x",), "LR": ("y", "x")}
-"""Axes that are turned by the corner where a picture begins (HDF5 image specification 1.2, DISPLAY_ORIGIN)."""
 
 
 def open_hdf5(path: Path, how: ArrayReading, *, netcdf: bool = False) -> Recording:

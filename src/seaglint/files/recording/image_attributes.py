@@ -24,12 +24,10 @@ class Source:
     """Attributes of a recording beside its pixel values."""
 
     band: Band | None = None
-    step: tuple[float, float] | None = None
-    """Return the angle between columns and between rows [rad]."""
+    step: tuple[float, float] | None = None  #: Return the angle between columns and between rows [rad].
     azimuth_deg: FloatArray | None = None
     elevation_deg: FloatArray | None = None
-    frames: range | None = None
-    """Return the numbers of the frames in the sequence that they belong to."""
+    frames: range | None = None  #: Return the numbers of the frames in the sequence that they belong to.
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Source:

@@ -19,8 +19,7 @@ from seaglint.files.recording.decoding import Decoding, in_type, of_attributes
 from seaglint.files.recording.frame_times import SAME, frame_rate_of, rate_of_times
 from seaglint.files.recording.hdf5_arrays import open_hdf5, unwritten_note, unwritten_numbers, with_default_fill
 
-MOST_NAMED: Final = 16
-"""Largest number of channels that a message names."""
+MOST_NAMED: Final = 16  #: Largest number of channels that a message names.
 
 _METADATA: Final = ("zarr.json", ".zgroup", ".zarray", ".zmetadata")
 
@@ -211,8 +210,8 @@ def _channel_names(dataset: Any, images: Any) -> tuple[str, ...]:
     return tuple(f"{value:g}" if isinstance(value, float) else str(value) for value in dataset[along].to_numpy().tolist())
 
 
+#: Variables of our files that a sensor made; the others are its aperture's radiance averaged over pixels, and what follows from it.
 _OF_SENSOR: Final = ("signal", "electrons")
-"""Variables of our files that a sensor made; the others are its aperture's radiance averaged over pixels, and what follows from it."""
 
 
 def stored_blur(dataset: Any, name: str) -> float | None:

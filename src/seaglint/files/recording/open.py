@@ -23,8 +23,7 @@ from seaglint.files.recording.labelled import is_zarr, open_labelled_netcdf, ope
 from seaglint.files.recording.raw import RawLayout, open_raw
 from seaglint.files.recording.stored import require_channel
 
-RATE_TOLERANCE = 0.01
-"""Relative difference between the file's frame rate and the user's above which a note names both."""
+RATE_TOLERANCE = 0.01  #: Relative difference between the file's frame rate and the user's above which a note names both.
 
 _NUMPY, _HDF5, _NETCDF = (".npy", ".npz"), (".h5", ".hdf5", ".he5", ".hdf"), (".nc", ".nc4", ".cdf")
 _ARRAY_ENDINGS = (*_NUMPY, *_HDF5, ".mat", *fits_images.ENDINGS, *_NETCDF, ".zarr")
@@ -35,6 +34,7 @@ FORMATS = (
     "*.dat with a layout)"
 )
 
+#: What to do with formats that are not read.
 _REMEDIES = {
     **dict.fromkeys((".seq", ".csq", ".fff", ".ptw", ".sfmov", ".ats", ".inc"), "a thermal camera's own format: export it as TIFF or FITS"),
     **dict.fromkeys((".jp2", ".j2k", ".jxl", ".webp", ".heic", ".avif", ".exr", ".dng"), "convert it to TIFF"),
@@ -45,7 +45,6 @@ _REMEDIES = {
         (".webm", ".wmv", ".mpg", ".mpeg", ".m4v", ".ts", ".flv"), "convert it to lossless mkv: ffmpeg -i IN -c:v ffv1 OUT.mkv"
     ),
 }
-"""What to do with formats that are not read."""
 
 
 def open_recording(
@@ -198,12 +197,10 @@ def _open_folder(path: Path, how: ArrayReading) -> Recording:
     return _open_several(chosen, path, how)
 
 
-_SEVERAL = (*fits_images.ENDINGS, ".npy")
-"""Endings of arrays of which a folder may hold a sequence."""
+_SEVERAL = (*fits_images.ENDINGS, ".npy")  #: Endings of arrays of which a folder may hold a sequence.
 
 
-_SPELLINGS = {".tiff": ".tif", ".jpeg": ".jpg", ".fit": ".fits", ".fts": ".fits"}
-"""Endings of one kind."""
+_SPELLINGS = {".tiff": ".tif", ".jpeg": ".jpg", ".fit": ".fits", ".fts": ".fits"}  #: Endings of one kind.
 
 
 def _open_several(files: list[Path], where: Path, how: ArrayReading) -> Recording:

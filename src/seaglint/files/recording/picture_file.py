@@ -17,44 +17,22 @@ from seaglint.files.recording.stored import SeveralChannelsError
 
 @dataclass(frozen=True)
 class PictureFile:
-    """Frames of one file.
+    """Frames of one file."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    frames, rows, columns : int
-        Size.
-    dtype : numpy.dtype
-        Type of the stored numbers.
-    read : callable
-        ``(start, stop) -> stored numbers``, shape (stop - start, rows, columns), with a further axis of channels for colours.
-    colours : int
-        Length of the axis of colours, grey and alpha (2), RGB (3) or RGBA (4); 0 without that axis.
-    frame_rate : float or None
-        [Hz].
-    units : str or None
-        Units of the values.
-    decoding : Decoding
-        Relation of stored numbers to values.
-    saturation : float or None
-        Value of full scale.
-    notes : tuple of str
-        Sentences for the user.
-    """
-
-    path: Path
+    path: Path  #: The file.
+    #: ``frames``, ``rows``, ``columns``: Size.
     frames: int
     rows: int
     columns: int
-    dtype: np.dtype[Any]
+    dtype: np.dtype[Any]  #: Type of the stored numbers.
+    #: ``(start, stop) -> stored numbers``, shape (stop - start, rows, columns), with a further axis of channels for colours.
     read: Callable[[int, int], NDArray[Any]]
-    colours: int = 0
-    frame_rate: float | None = None
-    units: str | None = None
-    decoding: Decoding = PLAIN
-    saturation: float | None = None
-    notes: tuple[str, ...] = ()
+    colours: int = 0  #: Length of the axis of colours, grey and alpha (2), RGB (3) or RGBA (4); 0 without that axis.
+    frame_rate: float | None = None  #: [Hz].
+    units: str | None = None  #: Units of the values.
+    decoding: Decoding = PLAIN  #: Relation of stored numbers to values.
+    saturation: float | None = None  #: Value of full scale.
+    notes: tuple[str, ...] = ()  #: Sentences for the user.
 
 
 def channel_index(count: int, requested: str | None, source: object) -> int:

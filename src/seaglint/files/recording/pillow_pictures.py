@@ -24,9 +24,10 @@ from seaglint.files.recording.picture_file import PictureFile, first_line
 
 ENDINGS: Final = (".png", ".apng", ".gif", ".bmp", ".pgm", ".pbm", ".ppm", ".pnm", ".pfm", ".jpg", ".jpeg")
 
+#: Formats that Pillow opens here: it knows FITS and TIFF too, without the tags that change their numbers.
 _FORMATS: Final = ("PNG", "GIF", "BMP", "DIB", "PPM", "JPEG")
-"""Formats that Pillow opens here: it knows FITS and TIFF too, without the tags that change their numbers."""
 
+#: Beginnings of files of other formats, with their names and endings.
 _OTHERS: Final = {
     b"SIMPLE": "FITS (.fits)",
     b"II*\0": "TIFF (.tif)",
@@ -34,18 +35,15 @@ _OTHERS: Final = {
     b"\x89HDF": "HDF5 (.h5)",
     b"\x93NUMPY": "NumPy (.npy)",
 }
-"""Beginnings of files of other formats, with their names and endings."""
 
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
+#: Length of the axis of colours by the colour type of a PNG: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha.
 _CHANNELS: Final = {0: 0, 2: 3, 3: 3, 4: 2, 6: 4}
-"""Length of the axis of colours by the colour type of a PNG: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha."""
 
-_BEFORE_PIXELS: Final = 200
-"""Largest number of chunks before the pixels that are looked at."""
+_BEFORE_PIXELS: Final = 200  #: Largest number of chunks before the pixels that are looked at.
 
 _GAMMA_ONE: Final = 100_000
-_UNEVEN_GIF: Final = 10.0
-"""Largest difference between durations of a GIF's frames that rounding to hundredths of a second explains [ms]."""
+_UNEVEN_GIF: Final = 10.0  #: Largest difference between durations of a GIF's frames that rounding to hundredths of a second explains [ms].
 
 
 @dataclass(frozen=True)

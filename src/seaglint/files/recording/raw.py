@@ -26,30 +26,16 @@ TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "floa
 
 @dataclass(frozen=True)
 class RawLayout:
-    """Layout of a raw file.
+    """Layout of a raw file."""
 
-    Attributes
-    ----------
-    rows, columns : int
-        Size of a frame.
-    dtype : str
-        uint8, int8, uint16, int16, uint32, int32, float32 or float64.
-    byte_order : str
-        ``little`` or ``big``.
-    offset : int
-        Bytes before the first frame.
-    frame_header : int
-        Bytes before each frame.
-    frame_rate, units, saturation
-        As in :class:`~seaglint.analysis.Recording`; a camera of 14 bits in 16 saturates at 16383.
-    """
-
+    #: ``rows``, ``columns``: Size of a frame.
     rows: int
     columns: int
-    dtype: str = "uint16"
-    byte_order: str = "little"
-    offset: int = 0
-    frame_header: int = 0
+    dtype: str = "uint16"  #: uint8, int8, uint16, int16, uint32, int32, float32 or float64.
+    byte_order: str = "little"  #: ``little`` or ``big``.
+    offset: int = 0  #: Bytes before the first frame.
+    frame_header: int = 0  #: Bytes before each frame.
+    #: ``frame_rate``, ``units``, ``saturation``: As in :class:`~seaglint.analysis.Recording`; a camera of 14 bits in 16 saturates at 16383.
     frame_rate: float | None = None
     units: str | None = None
     saturation: float | None = None

@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
 
+#: Largest difference between colour channels that still counts as grey (rounding, recompression), as a share of full scale.
 NEARLY_GREY: Final = 0.02
-"""Largest difference between colour channels that still counts as grey (rounding, recompression), as a share of full scale."""
 
+#: Largest deviation of the difference between colour channels that still counts as grey, as a share of that of the picture.
 ALIKE: Final = 0.1
-"""Largest deviation of the difference between colour channels that still counts as grey, as a share of that of the picture."""
 
-CHANNELS: Final = ("mean", "red", "green", "blue")
-"""Names of the ways to make one image of colour channels."""
+CHANNELS: Final = ("mean", "red", "green", "blue")  #: Names of the ways to make one image of colour channels.
 
 
 class SeveralChannelsError(DataError):

@@ -19,12 +19,11 @@ from seaglint.files.recording.decoding import PLAIN, Decoding, in_type
 from seaglint.files.recording.frame_times import one_rate, seconds_in
 
 _STRAIGHT: Final = 0
-_UNCALIBRATED: Final = 20
-"""ImageJ's numbers of a calibration by a straight line, and of none (``ij.measure.Calibration``)."""
+_UNCALIBRATED: Final = 20  #: ImageJ's numbers of a calibration by a straight line, and of none (``ij.measure.Calibration``).
 
 _MINISWHITE: Final = 0
+#: Tags of curves from numbers to light, which are not applied.
 _UNUSED: Final = {291: "GrayResponseCurve", 301: "TransferFunction", 50712: "LinearizationTable"}
-"""Tags of curves from numbers to light, which are not applied."""
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,7 @@ from seaglint.files.recording.forward import ForwardFrames
 from seaglint.files.recording.stored import grey
 
 ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
-_LIMITED = 1
-"""PyAV's number of a limited range of luma (AVCOL_RANGE_MPEG)."""
+_LIMITED = 1  #: PyAV's number of a limited range of luma (AVCOL_RANGE_MPEG).
 
 LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")
 

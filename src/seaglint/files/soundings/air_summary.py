@@ -23,61 +23,33 @@ from seaglint.files.soundings.continuation import continuations
 from seaglint.files.soundings.sounding import read_sounding
 from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
 
-INFRARED_CM: Final = 2500.0
-"""Wavenumber of the refractivity that is told [cm-1]: 4 um."""
+INFRARED_CM: Final = 2500.0  #: Wavenumber of the refractivity that is told [cm-1]: 4 um.
 
-REFERENCE_HEIGHT: Final = 10.0
-"""Height of the air that is compared with the sea [m]."""
+REFERENCE_HEIGHT: Final = 10.0  #: Height of the air that is compared with the sea [m].
 
-EYES: Final = (10.0, 100.0)
-"""Heights of sensors whose horizon is told [m]."""
+EYES: Final = (10.0, 100.0)  #: Heights of sensors whose horizon is told [m].
 
-FARTHEST: Final = 500e3
-"""Arc up to which rays to the horizon are followed [m]."""
+FARTHEST: Final = 500e3  #: Arc up to which rays to the horizon are followed [m].
 
-LOWEST: Final = 100.0
-"""Height up to which the mean gradient of refractivity is taken [m]."""
+LOWEST: Final = 100.0  #: Height up to which the mean gradient of refractivity is taken [m].
 
 
-STATION: Final = 2.0
-"""Height of the lowest level from which on the water above it is listed too [m]."""
+STATION: Final = 2.0  #: Height of the lowest level from which on the water above it is listed too [m].
 
 
 @dataclass(frozen=True, eq=False)
 class AirSummary:
-    """Facts about the air, for a listing, JSON and a picture.
+    """Facts about the air, for a listing, JSON and a picture."""
 
-    Attributes
-    ----------
-    profile : AirProfile
-        The air from the sea to 100 km.
-    given : int
-        Number of levels of the sounding or model itself.
-    kind : str
-        Format of the file, or ``model atmosphere``.
-    top : float
-        Height of the highest level given [m].
-    lowest : float
-        Height of the lowest level given [m].
-    misfit : float or None
-        Relative misfit of heights and pressures from the hydrostatic balance; None where levels are few.
-    sea_kelvin : float
-        Temperature of the sea to compare with [K].
-    notes : tuple of str
-        What the reader did.
-    ozone_top : float or None
-        Height of the highest level with ozone of the sounding [m]; None where all ozone is the model's.
-    """
-
-    profile: AirProfile
-    given: int
-    kind: str
-    top: float
-    lowest: float
-    misfit: float | None
-    sea_kelvin: float
-    notes: tuple[str, ...] = field(default=())
-    ozone_top: float | None = None
+    profile: AirProfile  #: The air from the sea to 100 km.
+    given: int  #: Number of levels of the sounding or model itself.
+    kind: str  #: Format of the file, or ``model atmosphere``.
+    top: float  #: Height of the highest level given [m].
+    lowest: float  #: Height of the lowest level given [m].
+    misfit: float | None  #: Relative misfit of heights and pressures from the hydrostatic balance; None where levels are few.
+    sea_kelvin: float  #: Temperature of the sea to compare with [K].
+    notes: tuple[str, ...] = field(default=())  #: What the reader did.
+    ozone_top: float | None = None  #: Height of the highest level with ozone of the sounding [m]; None where all ozone is the model's.
 
     @property
     def refractivity_units(self) -> FloatArray:

@@ -10,24 +10,12 @@ from seaglint.files.soundings.sounding import LOW_TOP, Sounding
 
 @dataclass(frozen=True)
 class Continuation:
-    """Part of the air that the sounding does not have.
+    """Part of the air that the sounding does not have."""
 
-    Attributes
-    ----------
-    height : float
-        Height from which on it is, or up to which [m].
-    share : float
-        Share of the precipitable water there [1].
-    text : str
-        What ends where, and the share.
-    below : bool
-        True for the part below that height.
-    """
-
-    height: float
-    share: float
-    text: str
-    below: bool = False
+    height: float  #: Height from which on it is, or up to which [m].
+    share: float  #: Share of the precipitable water there [1].
+    text: str  #: What ends where, and the share.
+    below: bool = False  #: True for the part below that height.
 
 
 def percent(share: float) -> str:

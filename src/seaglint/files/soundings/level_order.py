@@ -19,32 +19,24 @@ from seaglint.base.errors import DataError
 from seaglint.files.soundings.raw_sounding import RawSounding
 from seaglint.files.soundings.sounding_checks import DRY_AIR
 
-FALL: Final = 0.125
-"""Rise of the logarithm of pressure beyond which more than one level is another ascent: a fall of about a kilometre."""
+FALL: Final = 0.125  #: Rise of the logarithm of pressure beyond which more than one level is another ascent: a fall of about a kilometre.
 
+#: Rise of the logarithm of pressure in one step, from which levels go on rising, that tells a second launch: a fall of some 65 m.
 RESTART: Final = 0.008
-"""Rise of the logarithm of pressure in one step, from which levels go on rising, that tells a second launch: a fall of some 65 m."""
 
-GROUND: Final = 0.012
-"""Difference of the logarithm of pressure from the first level within which a level is near the ground: some 100 m."""
+GROUND: Final = 0.012  #: Difference of the logarithm of pressure from the first level within which a level is near the ground: some 100 m.
 
-RESTARTED: Final = 3
-"""Least number of levels after such a step that lie below those before it; fewer are faults of single levels."""
+RESTARTED: Final = 3  #: Least number of levels after such a step that lie below those before it; fewer are faults of single levels.
 
-JUMP: Final = 0.7
-"""Share of such a rise in a single step by which another sounding is told from a descent."""
+JUMP: Final = 0.7  #: Share of such a rise in a single step by which another sounding is told from a descent.
 
-NOISE_HPA: Final = 0.2
-"""Rise of pressure, under rising heights, that a sensor's noise explains [hPa]."""
+NOISE_HPA: Final = 0.2  #: Rise of pressure, under rising heights, that a sensor's noise explains [hPa].
 
-NOISE_M: Final = 10.0
-"""Fall of height, under falling pressures, that noise of the height explains [m]."""
+NOISE_M: Final = 10.0  #: Fall of height, under falling pressures, that noise of the height explains [m].
 
-SAME_M: Final = 1e-3
-"""Heights this close are one height [m]."""
+SAME_M: Final = 1e-3  #: Heights this close are one height [m].
 
-LOST: Final = 0.25
-"""Largest share of levels that may fall back."""
+LOST: Final = 0.25  #: Largest share of levels that may fall back.
 
 
 def upwards(path: Path, raw: RawSounding) -> tuple[RawSounding, bool]:

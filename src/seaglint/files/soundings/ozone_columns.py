@@ -15,58 +15,42 @@ from seaglint.base.errors import DataError
 from seaglint.files.soundings.raw_sounding import RawSounding, without_missing
 from seaglint.files.soundings.sounding_columns import plain_name
 
+#: Units by their plain spelling; ``ppm`` is not among them: files have it by mass and by volume.
 UNITS: Final = {
     "ppmv": "ppmv", "mmr": "kg/kg", "mpa": "mPa", "ppbv": "ppbv",
     **dict.fromkeys(("kg_kg", "kg_kg-1", "kg_kg**-1", "kg_kg^-1"), "kg/kg"),
     **dict.fromkeys(("mol_mol", "mol_mol-1", "mol_mol**-1", "mol_mol^-1"), "mol/mol"),
 }  # fmt: skip
-"""Units by their plain spelling; ``ppm`` is not among them: files have it by mass and by volume."""
 
-RANKS: Final = ("ppmv", "kg/kg", "mPa", "ppbv", "mol/mol")
-"""Units, the preferred first, where several columns have as many values."""
+RANKS: Final = ("ppmv", "kg/kg", "mPa", "ppbv", "mol/mol")  #: Units, the preferred first, where several columns have as many values.
 
 ALLOWED: Final = (
     "ozone_ppmv or ozone_ppbv (parts per million or billion of the volume of air), ozone_mmr (mass mixing ratio, kg/kg) or ozone_mpa (mPa)"
 )
 
-MOLAR: Final = 28.9644 / 47.9982
-"""Molar mass of air over that of ozone [1]."""
+MOLAR: Final = 28.9644 / 47.9982  #: Molar mass of air over that of ozone [1].
 
-FURTHER_MISSING: Final = (99.9, 99.99, 9000.0)
-"""Further numbers for a missing value in ozonesondes' files."""
+FURTHER_MISSING: Final = (99.9, 99.99, 9000.0)  #: Further numbers for a missing value in ozonesondes' files.
 
-MOST_PPMV: Final = 20.0
-"""Ozone above is no air's [1e-6 of the volume]; the most of the stratosphere is some 12."""
+MOST_PPMV: Final = 20.0  #: Ozone above is no air's [1e-6 of the volume]; the most of the stratosphere is some 12.
 
-MOST_LOW_PPMV: Final = 1.0
-"""Ozone above is no air's below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4."""
+MOST_LOW_PPMV: Final = 1.0  #: Ozone above is no air's below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4.
 
+#: Ozone of which half of the levels lie below is no air's [1e-6 of the volume]; tropical air over oceans has some 0.01.
 LEAST_PPMV: Final = 1e-3
-"""Ozone of which half of the levels lie below is no air's [1e-6 of the volume]; tropical air over oceans has some 0.01."""
 
 LOW_HPA: Final = 500.0
 
-ROUNDED_PPMV: Final = -1e-3
-"""Least value that the packing of gridded analyses explains [1e-6 of the volume]."""
+ROUNDED_PPMV: Final = -1e-3  #: Least value that the packing of gridded analyses explains [1e-6 of the volume].
 
 
 @dataclass(frozen=True)
 class OzoneColumn:
-    """A column that holds ozone.
+    """A column that holds ozone."""
 
-    Attributes
-    ----------
-    place : int
-        Column of the file, from 0.
-    name : str
-        Name in the file.
-    unit : str
-        One of :data:`RANKS`.
-    """
-
-    place: int
-    name: str
-    unit: str
+    place: int  #: Column of the file, from 0.
+    name: str  #: Name in the file.
+    unit: str  #: One of :data:`RANKS`.
 
     def in_ppmv(self, values: FloatArray, pressure: FloatArray) -> FloatArray:
         """Values as parts per million of the volume of air, at pressures [hPa].
@@ -101,11 +85,11 @@ def _base_and_unit(plain: str) -> tuple[str, str | None]:
     return plain, None
 
 
+#: Names of the amount of ozone, without its unit; an ozone column of another name is one of errors, currents or flags.
 AMOUNTS: Final = frozenset({
     *("ozone", "o3", "go3", "ozone_mixing_ratio", "o3_mixing_ratio", "ozone_partial_pressure", "o3_partial_pressure", "ozone_mass"),
     *("ozone_mass_mixing_ratio", "ozone_volume_mixing_ratio", "mass_fraction_of_ozone_in_air", "mole_fraction_of_ozone_in_air"),
 })  # fmt: skip
-"""Names of the amount of ozone, without its unit; an ozone column of another name is one of errors, currents or flags."""
 
 
 def ozone_columns(

@@ -11,69 +11,45 @@ from numpy.typing import NDArray
 from seaglint.air.profile.air_profile import saturation_density
 from seaglint.base.conventions import FloatArray
 
+#: Numbers that stand for a missing value of any quantity.
 MISSING: Final = (9999.0, 99999.0, -999.0, -999.9, -999.99, -9999.0, -9999.9, -8888.0, -99999.0, 9999.9, -32768.0, 32767.0)
-"""Numbers that stand for a missing value of any quantity."""
 
+#: Further numbers that stand for a missing pressure, temperature or humidity; a height of -99 m may be real.
 BELOW_ZERO: Final = (-99.0, -99.9, -99.99, -888.0)
-"""Further numbers that stand for a missing pressure, temperature or humidity; a height of -99 m may be real."""
 
+#: Further numbers that stand for a missing temperature or humidity; 999.9 hPa and 999 m may be real.
 BEYOND_AIR: Final = (999.0, 999.9, 999.99)
-"""Further numbers that stand for a missing temperature or humidity; 999.9 hPa and 999 m may be real."""
 
 Quantity = Literal["pressure", "height", "temperature", "humidity"]
 
-LARGEST: Final = 1e9
-"""Numbers beyond are fill values such as 1e20."""
+LARGEST: Final = 1e9  #: Numbers beyond are fill values such as 1e20.
 
+#: Texts that stand for a missing value, in lower case; so do texts of nothing but ``-``, ``/``, ``*`` or ``.``.
 MISSING_TEXTS: Final = frozenset({"", "nan", "na", "n/a", "null", "none", "m", "missing", "nil"})
-"""Texts that stand for a missing value, in lower case; so do texts of nothing but ``-``, ``/``, ``*`` or ``.``."""
 
 Humidity = Literal["dewpoint_k", "relative_humidity_percent", "mixing_ratio_g_kg", "specific_humidity"]
 
-VAPOUR_CONSTANT: Final = 461.5
-"""Specific gas constant of water vapour [J kg-1 K-1]."""
+VAPOUR_CONSTANT: Final = 461.5  #: Specific gas constant of water vapour [J kg-1 K-1].
 
 
 @dataclass(frozen=True, eq=False)
 class RawSounding:
-    """Rows of a file.
+    """Rows of a file."""
 
-    Attributes
-    ----------
-    kind : str
-        Name of the format.
-    pressure, height, temperature : ndarray
-        [hPa], [m], [K]; NaN where missing.
-    humidity : str
-        Quantity of ``humidity_value``: dew point [K], relative humidity [%], mixing ratio [g kg-1], or specific humidity [kg kg-1].
-    humidity_value : ndarray
-        Its values, NaN where missing.
-    geopotential : bool
-        True for geopotential heights.
-    names : dict
-        Columns of the file by quantity: pressure, height, temperature, humidity, and ozone where it has that.
-    notes : tuple of str
-        What the reader chose.
-    resolution : (float, float)
-        Steps that pressures [hPa] and heights [m] are rounded to.
-    ozone : ndarray or None
-        Ozone, NaN where missing; None for files without it.
-    ozone_unit : str
-        Its unit, ``ppmv`` for parts per million of the volume of air.
-    """
-
-    kind: str
+    kind: str  #: Name of the format.
+    #: ``pressure``, ``height``, ``temperature``: [hPa], [m], [K]; NaN where missing.
     pressure: FloatArray
     height: FloatArray
     temperature: FloatArray
+    #: Quantity of ``humidity_value``: dew point [K], relative humidity [%], mixing ratio [g kg-1], or specific humidity [kg kg-1].
     humidity: Humidity
-    humidity_value: FloatArray
-    geopotential: bool
-    names: dict[str, str]
-    notes: tuple[str, ...] = ()
-    resolution: tuple[float, float] = (0.1, 1.0)
-    ozone: FloatArray | None = None
-    ozone_unit: str = "ppmv"
+    humidity_value: FloatArray  #: Its values, NaN where missing.
+    geopotential: bool  #: True for geopotential heights.
+    names: dict[str, str]  #: Columns of the file by quantity: pressure, height, temperature, humidity, and ozone where it has that.
+    notes: tuple[str, ...] = ()  #: What the reader chose.
+    resolution: tuple[float, float] = (0.1, 1.0)  #: Steps that pressures [hPa] and heights [m] are rounded to.
+    ozone: FloatArray | None = None  #: Ozone, NaN where missing; None for files without it.
+    ozone_unit: str = "ppmv"  #: Its unit, ``ppmv`` for parts per million of the volume of air.
 
     def kept(self, where: NDArray[np.bool_] | NDArray[np.intp]) -> RawSounding:
         """Return some of the levels."""

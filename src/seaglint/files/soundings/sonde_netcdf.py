@@ -13,11 +13,10 @@ from seaglint.files.soundings.ozone_columns import OzoneColumn, ozone_columns, w
 from seaglint.files.soundings.raw_sounding import RawSounding
 from seaglint.files.soundings.sounding_columns import SoundingColumn, plain_unit, sounding_column, sounding_of
 
+#: Dimensions of gridded analyses, which are no sondes.
 LEVEL_DIMENSIONS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
-"""Dimensions of gridded analyses, which are no sondes."""
 
-ROUNDED: Final = {"pressure": 0.1, "height": 1.0}
-"""Steps to which sondes' pressures [hPa] and heights [m] are rounded at most."""
+ROUNDED: Final = {"pressure": 0.1, "height": 1.0}  #: Steps to which sondes' pressures [hPa] and heights [m] are rounded at most.
 
 
 def is_sonde(data: Any) -> bool:

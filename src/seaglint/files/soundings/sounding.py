@@ -25,60 +25,37 @@ from seaglint.files.soundings.raw_sounding import RawSounding
 from seaglint.files.soundings.sounding_checks import DRY_AIR, check_hydrostatics, virtual_temperature, whole_humidity
 from seaglint.files.soundings.unit_suspicions import check_units
 
+#: Largest height of the lowest level [m]; it is continued to the sea with its own temperature and humidity.
 HIGHEST_FIRST_LEVEL: Final = 500.0
-"""Largest height of the lowest level [m]; it is continued to the sea with its own temperature and humidity."""
 
-LOW_TOP: Final = 20e3
-"""Height below which the end of a sounding is noted [m]."""
+LOW_TOP: Final = 20e3  #: Height below which the end of a sounding is noted [m].
 
-TOP_M: Final = 100e3
-"""Heights above are left out [m]."""
+TOP_M: Final = 100e3  #: Heights above are left out [m].
 
-MOST_LEVELS: Final = 2_000_000
-"""Largest number of levels that a file may have."""
+MOST_LEVELS: Final = 2_000_000  #: Largest number of levels that a file may have.
 
 
 @dataclass(frozen=True, eq=False)
 class Sounding:
-    """Sounding from the sea up, as understood.
+    """Sounding from the sea up, as understood."""
 
-    Attributes
-    ----------
-    path, kind : str
-        File and format.
-    height, pressure, temperature : ndarray
-        Ascending levels from the sea: [m], [hPa], [K]; (levels,).
-    relative_humidity : ndarray
-        Over water [%, (levels,)]; NaN above the highest level that has one, where a model atmosphere continues it.
-    notes : tuple of str
-        What was chosen, left out, turned, filled or continued, a sentence each.
-    reported : tuple of str
-        Those of the notes that a user of the result needs to see.
-    digest : str
-        SHA-256 of the file.
-    lowest_given : float
-        Height of the file's own lowest level [m].
-    given : int
-        Number of levels of the file that are used.
-    humidity_begins : float or None
-        Height of the lowest level with humidity [m], where levels below it have none.
-    ozone_ppmv : ndarray or None
-        Ozone [1e-6 of the volume, (levels,)]; NaN above the highest level that has it, where a model atmosphere continues it. None for
-        files without ozone.
-    """
-
+    #: ``path``, ``kind``: File and format.
     path: str
     kind: str
+    #: ``height``, ``pressure``, ``temperature``: Ascending levels from the sea: [m], [hPa], [K]; (levels,).
     height: FloatArray
     pressure: FloatArray
     temperature: FloatArray
+    #: Over water [%, (levels,)]; NaN above the highest level that has one, where a model atmosphere continues it.
     relative_humidity: FloatArray
-    notes: tuple[str, ...]
-    reported: tuple[str, ...]
-    digest: str
-    lowest_given: float
-    given: int
-    humidity_begins: float | None = None
+    notes: tuple[str, ...]  #: What was chosen, left out, turned, filled or continued, a sentence each.
+    reported: tuple[str, ...]  #: Those of the notes that a user of the result needs to see.
+    digest: str  #: SHA-256 of the file.
+    lowest_given: float  #: Height of the file's own lowest level [m].
+    given: int  #: Number of levels of the file that are used.
+    humidity_begins: float | None = None  #: Height of the lowest level with humidity [m], where levels below it have none.
+    #: Ozone [1e-6 of the volume, (levels,)]; NaN above the highest level that has it, where a model atmosphere continues it. None for files
+    #: without ozone.
     ozone_ppmv: FloatArray | None = None
 
     @property
@@ -116,8 +93,7 @@ class Sounding:
         }
 
 
-PLACE_OF_SCENARIO: Final = "give [place] latitude_deg and longitude_deg"
-"""Remedy for a file of many places in a scenario."""
+PLACE_OF_SCENARIO: Final = "give [place] latitude_deg and longitude_deg"  #: Remedy for a file of many places in a scenario.
 
 
 def read_sounding(

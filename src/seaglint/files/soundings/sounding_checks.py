@@ -15,17 +15,13 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.soundings.raw_sounding import VAPOUR_CONSTANT, RawSounding
 
-DRY_AIR: Final = 287.05
-"""Specific gas constant of dry air [J kg-1 K-1]."""
+DRY_AIR: Final = 287.05  #: Specific gas constant of dry air [J kg-1 K-1].
 
-HYDROSTATIC: Final = 0.02
-"""Largest relative difference of a thickness from the hydrostatic one."""
+HYDROSTATIC: Final = 0.02  #: Largest relative difference of a thickness from the hydrostatic one.
 
-SPAN: Final = 1000.0
-"""Thickness over which heights and pressures are compared [m]."""
+SPAN: Final = 1000.0  #: Thickness over which heights and pressures are compared [m].
 
-SURFACE_PRESSURES: Final = (850.0, 1100.0)
-"""Pressures at the sea [hPa]; hurricanes have 870."""
+SURFACE_PRESSURES: Final = (850.0, 1100.0)  #: Pressures at the sea [hPa]; hurricanes have 870.
 
 
 def virtual_temperature(temperature: ArrayLike, pressure: ArrayLike, humidity: ArrayLike) -> FloatArray:

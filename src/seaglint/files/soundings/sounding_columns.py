@@ -30,13 +30,14 @@ HUMIDITY: Final = ("relative_humidity", "rh", "relh", "humidity", "rel_humidity"
 MIXING: Final = ("mixing_ratio", "mixr", "mix_ratio", "water_vapor_mixing_ratio", "water_vapour_mixing_ratio")
 SPECIFIC: Final = ("specific_humidity", "spfh", "hus", "sphu")
 
+#: Names of GEMPAK and its like, with the unit that they stand for.
 FIXED: Final = {"tmpc": ("temperature", "c"), "tmpk": ("temperature", "k"), "tmpf": ("temperature", "f"), "dwpc": ("dewpoint", "c"),
                 "dwpk": ("dewpoint", "k"), "dwpf": ("dewpoint", "f"), "press_mb": ("pressure", "hpa")}  # fmt: skip
-"""Names of GEMPAK and its like, with the unit that they stand for."""
 
+#: Names that are short for other things too: they count with a unit alone; ``p`` counts as hPa.
 BARE: Final = frozenset({"t", "z", "p", "td", "ta", "dp", "dew"})
-"""Names that are short for other things too: they count with a unit alone; ``p`` counts as hPa."""
 
+#: Units by their spelling, in lower case without signs of degrees.
 UNITS: Final = {
     **dict.fromkeys(("hpa", "mb", "mbar", "mbars", "hectopascal", "hectopascals", "millibar", "millibars"), "hpa"),
     **dict.fromkeys(("pa", "pascal", "pascals"), "pa"),
@@ -52,33 +53,31 @@ UNITS: Final = {
     **dict.fromkeys(("g_kg", "g/kg", "gkg", "g_kg-1", "g_kg^-1", "g_per_kg"), "g/kg"),
     **dict.fromkeys(("kg_kg", "kg/kg", "kg_kg-1", "kg_kg**-1", "kg_kg^-1"), "kg/kg"),
 }
-"""Units by their spelling, in lower case without signs of degrees."""
 
+#: Units of a quantity.
 ALLOWED: Final[dict[str, tuple[str, ...]]] = {
     "pressure": ("hpa", "pa", "kpa"), "height": ("m", "ft", "km"), "temperature": ("c", "k", "f"), "dewpoint": ("c", "k", "f"),
     "depression": ("c", "k", "f"), "humidity": ("%", "1"), "mixing": ("g/kg", "kg/kg"), "specific": ("kg/kg", "g/kg"),
 }  # fmt: skip
-"""Units of a quantity."""
 
+#: Names by kind of quantity, and the quantity of a level that it is.
 QUANTITIES: Final[dict[str, tuple[str, tuple[str, ...]]]] = {
     "pressure": ("pressure", PRESSURE), "height": ("height", (*HEIGHT, *GEOPOTENTIAL, *SATELLITE)),
     "temperature": ("temperature", TEMPERATURE),
     "dewpoint": ("humidity", DEW_POINT), "depression": ("humidity", DEPRESSION), "humidity": ("humidity", HUMIDITY),
     "mixing": ("humidity", MIXING), "specific": ("humidity", SPECIFIC),
 }  # fmt: skip
-"""Names by kind of quantity, and the quantity of a level that it is."""
 
+#: Quantity of a level by the kind of its humidity, the preferred first.
 HUMIDITIES: Final[dict[str, Humidity]] = {
     "dewpoint": "dewpoint_k", "depression": "dewpoint_k", "humidity": "relative_humidity_percent", "mixing": "mixing_ratio_g_kg",
     "specific": "specific_humidity",
 }  # fmt: skip
-"""Quantity of a level by the kind of its humidity, the preferred first."""
 
+#: Units of names without one; temperatures and dew points without one are Celsius below :data:`KELVIN_FROM`.
 DEFAULTS: Final = {"pressure": "hpa", "height": "m", "humidity": "%", "mixing": "g/kg", "specific": "kg/kg", "depression": "k"}
-"""Units of names without one; temperatures and dew points without one are Celsius below :data:`KELVIN_FROM`."""
 
-KELVIN_FROM: Final = 130.0
-"""Median of a temperature without a unit from which it is in kelvin."""
+KELVIN_FROM: Final = 130.0  #: Median of a temperature without a unit from which it is in kelvin.
 
 ZERO_C: Final = 273.15
 
@@ -105,30 +104,14 @@ def plain_unit(text: str) -> str | None:
 
 @dataclass(frozen=True)
 class SoundingColumn:
-    """A column that holds a quantity of a sounding.
+    """A column that holds a quantity of a sounding."""
 
-    Attributes
-    ----------
-    place : int
-        Column of the file, from 0.
-    kind : str
-        Kind of :data:`QUANTITIES`.
-    unit : str or None
-        Its unit; None for a temperature or dew point that says none.
-    name : str
-        Name in the file.
-    geopotential : bool
-        True for geopotential heights.
-    rank : int
-        Place of the name among those of its kind, the preferred first.
-    """
-
-    place: int
-    kind: str
-    unit: str | None
-    name: str
-    geopotential: bool
-    rank: int
+    place: int  #: Column of the file, from 0.
+    kind: str  #: Kind of :data:`QUANTITIES`.
+    unit: str | None  #: Its unit; None for a temperature or dew point that says none.
+    name: str  #: Name in the file.
+    geopotential: bool  #: True for geopotential heights.
+    rank: int  #: Place of the name among those of its kind, the preferred first.
 
     @property
     def quantity(self) -> Quantity:

@@ -14,8 +14,7 @@ from seaglint.files.soundings.station_lists import choice_note, nearest_time
 
 _IGRA_HEAD = re.compile(r"^#[A-Z0-9]{11} \d{4} ")
 _WYOMING_TITLE = re.compile(r"\b(\d{2})Z (\d{1,2}) ([A-Z][a-z]{2}) (\d{4})\b")
-_WIDTH = 7
-"""Width of a column of Wyoming's list."""
+_WIDTH = 7  #: Width of a column of Wyoming's list.
 
 
 def is_wyoming_list(lines: list[str]) -> bool:

@@ -18,22 +18,19 @@ from seaglint.files.tables.table_text import cells_of, plain_number
 
 NEEDED: Final = "height_m, pressure_hpa, temperature_k (or temperature_c), relative_humidity_percent (or dewpoint_k, dewpoint_c)"
 
-HEADER_LINES: Final = 300
-"""Lines of a file among which the line of column names is looked for."""
+HEADER_LINES: Final = 300  #: Lines of a file among which the line of column names is looked for.
 
-MOST_SHOWN: Final = 300
-"""Characters of column names that an error shows."""
+MOST_SHOWN: Final = 300  #: Characters of column names that an error shows.
 
-SAMPLE: Final = 2000
-"""Rows at either end by which the rounding of a long table is found."""
+SAMPLE: Final = 2000  #: Rows at either end by which the rounding of a long table is found.
 
+#: Names of two words in lists whose columns single blanks part.
 _TWO_WORDS: Final = re.compile(
     r"(?i)\b(elapsed|asc|ascent|wind|flight|geopot|dew|relative|air) +(time|rate|speed|dir|direction|height|point|humidity|temp)"
 )
-"""Names of two words in lists whose columns single blanks part."""
 
+#: Separators of cells; None for blanks.
 SEPARATORS: Final = ("\t", ";", ",", None)
-"""Separators of cells; None for blanks."""
 
 
 @dataclass(frozen=True)

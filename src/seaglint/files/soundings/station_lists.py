@@ -17,8 +17,8 @@ from seaglint.files.soundings.sounding_columns import columns_of, sounding_of
 from seaglint.files.soundings.sounding_table import rounding
 from seaglint.files.text_file import parsed_json
 
+#: Difference from the time requested that is reported [s]: half of the time between two ascents of a day's four.
 FAR_S: Final = 3.0 * 3600.0
-"""Difference from the time requested that is reported [s]: half of the time between two ascents of a day's four."""
 
 NAMES_OF: Final[dict[str, str]] = {"pressure": "PRES", "height": "HGHT", "temperature": "TEMP", "humidity": "DWPT"}
 

@@ -15,17 +15,13 @@ from seaglint.files.soundings.sounding_checks import HYDROSTATIC, span_misfit
 
 ZERO_C: Final = 273.15
 
-WARMEST_K: Final = 345.0
-"""Temperatures above are no air's [K]."""
+WARMEST_K: Final = 345.0  #: Temperatures above are no air's [K].
 
-COLDEST_K: Final = 130.0
-"""Temperatures below are no air's up to 100 km [K]."""
+COLDEST_K: Final = 130.0  #: Temperatures below are no air's up to 100 km [K].
 
-ABOVE_AIR: Final = 0.5
-"""Excess of a dew point over the temperature that rounding and sensors explain [K]."""
+ABOVE_AIR: Final = 0.5  #: Excess of a dew point over the temperature that rounding and sensors explain [K].
 
-DRIEST_LOW: Final = 20.0
-"""Dew-point depression above 700 hPa that no whole sounding exceeds at each of its levels [K]."""
+DRIEST_LOW: Final = 20.0  #: Dew-point depression above 700 hPa that no whole sounding exceeds at each of its levels [K].
 
 
 def check_units(path: Path, raw: RawSounding) -> None:

@@ -23,10 +23,8 @@ from seaglint.base.errors import DataError
 class Claim:
     """Claim of a writer on the folder that it writes."""
 
-    folder: Path
-    """Claimed folder."""
-    token: str
-    """Random text that no other claim has."""
+    folder: Path  #: Claimed folder.
+    token: str  #: Random text that no other claim has.
 
     def holds(self) -> bool:
         """Return true while the file beside the folder still carries this claim's token."""

@@ -36,14 +36,10 @@ class Interrupted(SeaglintError):  # noqa: N818 (an answer to a request, not a m
 class UnitTask:
     """Description of a store for another process that writes units into it."""
 
-    output: str
-    """Name of the store."""
-    folder: str
-    """Claimed folder; empty where there are no locks."""
-    token: str
-    """Token of the claim."""
-    version: str = __version__
-    """Version of the calling program."""
+    output: str  #: Name of the store.
+    folder: str  #: Claimed folder; empty where there are no locks.
+    token: str  #: Token of the claim.
+    version: str = __version__  #: Version of the calling program.
 
     @classmethod
     def of(cls, place: Place, claim: Any) -> UnitTask:
@@ -51,11 +47,10 @@ class UnitTask:
         return cls(place.name, "" if claim.folder is None else str(Path(claim.folder).absolute()), claim.token)
 
 
+#: Callback that has units made elsewhere, by :func:`unit_maker`.
+#:
+#: It yields outcomes as they finish, leaving the context cancels the rest.
 Spread = Callable[[UnitTask, Sequence[int]], AbstractContextManager[Iterator[UnitRecord | UnitFailure]]]
-"""Callback that has units made elsewhere, by :func:`unit_maker`.
-
-It yields outcomes as they finish, leaving the context cancels the rest.
-"""
 
 
 def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], UnitRecord]:
@@ -114,16 +109,12 @@ class Filling:
 
     place: Place
     shards: Shards
-    units: range
-    """Units of this process's share."""
+    units: range  #: Units of this process's share.
     claim: Any
-    numbers: range
-    """Numbers of all frames of the store."""
-    remedy: Callable[[], str]
-    """Remedy where there is no room."""
+    numbers: range  #: Numbers of all frames of the store.
+    remedy: Callable[[], str]  #: Remedy where there is no room.
     progress: Progress | None = None
-    failed: list[UnitFailure] = field(default_factory=list)
-    """Return the units with frames that failed."""
+    failed: list[UnitFailure] = field(default_factory=list)  #: Return the units with frames that failed.
 
     def __post_init__(self) -> None:
         self.total = sum(self.shards.span(unit).stop - self.shards.span(unit).start for unit in self.units)

@@ -17,51 +17,35 @@ from seaglint.files.store.stored_truth import Truth
 from seaglint.optics.band import Band
 from seaglint.version import __version__
 
-FORMAT: Final = "seaglint-sequence-1"
-"""Value of the attribute ``seaglint_format`` of seaglint's sequences."""
+FORMAT: Final = "seaglint-sequence-1"  #: Value of the attribute ``seaglint_format`` of seaglint's sequences.
 
-UNFINISHED: Final = "unfinished"
-"""Attribute of a sequence that is being written: the number of shares of its work."""
+UNFINISHED: Final = "unfinished"  #: Attribute of a sequence that is being written: the number of shares of its work.
 
-MOST_UNITS: Final = 256
-"""Largest number of shards of a sequence, unless they would exceed :data:`MOST_BYTES`."""
+MOST_UNITS: Final = 256  #: Largest number of shards of a sequence, unless they would exceed :data:`MOST_BYTES`.
 
-MOST_BYTES: Final = 256_000_000
-"""Largest size of the arrays of a shard before compression [bytes]."""
+MOST_BYTES: Final = 256_000_000  #: Largest size of the arrays of a shard before compression [bytes].
 
 
 @dataclass(frozen=True)
 class Layout:
     """Layout of a sequence, known before its first frame."""
 
+    #: Azimuth of the pixel columns [deg, (nx,)], or of all pixels (ny, nx) where the image is no grid of azimuth and elevation.
     azimuth_deg: FloatArray
-    """Azimuth of the pixel columns [deg, (nx,)], or of all pixels (ny, nx) where the image is no grid of azimuth and elevation."""
-    elevation_deg: FloatArray
-    """Elevation of the pixel rows, from the top [deg, (ny,)], or of all pixels (ny, nx)."""
-    frames: range
-    """Numbers of the frames, counted in the whole sequence."""
-    frame_rate: float
-    """Frames per second [Hz]."""
-    band: Band | None
-    """Spectral response that the radiance is integrated over; None of textures."""
-    variables: tuple[str, ...] = ("radiance",)
-    """Names of the per-frame variables."""
-    attributes: Mapping[str, Any] = field(default_factory=dict)
-    """Attributes of provenance."""
+    elevation_deg: FloatArray  #: Elevation of the pixel rows, from the top [deg, (ny,)], or of all pixels (ny, nx).
+    frames: range  #: Numbers of the frames, counted in the whole sequence.
+    frame_rate: float  #: Frames per second [Hz].
+    band: Band | None  #: Spectral response that the radiance is integrated over; None of textures.
+    variables: tuple[str, ...] = ("radiance",)  #: Names of the per-frame variables.
+    attributes: Mapping[str, Any] = field(default_factory=dict)  #: Attributes of provenance.
+    #: Place and attitude of a moving sensor in every frame, by variable [(frames,)].
     poses: Mapping[str, FloatArray] = field(default_factory=dict)
-    """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
-    start: datetime | None = None
-    """UTC of the first frame of the whole sequence, where a date is known."""
-    per_frame: tuple[str, ...] = ()
-    """Names of the variables that have one number a frame, found with its images."""
-    details: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """Further attributes of variables, by name."""
-    truth: Truth | None = None
-    """Objects whose truth is written beside the images."""
-    turning: bool = False
-    """Flag of a changing attitude: azimuth and elevation are then those of the first frame and not stored."""
-    frames_per_unit: int = 1
-    """Number of frames in a shard, which one process writes at once."""
+    start: datetime | None = None  #: UTC of the first frame of the whole sequence, where a date is known.
+    per_frame: tuple[str, ...] = ()  #: Names of the variables that have one number a frame, found with its images.
+    details: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  #: Further attributes of variables, by name.
+    truth: Truth | None = None  #: Objects whose truth is written beside the images.
+    turning: bool = False  #: Flag of a changing attitude: azimuth and elevation are then those of the first frame and not stored.
+    frames_per_unit: int = 1  #: Number of frames in a shard, which one process writes at once.
 
     @property
     def shape(self) -> tuple[int, int, int]:

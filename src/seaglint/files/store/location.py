@@ -23,8 +23,7 @@ from seaglint.files.store.empty_store import make_arrays
 from seaglint.files.store.layout import FORMAT, UNFINISHED, Layout
 from seaglint.files.store.share import Share
 
-PATIENCE: Final = 60.0
-"""How long a share waits for another one that is making the empty store [s]."""
+PATIENCE: Final = 60.0  #: How long a share waits for another one that is making the empty store [s].
 
 
 def partial_path(output: Path) -> Path:

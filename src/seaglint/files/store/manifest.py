@@ -9,14 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-DONE: Final = "frame_done"
-"""Name of the array that marks the written frames."""
+DONE: Final = "frame_done"  #: Name of the array that marks the written frames.
 
-CHECKSUM: Final = "frame_checksum"
-"""Name of the array of the frames' checksums."""
+CHECKSUM: Final = "frame_checksum"  #: Name of the array of the frames' checksums.
 
-OVER: Final = "over"
-"""Attribute of the checksums that names the arrays they cover, in order."""
+OVER: Final = "over"  #: Attribute of the checksums that names the arrays they cover, in order.
 
 
 def frame_checksum(images: Iterable[NDArray[Any]]) -> int:

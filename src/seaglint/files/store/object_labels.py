@@ -24,8 +24,7 @@ from seaglint.objects.drawing.truth_names import NUMBERS
 if TYPE_CHECKING:
     import xarray as xr
 
-MOST_NAMED: Final = 5
-"""Objects in no frame that are named; more are counted."""
+MOST_NAMED: Final = 5  #: Objects in no frame that are named; more are counted.
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from seaglint.files.store.manifest import CHECKSUM, DONE, OVER, frame_checksum, 
 
 log = logging.getLogger(__name__)
 
+#: Callback that returns the images of a frame by variable (ny, nx), and its truth, for its number in the whole sequence.
 Frame = Callable[[int], Mapping[str, NDArray[Any]]]
-"""Callback that returns the images of a frame by variable (ny, nx), and its truth, for its number in the whole sequence."""
 
 # A comment and no docstring: Sphinx cannot draw up a signature of an alias.
 Block = dict[str, NDArray[Any]]  # arrays of a shard's frames, by path in the store
@@ -29,16 +29,11 @@ class UnitRecord:
     """Result of a unit; it is small, since the frames themselves are in the store."""
 
     unit: int
-    frames: tuple[int, ...] = ()
-    """Numbers of the frames that were made."""
-    checksums: tuple[int, ...] = ()
-    """Checksums of these frames."""
-    seconds: float = 0.0
-    """Duration of the work [s]."""
-    processor: str = ""
-    """Type of the processor that made it."""
-    no_room: str = ""
-    """Reason why nothing can be written any more."""
+    frames: tuple[int, ...] = ()  #: Numbers of the frames that were made.
+    checksums: tuple[int, ...] = ()  #: Checksums of these frames.
+    seconds: float = 0.0  #: Duration of the work [s].
+    processor: str = ""  #: Type of the processor that made it.
+    no_room: str = ""  #: Reason why nothing can be written any more.
 
 
 @dataclass(frozen=True)

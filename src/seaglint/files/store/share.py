@@ -13,8 +13,7 @@ from seaglint.base.errors import DataError
 class Share:
     """Units ``index``, ``index + count``, ... of a sequence."""
 
-    index: int
-    """Index of the share, counted from 0."""
+    index: int  #: Index of the share, counted from 0.
     count: int
 
     @classmethod

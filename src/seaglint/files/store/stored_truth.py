@@ -16,14 +16,11 @@ from numpy.typing import NDArray
 from seaglint.base.schema import VARIABLES
 from seaglint.objects.drawing.truth_names import NUMBERS
 
-GROUP: Final = "truth"
-"""Name of the group."""
+GROUP: Final = "truth"  #: Name of the group.
 
-TRUTHS: Final = (*NUMBERS, "object_mask", "object_id")
-"""Names of the arrays of the group."""
+TRUTHS: Final = (*NUMBERS, "object_mask", "object_id")  #: Names of the arrays of the group.
 
-BITS: Final = 64
-"""Number of objects in a plane of masks."""
+BITS: Final = 64  #: Number of objects in a plane of masks.
 
 
 @dataclass(frozen=True)

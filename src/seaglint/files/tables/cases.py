@@ -27,25 +27,14 @@ _SEPARATORS: Final = (",", ";", "\t")
 
 @dataclass(frozen=True)
 class Column:
-    """Column of numbers that a file of cases must have.
+    """Column of numbers that a file of cases must have."""
 
-    Attributes
-    ----------
-    name : str
-        Its heading, unit included.
-    low, high : float
-        Closed range allowed.
-    above : bool
-        Flag: ``low`` itself is refused.
-    what : str
-        Owner of the range, for messages: "of the table".
-    """
-
-    name: str
+    name: str  #: Its heading, unit included.
+    #: ``low``, ``high``: Closed range allowed.
     low: float
     high: float
-    above: bool = False
-    what: str = ""
+    above: bool = False  #: Flag: ``low`` itself is refused.
+    what: str = ""  #: Owner of the range, for messages: "of the table".
 
     @property
     def covered(self) -> str:
@@ -59,26 +48,13 @@ class Column:
 
 @dataclass(frozen=True)
 class Cases:
-    """Rows of a CSV file, as text.
+    """Rows of a CSV file, as text."""
 
-    Attributes
-    ----------
-    path : Path
-        The file, for messages.
-    header : list of str
-        Headings in their order, without blanks around them.
-    rows : list of list of str
-        One list of cells per case, in order.
-    lines : list of int
-        Line of the file that each case ends on, counted from 1.
-    separator, line_end : str
-        Separator and line end of the file, used again for the output.
-    """
-
-    path: Path
-    header: list[str]
-    rows: list[list[str]]
-    lines: list[int]
+    path: Path  #: The file, for messages.
+    header: list[str]  #: Headings in their order, without blanks around them.
+    rows: list[list[str]]  #: One list of cells per case, in order.
+    lines: list[int]  #: Line of the file that each case ends on, counted from 1.
+    #: ``separator``, ``line_end``: Separator and line end of the file, used again for the output.
     separator: str = ","
     line_end: str = "\n"
 

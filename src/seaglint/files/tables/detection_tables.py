@@ -19,14 +19,9 @@ from seaglint.files.text_file import write_json
 
 @dataclass(frozen=True)
 class DetectionFiles:
-    """Names of the files, checked before the work.
+    """Names of the files, checked before the work."""
 
-    Attributes
-    ----------
-    result, table, characteristic, picture : Path
-        JSON, a row a contrast, operating characteristic, its picture.
-    """
-
+    #: ``result``, ``table``, ``characteristic``, ``picture``: JSON, a row a contrast, operating characteristic, its picture.
     result: Path
     table: Path
     characteristic: Path

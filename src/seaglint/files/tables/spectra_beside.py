@@ -8,31 +8,16 @@ from seaglint.base.conventions import FloatArray
 
 
 class SpectraBeside(NamedTuple):
-    """Measured spectrum with ours beside it, by name.
+    """Measured spectrum with ours beside it, by name."""
 
-    Attributes
-    ----------
-    title, label : str
-        Scene, and quantity with its unit.
-    wavenumber_cm : ndarray
-        Samples [cm-1, (n,)], ascending; a gap wider than 20 cm-1 separates parts.
-    measured : ndarray
-        Measured quantity [(n,)].
-    ours : dict
-        Computed quantity by name [(n,)].
-    unit : str
-        Unit of their difference.
-    reference : str
-        Name of the measured quantity in a picture.
-    """
-
+    #: ``title``, ``label``: Scene, and quantity with its unit.
     title: str
     label: str
-    wavenumber_cm: FloatArray
-    measured: FloatArray
-    ours: dict[str, FloatArray]
-    unit: str = "K"
-    reference: str = "measured"
+    wavenumber_cm: FloatArray  #: Samples [cm-1, (n,)], ascending; a gap wider than 20 cm-1 separates parts.
+    measured: FloatArray  #: Measured quantity [(n,)].
+    ours: dict[str, FloatArray]  #: Computed quantity by name [(n,)].
+    unit: str = "K"  #: Unit of their difference.
+    reference: str = "measured"  #: Name of the measured quantity in a picture.
 
     def columns(self) -> dict[str, FloatArray]:
         """Return the numbers by column names."""

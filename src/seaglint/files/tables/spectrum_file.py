@@ -16,14 +16,13 @@ from seaglint.base.errors import DataError
 from seaglint.files.tables.table_text import plain_number, read_cell_lines, read_text_table
 from seaglint.optics.blackbody import planck_wavenumber
 
-PLACES: Final = ("wavenumber_cm", "wavelength_um")
-"""Columns that say where a sample lies."""
+PLACES: Final = ("wavenumber_cm", "wavelength_um")  #: Columns that say where a sample lies.
 
+#: Columns of radiance per wavenumber, and their factors to W m-2 sr-1 per cm-1.
 PER_CM: Final = {"radiance_w_m2_sr_cm": 1.0, "radiance_mw_m2_sr_cm": 1e-3, "radiance_w_cm2_sr_cm": 1e4}
-"""Columns of radiance per wavenumber, and their factors to W m-2 sr-1 per cm-1."""
 
+#: Columns of radiance per wavelength, and their factors to W m-2 sr-1 per um.
 PER_UM: Final = {"radiance_w_m2_sr_um": 1.0, "radiance_mw_m2_sr_um": 1e-3, "radiance_w_cm2_sr_um": 1e4}
-"""Columns of radiance per wavelength, and their factors to W m-2 sr-1 per um."""
 
 KELVIN: Final = "brightness_temperature_k"
 
@@ -38,27 +37,13 @@ _HINT: Final = f"it needs a column {' or '.join(PLACES)} and one of {', '.join(U
 
 @dataclass(frozen=True, eq=False)
 class MeasuredLight:
-    """Spectrum of a radiometer.
+    """Spectrum of a radiometer."""
 
-    Attributes
-    ----------
-    name : str
-        File, or words for what is no file.
-    wavenumber_cm : ndarray
-        Ascending samples [cm-1, (n,)].
-    radiance : ndarray
-        [W m-2 sr-1 per cm-1, (n,)].
-    unit : str
-        Column that it was read from.
-    resolution_cm : float or None
-        Full width at half maximum that the file states [cm-1]; None where it states none.
-    """
-
-    name: str
-    wavenumber_cm: FloatArray
-    radiance: FloatArray
-    unit: str
-    resolution_cm: float | None
+    name: str  #: File, or words for what is no file.
+    wavenumber_cm: FloatArray  #: Ascending samples [cm-1, (n,)].
+    radiance: FloatArray  #: [W m-2 sr-1 per cm-1, (n,)].
+    unit: str  #: Column that it was read from.
+    resolution_cm: float | None  #: Full width at half maximum that the file states [cm-1]; None where it states none.
 
 
 def read_spectrum(path: str | Path) -> MeasuredLight:

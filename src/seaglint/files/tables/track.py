@@ -13,11 +13,11 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.tables.table_text import plain_number, read_cell_lines
 
+#: Columns that a file of a sensor's keyframes may have; the time is required, and one more.
 COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
-"""Columns that a file of a sensor's keyframes may have; the time is required, and one more."""
 
+#: Columns that a file of an object's keyframes may have.
 OBJECT_COLUMNS: Final = (*COLUMNS[:4], "latitude_deg", "longitude_deg", "heading_deg", "pitch_deg", "roll_deg")
-"""Columns that a file of an object's keyframes may have."""
 
 
 def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict[str, FloatArray], list[str]]:

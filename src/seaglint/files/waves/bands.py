@@ -20,8 +20,7 @@ from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 
 ComplexArray = NDArray[np.complex128]
 
-LOST_SHARE = 0.1
-"""Largest share of energy in bands without directions [1]; those bands take the directions of their neighbours."""
+LOST_SHARE = 0.1  #: Largest share of energy in bands without directions [1]; those bands take the directions of their neighbours.
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.waves.bands import DirectionalMoments
 
-LengthUnit = Literal["ones", "hundredths", "unknown"]
-"""Unit of r1 and r2 as the file says it."""
+LengthUnit = Literal["ones", "hundredths", "unknown"]  #: Unit of r1 and r2 as the file says it.
 
 _NINES: Final = (99.0, 999.0, 9999.0)
 _CERTAIN: Final = 2.0  # lengths that all are at most 0.02 are of no sea

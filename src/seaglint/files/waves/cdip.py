@@ -27,8 +27,7 @@ from seaglint.files.waves.netcdf_waves import open_dataset, require_one
 from seaglint.files.waves.record_choice import WaveChoice
 from seaglint.files.waves.wave_file import Held
 
-DENSITY: Final = "waveEnergyDensity"
-"""Variable of energies, by which these files are recognised."""
+DENSITY: Final = "waveEnergyDensity"  #: Variable of energies, by which these files are recognised.
 
 _TIMES: Final = ("waveTime", "time")
 _PLACES: Final = (

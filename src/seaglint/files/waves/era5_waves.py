@@ -20,8 +20,8 @@ from seaglint.files.waves.bands import Bins
 from seaglint.files.waves.netcdf_waves import held_by
 from seaglint.files.waves.wave_file import Held, reader
 
+#: Numbers of frequencies and directions whose first frequency is 0.03453 Hz: ERA5 and the global forecast since 2010.
 _GRIDS: Final = {(30, 24), (36, 36)}
-"""Numbers of frequencies and directions whose first frequency is 0.03453 Hz: ERA5 and the global forecast since 2010."""
 
 
 def read(path: Path) -> Held:

@@ -48,21 +48,11 @@ class SpectralRow:
 
 @dataclass(frozen=True, eq=False)
 class SpectralText:
-    """Records of one text file.
+    """Records of one text file."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    times : ndarray of datetime64
-        UTC time of every record.
-    rows : tuple of SpectralRow
-        Their values as text.
-    """
-
-    path: Path
-    times: NDArray[np.datetime64]
-    rows: tuple[SpectralRow, ...]
+    path: Path  #: The file.
+    times: NDArray[np.datetime64]  #: UTC time of every record.
+    rows: tuple[SpectralRow, ...]  #: Their values as text.
 
     @property
     def historical(self) -> bool:

@@ -27,15 +27,15 @@ from seaglint.files.waves.netcdf_waves import held_by
 from seaglint.files.waves.record_choice import WaveChoice
 from seaglint.files.waves.wave_file import Held, parsed
 
+#: Suffixes of the realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments.
 SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
-"""Suffixes of the realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments."""
 
 _LETTERS: Final = "wdijk"  # the same five of a year or month, after the five letters of the station: 41010w2019.txt
 _HISTORICAL: Final = re.compile(r"^(.{5})([wdijk])(.*\.txt(?:\.gz)?)$")
 _NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1", "wave_spectrum_r2")
 
+#: Variables of MHKiT's files: energy, mean and principal direction, and the lengths of the two moments.
 MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
-"""Variables of MHKiT's files: energy, mean and principal direction, and the lengths of the two moments."""
 
 
 def read_text(path: Path, choice: WaveChoice) -> Held:

@@ -18,30 +18,16 @@ _LISTED = 8  # sites that an error lists by name
 
 @dataclass(frozen=True)
 class WaveChoice:
-    """Requested time and place, and directions for a file that lacks them.
+    """Requested time and place, and directions for a file that lacks them."""
 
-    Attributes
-    ----------
-    time : str, datetime, datetime64 or None
-        Time wanted, UTC where no zone is said; None where the file has one record.
-    latitude_deg, longitude_deg : float or None
-        Place wanted, both or none [deg].
-    site : str or None
-        Name of a site, as the file calls it, or its number from 1.
-    time_tolerance : float
-        Farthest the record may be from the time wanted [s].
-    distance_tolerance_km : float
-        Farthest it may be from the place wanted [km].
-    from_deg, spreading_deg : float or None
-        Mean direction FROM and circular width, for files that have energy over frequency alone [deg].
-    """
-
-    time: str | datetime | np.datetime64 | None = None
+    time: str | datetime | np.datetime64 | None = None  #: Time wanted, UTC where no zone is said; None where the file has one record.
+    #: ``latitude_deg``, ``longitude_deg``: Place wanted, both or none [deg].
     latitude_deg: float | None = None
     longitude_deg: float | None = None
-    site: str | None = None
-    time_tolerance: float = 3600.0
-    distance_tolerance_km: float = 50.0
+    site: str | None = None  #: Name of a site, as the file calls it, or its number from 1.
+    time_tolerance: float = 3600.0  #: Farthest the record may be from the time wanted [s].
+    distance_tolerance_km: float = 50.0  #: Farthest it may be from the place wanted [km].
+    #: ``from_deg``, ``spreading_deg``: Mean direction FROM and circular width, for files that have energy over frequency alone [deg].
     from_deg: float | None = None
     spreading_deg: float | None = None
 

@@ -20,28 +20,15 @@ from seaglint.files.waves.bands import Bands
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """Records of one file, read on request.
+    """Records of one file, read on request."""
 
-    Attributes
-    ----------
-    bands : callable
-        ``bands(time, site)`` by index.
-    times : ndarray of datetime64 or None
-        Time of every record, UTC; None where the file has none.
-    sites : tuple of str
-        Names of the sites.
-    latitude_deg, longitude_deg : ndarray or None
-        Place of every record and site [deg, (times, sites)]; None where the file does not say.
-    note : str or None
-        Sentence on the record that the user should know.
-    """
-
-    bands: Callable[[int, int], Bands]
-    times: NDArray[np.datetime64] | None = None
-    sites: tuple[str, ...] = ("1",)
+    bands: Callable[[int, int], Bands]  #: ``bands(time, site)`` by index.
+    times: NDArray[np.datetime64] | None = None  #: Time of every record, UTC; None where the file has none.
+    sites: tuple[str, ...] = ("1",)  #: Names of the sites.
+    #: ``latitude_deg``, ``longitude_deg``: Place of every record and site [deg, (times, sites)]; None where the file does not say.
     latitude_deg: FloatArray | None = None
     longitude_deg: FloatArray | None = None
-    note: str | None = field(default=None, kw_only=True)
+    note: str | None = field(default=None, kw_only=True)  #: Sentence on the record that the user should know.
 
 
 def reader(name: str) -> Callable[..., Any]:

@@ -25,6 +25,7 @@ from seaglint.sea.spectra.measured import MeasuredSpectrum
 
 Format = Literal["ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
 
+#: Names of the formats that ``sea.spectrum.format`` takes.
 FORMATS: Final[tuple[Format, ...]] = (
     "ndbc",
     "cdip",
@@ -38,7 +39,6 @@ FORMATS: Final[tuple[Format, ...]] = (
     "datawell",
     "wavespectra",
 )
-"""Names of the formats that ``sea.spectrum.format`` takes."""
 
 _NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _BEGINNING: Final = 8192
@@ -48,18 +48,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class WavesFromFile:
-    """Spectrum and its source.
+    """Spectrum and its source."""
 
-    Attributes
-    ----------
-    spectrum : MeasuredSpectrum
-        The sea.
-    report : dict
-        For the provenance: file, format, time, site, place, and how far they are from those wanted.
-    """
-
-    spectrum: MeasuredSpectrum
-    report: JsonObject
+    spectrum: MeasuredSpectrum  #: The sea.
+    report: JsonObject  #: For the provenance: file, format, time, site, place, and how far they are from those wanted.
 
 
 def read_waves(

@@ -17,36 +17,16 @@ from seaglint.climate.weather_table import RANGES, TextArray
 
 @dataclass(frozen=True)
 class WeatherSource:
-    """Rows of weather from one file.
+    """Rows of weather from one file."""
 
-    Attributes
-    ----------
-    path : Path
-        The file.
-    kind : str
-        Its format in words.
-    columns : mapping of str to (rows,) array
-        Numbers, in the names and units of a weather table.
-    read : int
-        Records that the file holds.
-    texts : mapping of str to (rows,) array
-        Columns of text.
-    left_out : mapping of str to int
-        Records that gave no row, by reason.
-    set_missing : mapping of str to int
-        Values that were there and could not be used, by column and reason.
-    notes : tuple of str
-        Sentences on what was assumed.
-    """
-
-    path: Path
-    kind: str
-    columns: Mapping[str, FloatArray]
-    read: int
-    texts: Mapping[str, TextArray] = field(default_factory=dict)
-    left_out: Mapping[str, int] = field(default_factory=dict)
-    set_missing: Mapping[str, int] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    path: Path  #: The file.
+    kind: str  #: Its format in words.
+    columns: Mapping[str, FloatArray]  #: Numbers, in the names and units of a weather table.
+    read: int  #: Records that the file holds.
+    texts: Mapping[str, TextArray] = field(default_factory=dict)  #: Columns of text.
+    left_out: Mapping[str, int] = field(default_factory=dict)  #: Records that gave no row, by reason.
+    set_missing: Mapping[str, int] = field(default_factory=dict)  #: Values that were there and could not be used, by column and reason.
+    notes: tuple[str, ...] = ()  #: Sentences on what was assumed.
 
     @property
     def rows(self) -> int:

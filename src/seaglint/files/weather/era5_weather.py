@@ -28,6 +28,7 @@ from seaglint.files.netcdf import drop_quietly
 from seaglint.files.weather.columns_read import WeatherSource
 from seaglint.files.weather.times import order_of
 
+#: Variables that are read, and the spellings allowed of the unit of each.
 UNITS: Final = {
     "u10": ("m s**-1", "m s-1", "m/s"),
     "v10": ("m s**-1", "m s-1", "m/s"),
@@ -37,13 +38,11 @@ UNITS: Final = {
     "d2m": ("K", "kelvin"),
     "swh": ("m", "metre", "meter"),
 }
-"""Variables that are read, and the spellings allowed of the unit of each."""
 
-MOST_ROWS: Final = 20_000_000
-"""Largest number of rows of a grid: a dozen columns of that length are 2 GB."""
+MOST_ROWS: Final = 20_000_000  #: Largest number of rows of a grid: a dozen columns of that length are 2 GB.
 
+#: Largest distance of the nearest place of a coarser grid [deg]: half of the 0.5 deg of the wave model, and rounding.
 _WAVE_GRID_DEG: Final = 0.26
-"""Largest distance of the nearest place of a coarser grid [deg]: half of the 0.5 deg of the wave model, and rounding."""
 
 _TIMES: Final = ("valid_time", "time")
 _GRID: Final = frozenset({"time", "latitude", "longitude"})

@@ -22,12 +22,13 @@ from seaglint.files.weather.marine_codes import columns_of
 from seaglint.files.weather.times import month_and_hour
 from seaglint.files.weather.weather_cells import TextColumns
 
+#: Fields of the core in their order, with the number of characters of each; 108 in all.
 CORE: Final = (
     "YR:4 MO:2 DY:2 HR:4 LAT:5 LON:6 IM:2 ATTC:1 TI:1 LI:1 DS:1 VS:1 NID:2 II:2 ID:9 C1:2 DI:1 D:3 WI:1 W:3 VI:1 VV:2 WW:2 W1:1 SLP:5 A:1 "
     "PPP:3 IT:1 AT:4 WBTI:1 WBT:4 DPTI:1 DPT:4 SI:2 SST:4 N:1 NH:1 CL:1 HI:1 H:1 CM:1 CH:1 WD:2 WP:2 WH:2 SD:2 SP:2 SH:2"
 )
-"""Fields of the core in their order, with the number of characters of each; 108 in all."""
 
+#: Fields that are used and the unit of each: hours, degrees, m/s, degC, oktas, half metres, or a code.
 _SCALE: Final = {
     "MO": 1.0,
     "HR": 0.01,
@@ -44,8 +45,8 @@ _SCALE: Final = {
     "WH": 1.0,
     "SH": 1.0,
 }
-"""Fields that are used and the unit of each: hours, degrees, m/s, degC, oktas, half metres, or a code."""
 
+#: Headings of NCEI's global marine CSV, which keeps IMMA's tenths, and the field of each.
 _NCEI: Final = {
     "LATITUDE": ("LAT", 1.0),
     "LONGITUDE": ("LON", 1.0),
@@ -60,7 +61,6 @@ _NCEI: Final = {
     "WAVE_HGT": ("WH", 1.0),
     "SWELL_HGT": ("SH", 1.0),
 }
-"""Headings of NCEI's global marine CSV, which keeps IMMA's tenths, and the field of each."""
 
 
 def _layout() -> dict[str, tuple[int, int]]:
@@ -72,8 +72,7 @@ def _layout() -> dict[str, tuple[int, int]]:
     return out
 
 
-LAYOUT: Final = _layout()
-"""First column and the one behind the last of every field, counted from 0."""
+LAYOUT: Final = _layout()  #: First column and the one behind the last of every field, counted from 0.
 
 
 def looks_like_imma(line: str) -> bool:

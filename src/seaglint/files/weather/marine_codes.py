@@ -17,23 +17,20 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.climate.derived import ICE_POINT, relative_humidity, significant_height
 
-CALM: Final = 361.0
-"""Code of the wind direction of a calm; 362 is a variable one, and neither has a direction."""
+CALM: Final = 361.0  #: Code of the wind direction of a calm; 362 is a variable one, and neither has a direction.
 
-OBSCURED: Final = 9.0
-"""Total cloud of a sky that cannot be seen."""
+OBSCURED: Final = 9.0  #: Total cloud of a sky that cannot be seen.
 
+#: Present weather (code 4677) of fog, rain and snow that hide an overcast sky.
 OBSCURING: Final = np.array(
     [10, 11, 12, *range(40, 50), *range(50, 76), 77, 79, *range(80, 100)],
     dtype=np.float64,
 )
-"""Present weather (code 4677) of fog, rain and snow that hide an overcast sky."""
 
+#: Lower border of each step of code 4377 [km]; 90 is anything below 0.05 km and stands as half of it.
 VISIBILITY_KM: Final = {90: 0.025, 91: 0.05, 92: 0.2, 93: 0.5, 94: 1.0, 95: 2.0, 96: 4.0, 97: 10.0, 98: 20.0, 99: 50.0}
-"""Lower border of each step of code 4377 [km]; 90 is anything below 0.05 km and stands as half of it."""
 
-HALF_METRES: Final = 0.5
-"""Unit of the heights of waves and swell [m]."""
+HALF_METRES: Final = 0.5  #: Unit of the heights of waves and swell [m].
 
 
 def columns_of(report: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, int], list[str]]:

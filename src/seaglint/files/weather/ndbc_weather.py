@@ -30,11 +30,10 @@ from seaglint.sea.wind_profile import u10_of_wind
 
 NAUTICAL_MILE_KM: Final = 1.852
 
+#: Code of a missing value in each column that is used.
 _MISSING: Final = {"WDIR": 999.0, "WSPD": 99.0, "WVHT": 99.0, "ATMP": 999.0, "WTMP": 999.0, "DEWP": 999.0, "VIS": 99.0}
-"""Code of a missing value in each column that is used."""
 
-_ALSO: Final = {"WD": "WDIR"}
-"""Earlier spellings of headings."""
+_ALSO: Final = {"WD": "WDIR"}  #: Earlier spellings of headings.
 
 
 def looks_like_ndbc(line: str) -> bool:

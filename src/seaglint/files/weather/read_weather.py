@@ -20,24 +20,12 @@ from seaglint.files.weather.weather_cells import read_cells
 
 @dataclass(frozen=True)
 class WeatherReading:
-    """Properties of weather files that the user states.
+    """Properties of weather files that the user states."""
 
-    Attributes
-    ----------
-    columns : tuple of MappedColumn
-        Columns of CSV files; empty for those that seaglint or ICOADS wrote.
-    naive_is_utc : bool
-        Flag: times of CSV files without a zone are UTC.
-    anemometer_m : float, optional
-        Height of a buoy's anemometer [m].
-    place : (float, float), optional
-        Latitude and longitude of a source without a place [deg].
-    """
-
-    columns: tuple[MappedColumn, ...] = ()
-    naive_is_utc: bool = False
-    anemometer_m: float | None = None
-    place: tuple[float, float] | None = None
+    columns: tuple[MappedColumn, ...] = ()  #: Columns of CSV files; empty for those that seaglint or ICOADS wrote.
+    naive_is_utc: bool = False  #: Flag: times of CSV files without a zone are UTC.
+    anemometer_m: float | None = None  #: Height of a buoy's anemometer [m].
+    place: tuple[float, float] | None = None  #: Latitude and longitude of a source without a place [deg].
 
 
 def is_grid(path: Path) -> bool:

@@ -18,27 +18,13 @@ _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
 
 @dataclass(frozen=True)
 class TextColumns:
-    """Text of a CSV file, column by column.
+    """Text of a CSV file, column by column."""
 
-    Attributes
-    ----------
-    path : Path
-        The file, for messages.
-    header : tuple of str
-        Headings in their order.
-    rows : list of list of str
-        Cells without blanks around them.
-    lines : list of int
-        Line of the file that each row stands on, counted from 1.
-    comments : list of str
-        Texts behind ``#`` before the headings.
-    """
-
-    path: Path
-    header: tuple[str, ...]
-    rows: list[list[str]]
-    lines: list[int]
-    comments: list[str]
+    path: Path  #: The file, for messages.
+    header: tuple[str, ...]  #: Headings in their order.
+    rows: list[list[str]]  #: Cells without blanks around them.
+    lines: list[int]  #: Line of the file that each row stands on, counted from 1.
+    comments: list[str]  #: Texts behind ``#`` before the headings.
 
     def text(self, name: str) -> list[str]:
         """Return the cells of a column."""

@@ -17,32 +17,20 @@ from seaglint.files.outputs import moved_when_whole, refuse_existing
 from seaglint.files.tables.rows import require_parquet
 from seaglint.files.weather.weather_cells import TextColumns, read_cells
 
-SUFFIXES: Final = (".csv", ".parquet")
-"""Endings of the files that are written."""
+SUFFIXES: Final = (".csv", ".parquet")  #: Endings of the files that are written.
 
-SHIPPED: Final = ("north-atlantic",)
-"""Names of the tables in the package."""
+SHIPPED: Final = ("north-atlantic",)  #: Names of the tables in the package.
 
 _NOTES: Final = b"seaglint_weather_notes"
 
 
 @dataclass(frozen=True)
 class WeatherFile:
-    """Weather table and the notes of its file.
+    """Weather table and the notes of its file."""
 
-    Attributes
-    ----------
-    table : WeatherTable
-        The rows.
-    notes : tuple of str
-        Source, selections and counts, as the file's comments have them.
-    remarks : tuple of str
-        Remarks of the reader: columns passed over, weights that do not sum to 1.
-    """
-
-    table: WeatherTable
-    notes: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    table: WeatherTable  #: The rows.
+    notes: tuple[str, ...] = ()  #: Source, selections and counts, as the file's comments have them.
+    remarks: tuple[str, ...] = ()  #: Remarks of the reader: columns passed over, weights that do not sum to 1.
 
 
 def read_weather(path: str | Path) -> WeatherFile:

@@ -25,11 +25,9 @@ from seaglint.imaging.camera.image_grid import Camera
 
 Projection = Literal["equal-angle", "pinhole"]
 
-WIDEST_PINHOLE = np.radians(WIDEST_PINHOLE_DEG)
-"""Largest field of view of a plane image [rad]."""
+WIDEST_PINHOLE = np.radians(WIDEST_PINHOLE_DEG)  #: Largest field of view of a plane image [rad].
 
-CORNERS = 10
-"""Largest number of corners of a quadrilateral cut by two parallel lines, and two more."""
+CORNERS = 10  #: Largest number of corners of a quadrilateral cut by two parallel lines, and two more.
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,7 @@ from seaglint.base.errors import DomainError
 from seaglint.base.limits import MOST_SPEED, MOST_TURN
 from seaglint.imaging.camera.imager import Attitude
 
-COLUMNS = ("time", "east", "north", "height", "azimuth", "elevation", "roll")
-"""Quantities of a track, in this order."""
+COLUMNS = ("time", "east", "north", "height", "azimuth", "elevation", "roll")  #: Quantities of a track, in this order.
 
 _TURNING = ("azimuth", "roll")
 
@@ -36,8 +35,8 @@ class Track:
     """
 
     time: FloatArray
+    #: Values of keyframes (keyframes, 6): east, north, height [m], azimuth, elevation, roll [rad]; azimuth and roll unwrapped.
     values: FloatArray
-    """Values of keyframes (keyframes, 6): east, north, height [m], azimuth, elevation, roll [rad]; azimuth and roll unwrapped."""
 
     @classmethod
     def standing(cls, height: float, attitude: Attitude) -> Track:

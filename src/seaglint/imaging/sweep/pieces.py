@@ -19,8 +19,7 @@ from seaglint.imaging.spline import gradient
 from seaglint.imaging.sweep.walk import elevation
 from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Strip, Surface, SurfaceLine, address
 
-BUFFER = 1024
-"""Number of visible pieces found before they are shaded; 150 kB stay in the processor's cache."""
+BUFFER = 1024  #: Number of visible pieces found before they are shaded; 150 kB stay in the processor's cache.
 
 
 class Pieces(NamedTuple):

@@ -35,12 +35,10 @@ from seaglint.imaging.sweep.walk import Walk, bend, elevation, walk_line
 from seaglint.imaging.wave_shadow import sun_over_waves
 from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip
 
-NEGLIGIBLE_SUN = 3e-4
-"""Share of a facet's thermal radiance below which its sunlight is not tested for shadows."""
+NEGLIGIBLE_SUN = 3e-4  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
 
 
-WIDE_COLUMN = math.radians(0.5)
-"""Least width of a column [rad] whose lines have tables of their own: the aureole is ten degrees wide."""
+WIDE_COLUMN = math.radians(0.5)  #: Least width of a column [rad] whose lines have tables of their own: the aureole is ten degrees wide.
 
 
 class Rows(NamedTuple):

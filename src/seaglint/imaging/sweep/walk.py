@@ -20,14 +20,11 @@ from seaglint.facet.facet_tables import PathTerms
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.wave_surface import STRIP, Strip, Surface, SurfaceLine, add_heights, height
 
-RANGE_PARTS = 0.5
-"""Largest step as a share of the ground seen by one pixel row, so that near pixels consist of several pieces."""
+RANGE_PARTS = 0.5  #: Largest step as a share of the ground seen by one pixel row, so that near pixels consist of several pieces.
 
-PATH_EVERY = 16
-"""Number of samples between two at which the path is known, where waves are resolved."""
+PATH_EVERY = 16  #: Number of samples between two at which the path is known, where waves are resolved.
 
-CALM_PARTS = 4
-"""Number of pieces per pixel row where no waves are resolved."""
+CALM_PARTS = 4  #: Number of pieces per pixel row where no waves are resolved.
 
 
 class Walk(NamedTuple):

@@ -20,12 +20,12 @@ from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, 
 from seaglint.objects.drawing.whole_shapes import solid_angles
 from seaglint.optics.blackbody import planck_wavenumber
 
+#: Least share of a body outside the picture: what its parts sum to in windows of the picture and in whole differs by less.
 LEAST_CUT: Final = 2e-3
-"""Least share of a body outside the picture: what its parts sum to in windows of the picture and in whole differs by less."""
 
-LEAST_COVER: Final = 1e-12
-"""Least share of a pixel that a visible body covers."""
+LEAST_COVER: Final = 1e-12  #: Least share of a pixel that a visible body covers.
 
+#: Planes of a body that enter each layer, beside the sea's plane times the share that it leaves.
 _ADDED: Final = {
     "radiance": (PATH, EMITTED, MIRRORED, SUN),
     "path_radiance": (PATH,),
@@ -34,7 +34,6 @@ _ADDED: Final = {
     "glint_radiance": (SUN,),
     "coverage": (),
 }
-"""Planes of a body that enter each layer, beside the sea's plane times the share that it leaves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,36 +55,21 @@ class BodyShare:
 
 @dataclass(frozen=True, eq=False)
 class BodySight:
-    """One body in the image, summed over its parts.
+    """One body in the image, summed over its parts."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the body.
-    distance, azimuth, elevation : float
-        To its origin [m], [rad].
-    whole : float
-        Solid angle in all, under water too [sr].
-    dry : float
-        Solid angle of what is above its waterline, in the picture or not [sr]; of points their number.
-    inside, dry_seen : float
-        What of ``dry`` is in the image, and what of this is in view [sr].
-    seen, across, down : float
-        Solid angle in view [sr]; the same times the place in the image [sr pixels].
-    shares : tuple of BodyShare
-        Its pixels.
-    """
-
-    name: str
+    name: str  #: Name of the body.
+    #: ``distance``, ``azimuth``, ``elevation``: To its origin [m], [rad].
     distance: float
     azimuth: float
     elevation: float
-    whole: float = 0.0
+    whole: float = 0.0  #: Solid angle in all, under water too [sr].
+    #: ``seen``, ``across``, ``down``: Solid angle in view [sr]; the same times the place in the image [sr pixels].
     seen: float = 0.0
     across: float = 0.0
     down: float = 0.0
-    shares: tuple[BodyShare, ...] = field(default=())
-    dry: float = 0.0
+    shares: tuple[BodyShare, ...] = field(default=())  #: Its pixels.
+    dry: float = 0.0  #: Solid angle of what is above its waterline, in the picture or not [sr]; of points their number.
+    #: ``inside``, ``dry_seen``: What of ``dry`` is in the image, and what of this is in view [sr].
     inside: float = 0.0
     dry_seen: float = 0.0
 

@@ -16,8 +16,7 @@ from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.jit import kernel, njit
 from seaglint.imaging.wave_surface import STRIP, Surface, add_heights, course, new_strip
 
-STEEP = 1.0
-"""Tangent of depression beyond which no wave in front hides a body: slopes of resolved waves stay below it."""
+STEEP = 1.0  #: Tangent of depression beyond which no wave in front hides a body: slopes of resolved waves stay below it.
 
 _LOWEST = -1e9
 

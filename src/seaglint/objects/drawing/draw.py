@@ -46,13 +46,12 @@ from seaglint.objects.drawing.self_shadow import LIFT, SunMap
 from seaglint.objects.drawing.whole_shapes import faces_of, solid_angles
 from seaglint.optics.blackbody import planck_wavenumber
 
+#: Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones.
 SHADOW_CELLS: Final = (128, 256)
-"""Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones."""
 
 _FEW: Final = 192
 
-_FACES_SUN: Final = 1e-3
-"""Least reflectance of a surface for which its shadow map is computed."""
+_FACES_SUN: Final = 1e-3  #: Least reflectance of a surface for which its shadow map is computed.
 
 _POLE: Final = math.radians(88.0)
 _KEPT: Final = 4
@@ -60,34 +59,19 @@ _KEPT: Final = 4
 
 @dataclass(frozen=True, eq=False)
 class PixelPatch:
-    """Contribution of a part to some pixels.
+    """Contribution of a part to some pixels."""
 
-    Attributes
-    ----------
-    placed : Placed
-        The part where it stands.
-    rows, columns : ndarray of int
-        Pixels of the image.
-    planes : ndarray
-        :data:`~seaglint.objects.drawing.sample_sums.PLANES` of them [(planes, rows, columns)].
-    sums : ndarray
-        :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
-    lines : ndarray
-        What is above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; of a point 1
-        or 0.
-    clear : float
-        Transmittance of the path to a point that is in view [1]; 0 for all else.
-    air : ndarray
-        Transmittance of the air to a point times the band's weights [cm-1, (n,)]; empty for all else.
-    """
-
-    placed: Placed
+    placed: Placed  #: The part where it stands.
+    #: ``rows``, ``columns``: Pixels of the image.
     rows: np.ndarray
     columns: np.ndarray
-    planes: FloatArray
-    sums: FloatArray
+    planes: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.PLANES` of them [(planes, rows, columns)].
+    sums: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
+    #: What is above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; of a point 1
+    #: or 0.
     lines: FloatArray
-    clear: float = 0.0
+    clear: float = 0.0  #: Transmittance of the path to a point that is in view [1]; 0 for all else.
+    #: Transmittance of the air to a point times the band's weights [cm-1, (n,)]; empty for all else.
     air: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
@@ -108,37 +92,18 @@ class DrawnBodies:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """Surroundings of the drawing: a camera's pixels at an instant, the sea in front of the bodies, and the light.
+    """Surroundings of the drawing: a camera's pixels at an instant, the sea in front of the bodies, and the light."""
 
-    Attributes
-    ----------
-    imager : Imager
-        The camera's pixels.
-    pose : Pose
-        Place and attitude of the sensor.
-    view : SeaView
-        Sea, air and Sun.
-    sea : (Levels, Surface), optional
-        The resolved waves of the instant; without them the sea is flat.
-    columns, rows : (int, int)
-        Pixels that are drawn, first and end.
-    sea_hides : float
-        Arc beyond which the sea hides nothing of a body but what is under it [m].
-    cells : int
-        Least number of samples along the side of a pixel.
-    frame : (int, int, int, int), optional
-        First and end column and row of the picture, where pixels beyond it are drawn too.
-    """
-
-    imager: Imager
-    pose: Pose
-    view: SeaView
-    sea: tuple[Levels, Surface] | None
+    imager: Imager  #: The camera's pixels.
+    pose: Pose  #: Place and attitude of the sensor.
+    view: SeaView  #: Sea, air and Sun.
+    sea: tuple[Levels, Surface] | None  #: The resolved waves of the instant; without them the sea is flat.
+    #: ``columns``, ``rows``: Pixels that are drawn, first and end.
     columns: tuple[int, int]
     rows: tuple[int, int]
-    sea_hides: float = math.inf
-    cells: int = FEWEST_CELLS
-    frame: tuple[int, int, int, int] | None = None
+    sea_hides: float = math.inf  #: Arc beyond which the sea hides nothing of a body but what is under it [m].
+    cells: int = FEWEST_CELLS  #: Least number of samples along the side of a pixel.
+    frame: tuple[int, int, int, int] | None = None  #: First and end column and row of the picture, where pixels beyond it are drawn too.
 
     @cached_property
     def lens(self) -> Lens:

@@ -62,8 +62,7 @@ class TangentPlane:
     Straight edges are straight there, whatever the camera.
     """
 
-    axes: FloatArray
-    """Unit vectors to the right, up and to the body (rows), in the sensor's axes."""
+    axes: FloatArray  #: Unit vectors to the right, up and to the body (rows), in the sensor's axes.
 
     @classmethod
     def to(cls, place: FloatArray) -> TangentPlane:
@@ -81,8 +80,7 @@ class Lens(NamedTuple):
     plane: bool
     across: tuple[float, float]
     down: tuple[float, float]
-    pixel: float
-    """Solid angle of a pixel where its density is 1 [sr]; the density is ``a / |direction|^3``."""
+    pixel: float  #: Solid angle of a pixel where its density is 1 [sr]; the density is ``a / |direction|^3``.
 
 
 def lens(imager: Imager, attitude: Attitude) -> Lens:
@@ -143,20 +141,15 @@ class Grid(NamedTuple):
     first: tuple[int, int]
     pixels: tuple[int, int]
     cells: tuple[int, int]
-    begin: tuple[int, int]
-    """First cell along each side, counted from the image's corner."""
-    size: tuple[int, int]
-    """Number of cells along each side."""
+    begin: tuple[int, int]  #: First cell along each side, counted from the image's corner.
+    size: tuple[int, int]  #: Number of cells along each side.
 
 
-FEWEST_CELLS = 8
-"""Least number of cells along a pixel's side."""
+FEWEST_CELLS = 8  #: Least number of cells along a pixel's side.
 
-CELLS_ACROSS = 96
-"""Number of cells across a small body's box, for a solid angle within some 0.1 %."""
+CELLS_ACROSS = 96  #: Number of cells across a small body's box, for a solid angle within some 0.1 %.
 
-MOST_CELLS = 1 << 20
-"""Largest number of cells in memory; larger grids are drawn in strips of rows."""
+MOST_CELLS = 1 << 20  #: Largest number of cells in memory; larger grids are drawn in strips of rows.
 
 
 def grid_over(box: tuple[float, float, float, float], fewest: int = FEWEST_CELLS) -> Grid:

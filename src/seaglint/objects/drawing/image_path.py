@@ -17,26 +17,19 @@ from seaglint.objects.body import GasPlume, Motion, PointSource
 from seaglint.objects.drawing.eye import image_point, lens, project, stand
 from seaglint.objects.drawing.parts import DrawnPart, Mesh
 
-NEAR: Final = 2e-3
-"""Distance from its interpolation within which a path is taken as known [pixels]."""
+NEAR: Final = 2e-3  #: Distance from its interpolation within which a path is taken as known [pixels].
 
-BEHIND: Final = -1e5
-"""Columns and rows below this stand for places behind the camera [pixels]."""
+BEHIND: Final = -1e5  #: Columns and rows below this stand for places behind the camera [pixels].
 
-MOST_NODES: Final = 65
-"""Largest number of instants at which a path is evaluated."""
+MOST_NODES: Final = 65  #: Largest number of instants at which a path is evaluated.
 
-SHORT: Final = 1e-3
-"""Time over which the speed of a body is found where an exposure is shorter [s]."""
+SHORT: Final = 1e-3  #: Time over which the speed of a body is found where an exposure is shorter [s].
 
-RIGID: Final = 0.05
-"""Change of a body's shape in the image up to which it counts as rigid during an exposure [pixels]."""
+RIGID: Final = 0.05  #: Change of a body's shape in the image up to which it counts as rigid during an exposure [pixels].
 
-NEARER: Final = 0.02
-"""Relative change of a point's distance up to which it counts as one distance during an exposure."""
+NEARER: Final = 0.02  #: Relative change of a point's distance up to which it counts as one distance during an exposure.
 
-MOST_STAGES: Final = 16
-"""Largest number of shapes with which a body is drawn in an exposure."""
+MOST_STAGES: Final = 16  #: Largest number of shapes with which a body is drawn in an exposure.
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +56,7 @@ class ImagePath:
 
     _columns: Callable[[FloatArray], FloatArray]
     _rows: Callable[[FloatArray], FloatArray]
-    _front: tuple[float, float] = (-math.inf, math.inf)
-    """Times between which the part is in front of the camera [s]."""
+    _front: tuple[float, float] = (-math.inf, math.inf)  #: Times between which the part is in front of the camera [s].
 
     @classmethod
     def of(cls, view: View, motion: Motion, middle: FloatArray, times: tuple[float, float], about: float) -> ImagePath:
@@ -182,24 +174,12 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
 
 @dataclass(frozen=True, eq=False)
 class Streak:
-    """Way of a body in the image during an exposure.
+    """Way of a body in the image during an exposure."""
 
-    Attributes
-    ----------
-    middle : ndarray, (2,)
-        Mean column and row [pixels; pixel centres are whole numbers].
-    ends : ndarray, (2, 2)
-        First and last column and row [pixels].
-    length : float
-        Length of the way [pixels].
-    velocity : ndarray, (2,)
-        Speed along columns and rows at the middle of the exposure [pixels s-1].
-    """
-
-    middle: FloatArray
-    ends: FloatArray
-    length: float
-    velocity: FloatArray
+    middle: FloatArray  #: Mean column and row [pixels; pixel centres are whole numbers, (2,)].
+    ends: FloatArray  #: First and last column and row [pixels, (2, 2)].
+    length: float  #: Length of the way [pixels].
+    velocity: FloatArray  #: Speed along columns and rows at the middle of the exposure [pixels s-1, (2,)].
 
     @classmethod
     def of(cls, path: ImagePath, begin: float, end: float) -> Streak | None:

@@ -32,20 +32,15 @@ from seaglint.objects.drawing.sample_sums import (
 )
 from seaglint.objects.drawing.self_shadow import SunMap, sun_map
 
-LINES_PER_WAVE = 4.0
-"""Number of azimuth lines across the shortest wave that the picture has at a body."""
+LINES_PER_WAVE = 4.0  #: Number of azimuth lines across the shortest wave that the picture has at a body.
 
-MOST_LINES = 256
-"""Largest number of azimuth lines of a body."""
+MOST_LINES = 256  #: Largest number of azimuth lines of a body.
 
-ARCS_ACROSS = 24
-"""Least number of arcs over the depth of a body."""
+ARCS_ACROSS = 24  #: Least number of arcs over the depth of a body.
 
-MOST_ARCS = 60_000
-"""Largest number of arcs of a line: 15 km in steps of a quarter of a metre. Longer ways take longer steps."""
+MOST_ARCS = 60_000  #: Largest number of arcs of a line: 15 km in steps of a quarter of a metre. Longer ways take longer steps.
 
-NOTHING: Final = np.zeros((0, 0))
-"""Depths of other bodies before they are computed."""
+NOTHING: Final = np.zeros((0, 0))  #: Depths of other bodies before they are computed.
 
 _OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
 

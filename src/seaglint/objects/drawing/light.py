@@ -35,19 +35,18 @@ from seaglint.objects.drawing.plume_spectra import plume_emissivity
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 
+#: Normals at which light is tabulated: even in the cosine of the angle from the zenith, and in azimuth from the Sun from 0 to pi.
 NORMALS: Final = (13, 9)
-"""Normals at which light is tabulated: even in the cosine of the angle from the zenith, and in azimuth from the Sun from 0 to pi."""
 
 _ELEVATIONS: Final = 24
+#: Directions of the light about a body: elevations above and below the horizontal, and azimuths from the Sun on one side.
 _AROUND: Final = 48
-"""Directions of the light about a body: elevations above and below the horizontal, and azimuths from the Sun on one side."""
 
-LOWEST_LINE: Final = -50.0
-"""Greatest depth of the line of sight below the sea [m]; paths to points that lie deeper end higher up instead."""
+LOWEST_LINE: Final = -50.0  #: Greatest depth of the line of sight below the sea [m]; paths to points that lie deeper end higher up instead.
 
 
+#: Electrons per joule at wavenumbers [cm-1, (n,)] over those of the spectrum for which the sensor's chain converts [1, (n,)].
 Counting = Callable[[FloatArray], FloatArray]
-"""Electrons per joule at wavenumbers [cm-1, (n,)] over those of the spectrum for which the sensor's chain converts [1, (n,)]."""
 
 
 class Arriving(NamedTuple):
@@ -84,21 +83,11 @@ class Corners(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Light about a body near the sea, in one view. Make it with :meth:`of`.
+    """Light about a body near the sea, in one view. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    view : SeaView
-        Sea, air and Sun.
-    diffuse : ndarray
-        Mean radiance over the hemisphere of a normal [W m-2 sr-1 per cm-1, (m, a, n)], normals as :data:`NORMALS`.
-    counted : ndarray
-        Weight of each wavenumber of the view's band in what is counted [1, (n,)]; 1 for a detector of energy.
-    """
-
-    view: SeaView
-    diffuse: FloatArray
-    counted: FloatArray
+    view: SeaView  #: Sea, air and Sun.
+    diffuse: FloatArray  #: Mean radiance over the hemisphere of a normal [W m-2 sr-1 per cm-1, (m, a, n)], normals as :data:`NORMALS`.
+    counted: FloatArray  #: Weight of each wavenumber of the view's band in what is counted [1, (n,)]; 1 for a detector of energy.
 
     @classmethod
     def of(cls, view: SeaView, counted: Counting | None = None) -> Surroundings:

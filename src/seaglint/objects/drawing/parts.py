@@ -20,8 +20,8 @@ from seaglint.objects.drawing.eye import Stand
 from seaglint.objects.drawing.plume_spectra import longest_chord
 from seaglint.objects.solids import merged
 
+#: Largest number of temperatures of a body that are evaluated one by one; more are interpolated linearly in a table of 257.
 MOST_TEMPERATURES: Final = 16
-"""Largest number of temperatures of a body that are evaluated one by one; more are interpolated linearly in a table of 257."""
 
 _TABLED: Final = 257
 
@@ -93,33 +93,15 @@ def parts_of(bodies: tuple[Body, ...]) -> tuple[DrawnPart, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A part at an instant, in the sensor's axes [m].
+    """A part at an instant, in the sensor's axes [m]."""
 
-    Attributes
-    ----------
-    part : DrawnPart
-        Part of the body.
-    place : ndarray
-        Its middle.
-    radius : float
-        Radius of a sphere about it that encloses it [m].
-    surface : ndarray
-        Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
-    gas : ndarray
-        Data of a plume, as :func:`~seaglint.objects.drawing.raster.chord` takes it.
-    eye : float
-        Height of the sensor above the mean sea [m].
-    water : ndarray, (4,)
-        Plane of the body's waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`.
-    """
-
-    part: DrawnPart
-    place: FloatArray
-    radius: float
-    surface: FloatArray
-    gas: FloatArray
-    eye: float
-    water: FloatArray
+    part: DrawnPart  #: Part of the body.
+    place: FloatArray  #: Its middle.
+    radius: float  #: Radius of a sphere about it that encloses it [m].
+    surface: FloatArray  #: Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
+    gas: FloatArray  #: Data of a plume, as :func:`~seaglint.objects.drawing.raster.chord` takes it.
+    eye: float  #: Height of the sensor above the mean sea [m].
+    water: FloatArray  #: Plane of the body's waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`. Shape (4,).
 
     @property
     def distance(self) -> float:

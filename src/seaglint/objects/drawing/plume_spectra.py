@@ -13,12 +13,11 @@ from seaglint.base.conventions import FloatArray
 from seaglint.objects.body import GasPlume
 from seaglint.objects.combustion_gas import HEADS, emissivity
 
+#: Number of chords that are tabulated, even in the root of their length: short ones absorb as the root, and linear interpolation leaves
+#: 1e-4 of the emissivity 0.999999 of a grey plume.
 CHORDS: Final = 257
-"""Number of chords that are tabulated, even in the root of their length: short ones absorb as the root, and linear interpolation leaves
-1e-4 of the emissivity 0.999999 of a grey plume."""
 
-FINE_STEP: Final = 1.0
-"""Largest step of the wavenumbers that are averaged over a sample of the band [cm-1]."""
+FINE_STEP: Final = 1.0  #: Largest step of the wavenumbers that are averaged over a sample of the band [cm-1].
 
 
 def chord_shares() -> FloatArray:

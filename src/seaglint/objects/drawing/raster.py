@@ -19,11 +19,9 @@ from seaglint.base.jit import kernel, njit
 from seaglint.objects.drawing.eye import Grid, Lens, image_point
 
 TURN_OF_ROWS = 0.6180339887498949
-TURN_OF_COLUMNS = 0.7548776662466927
-"""Steps of the sample positions from row to row and from column to column."""
+TURN_OF_COLUMNS = 0.7548776662466927  #: Steps of the sample positions from row to row and from column to column.
 
-LEAST_BEND = 0.02
-"""Curvature of an edge in the image above which it is cut into pieces [cells]."""
+LEAST_BEND = 0.02  #: Curvature of an edge in the image above which it is cut into pieces [cells].
 
 MOST_PIECES = 64
 

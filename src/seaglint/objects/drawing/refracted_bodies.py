@@ -20,11 +20,9 @@ from seaglint.imaging.refracted import RefractedScene, pixels_of
 from seaglint.objects.drawing.draw import Drawer, DrawnBodies, PixelPatch, Stage
 from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DOWN, SEEN, WHOLE
 
-MARGIN: Final = 0.015
-"""Angle by which bodies are drawn beyond the rows of the sea [rad]: their rows are shifted by another amount."""
+MARGIN: Final = 0.015  #: Angle by which bodies are drawn beyond the rows of the sea [rad]: their rows are shifted by another amount.
 
-WAVES_WITHIN: Final = 0.8
-"""Share of the arc of the standard horizon within which waves hide bodies."""
+WAVES_WITHIN: Final = 0.8  #: Share of the arc of the standard horizon within which waves hide bodies.
 
 
 def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time: float) -> DrawnBodies:

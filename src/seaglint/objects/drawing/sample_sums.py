@@ -16,33 +16,28 @@ from seaglint.objects.drawing.light import Arriving
 from seaglint.objects.drawing.raster import Samples, chord, in_semi_axes
 from seaglint.objects.drawing.self_shadow import SunMap, lit
 
-COVER: Final = 0
-"""Plane of the share of a pixel that a body covers [1]."""
+COVER: Final = 0  #: Plane of the share of a pixel that a body covers [1].
 
 PATH: Final = 1
 EMITTED: Final = 2
 MIRRORED: Final = 3
-SUN: Final = 4
-"""Planes of radiance times that share [W m-2 sr-1]: path, emission, reflected diffuse light and reflected Sun of the body."""
+SUN: Final = 4  #: Planes of radiance times that share [W m-2 sr-1]: path, emission, reflected diffuse light and reflected Sun of the body.
 
-DISTANCE: Final = 5
-"""Plane of the distance times that share [m]."""
+DISTANCE: Final = 5  #: Plane of the distance times that share [m].
 
-COUNTED: Final = 6
-"""Plane of the whole radiance times that share, each wavenumber by how the detector counts it [W m-2 sr-1]."""
+COUNTED: Final = 6  #: Plane of the whole radiance times that share, each wavenumber by how the detector counts it [W m-2 sr-1].
 
 PLANES: Final = 7
 
 WHOLE: Final = 0
 SEEN: Final = 1
 ACROSS: Final = 2
-DOWN: Final = 3
-"""Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels]."""
+DOWN: Final = 3  #: Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels].
 
 DRY: Final = 4
 DRY_INSIDE: Final = 5
+#: Sums of the solid angle above the waterline that no part of the same body hides [sr]: in all, in the pixels to draw, and in view.
 DRY_SEEN: Final = 6
-"""Sums of the solid angle above the waterline that no part of the same body hides [sr]: in all, in the pixels to draw, and in view."""
 SUMS: Final = 7
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from seaglint.base.jit import kernel, njit
 
+#: Least distance towards the Sun between a shading and a shaded surface, as a share of the body's size: rounding of its shadow map.
 LIFT: Final = 1e-3
-"""Least distance towards the Sun between a shading and a shaded surface, as a share of the body's size: rounding of its shadow map."""
 
 
 class SunMap(NamedTuple):

@@ -15,11 +15,9 @@ from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.objects.drawing.compose import BodySight
 from seaglint.objects.drawing.truth_names import MOST_SMALL, NUMBERS
 
-SURROUND: Final = 10
-"""Width of the frame around a body's box in which its clutter is evaluated [pixels]."""
+SURROUND: Final = 10  #: Width of the frame around a body's box in which its clutter is evaluated [pixels].
 
-LEAST_CLUTTER: Final = 8
-"""Least number of pixels of sea for a clutter value."""
+LEAST_CLUTTER: Final = 8  #: Least number of pixels of sea for a clutter value.
 
 
 @dataclass(frozen=True, eq=False)

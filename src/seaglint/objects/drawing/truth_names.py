@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+#: Ground-truth numbers of a body in a frame, in the order of table columns; unknown numbers of a body out of view are NaN.
 NUMBERS: Final = (
     "column_px",
     "row_px",
@@ -39,10 +40,8 @@ NUMBERS: Final = (
     "counts_peak",
     "counts_snr",
 )
-"""Ground-truth numbers of a body in a frame, in the order of table columns; unknown numbers of a body out of view are NaN."""
 
+#: Classes of size by their number: of a solid angle of less than a pixel, of at most :data:`MOST_SMALL` pixels, and larger.
 SIZES: Final = ("point", "small", "extended")
-"""Classes of size by their number: of a solid angle of less than a pixel, of at most :data:`MOST_SMALL` pixels, and larger."""
 
-MOST_SMALL: Final = 81
-"""Greatest size of a small target [pixels]: 9 x 9, the definition of SPIE (0.12 % of 256 x 256)."""
+MOST_SMALL: Final = 81  #: Greatest size of a small target [pixels]: 9 x 9, the definition of SPIE (0.12 % of 256 x 256).

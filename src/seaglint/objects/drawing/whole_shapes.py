@@ -15,8 +15,7 @@ from seaglint.objects.drawing.parts import Mesh, Placed
 from seaglint.objects.drawing.plume_spectra import chord_shares
 from seaglint.objects.drawing.raster import Faces
 
-CELLS: Final = 128
-"""Samples along a side of a part: solid angles within some 0.2 %."""
+CELLS: Final = 128  #: Samples along a side of a part: solid angles within some 0.2 %.
 
 
 def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
@@ -27,8 +26,8 @@ def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: Floa
     return Faces(point, image, none, none[:, :2], none, bend)
 
 
+#: Share of the light behind a plume that it absorbs along its chords (:func:`~seaglint.objects.drawing.plume_spectra.chord_shares`).
 Cover = Callable[[Mesh | GasPlume | PointSource], FloatArray]
-"""Share of the light behind a plume that it absorbs along its chords (:func:`~seaglint.objects.drawing.plume_spectra.chord_shares`)."""
 
 
 def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[float, float]:

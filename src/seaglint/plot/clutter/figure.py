@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+#: Colours of the regions, in every picture; distinct for colour-blind readers and in print.
 COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
-"""Colours of the regions, in every picture; distinct for colour-blind readers and in print."""
 
 
 def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axes, str, Region]]]:

@@ -15,8 +15,7 @@ from seaglint.plot.new_figure import new_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SLICED_ABOVE: Final = 3.0
-"""Threshold of the slices, counted in every analysis [standard deviations]."""
+SLICED_ABOVE: Final = 3.0  #: Threshold of the slices, counted in every analysis [standard deviations].
 
 _LEFT_OUT: Final = "#c2a5cf"
 

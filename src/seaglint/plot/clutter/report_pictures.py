@@ -25,6 +25,7 @@ class ReportFigure:
     caption: str
 
 
+#: Figures of the report, in its order.
 PICTURES: Final = {
     "regions": ReportFigure(draw_regions, "Regions", "Mean image; grey scale from the 0.2 % to the 99.8 % quantile."),
     "rates": ReportFigure(
@@ -53,4 +54,3 @@ PICTURES: Final = {
         "Spatial correlation and spectrum after a polynomial surface is taken off, which is the shape of the corridor.",
     ),
 }
-"""Figures of the report, in its order."""

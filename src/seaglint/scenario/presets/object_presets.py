@@ -51,6 +51,7 @@ def _bird(east: float, ahead: float, up: float) -> list[TomlTables]:
 
 _AFLOAT: Final[TomlTables] = {"floats": True, "height_m": 0.0}
 
+#: Presets of objects by the name that the key ``preset`` takes.
 OBJECTS: Final[dict[str, ObjectPreset]] = {
     "buoy": ObjectPreset(
         "discus buoy of 3 m with a mast",
@@ -227,4 +228,3 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
         },
     ),
 }
-"""Presets of objects by the name that the key ``preset`` takes."""

@@ -14,13 +14,12 @@ class Preset:
     """Keys of a scenario that differ from the defaults, with the reasons."""
 
     title: str
-    notes: tuple[str, ...]
-    """Sources and remarks, one line each."""
+    notes: tuple[str, ...]  #: Sources and remarks, one line each.
     values: TomlTables = field(default_factory=dict)
-    files: tuple[str, ...] = ()
-    """Files of the package that the scenario names, which are written beside it."""
+    files: tuple[str, ...] = ()  #: Files of the package that the scenario names, which are written beside it.
 
 
+#: Presets of scenes by the name that the parameter ``preset`` takes.
 PRESETS: Final[dict[str, Preset]] = {
     "glint": Preset(
         "the glint corridor of a low Sun, seen from a ship's mast",
@@ -110,4 +109,3 @@ PRESETS: Final[dict[str, Preset]] = {
         },
     ),
 }
-"""Presets of scenes by the name that the parameter ``preset`` takes."""

@@ -19,11 +19,9 @@ class SensorPreset:
     """Tables of a scenario that describe a sensor, with the source of each number."""
 
     title: str
-    sensor: Mapping[str, Any]
-    """Content of the table ``[sensor]``."""
+    sensor: Mapping[str, Any]  #: Content of the table ``[sensor]``.
     band: Mapping[str, Any]
-    sources: Mapping[str, str]
-    """Sources by dotted key below ``[sensor]``, or ``band``."""
+    sources: Mapping[str, str]  #: Sources by dotted key below ``[sensor]``, or ``band``.
 
 
 _A6700 = "FLIR, product page of the A6700 MWIR (flir.com/products/a6700-mwir)"
@@ -35,6 +33,7 @@ _SCORPIO_SHEET = "assumed: as the data sheet of the Lynred Scorpio LW is cited, 
 _RULE_07 = "Tennant et al., J. Electronic Materials 37, 1406 (2008), Rule 07: 9.3 um cut-off, 80 K, 15 um"
 _PANORAMA = "assumed: a turn a second and a column of 640 pixels, as panoramic infrared search sensors are sold"
 
+#: Presets of sensors by the name that the parameter ``sensor`` takes.
 SENSORS: Final[dict[str, SensorPreset]] = {
     "mwir-insb-640": SensorPreset(
         "cooled InSb camera, 3-5 um, 640 x 512 pixels of 15 um, F/2.5",
@@ -190,10 +189,8 @@ SENSORS: Final[dict[str, SensorPreset]] = {
         },
     ),
 }
-"""Presets of sensors by the name that the parameter ``sensor`` takes."""
 
-TABLES: Final = ("optics", "detector", "scan", "noise")
-"""Tables of ``[sensor]`` that a preset replaces as a whole."""
+TABLES: Final = ("optics", "detector", "scan", "noise")  #: Tables of ``[sensor]`` that a preset replaces as a whole.
 
 
 def with_sensor(raw: Mapping[str, Any], name: str) -> TomlTables:

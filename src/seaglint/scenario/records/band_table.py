@@ -10,8 +10,8 @@ from seaglint.base.limits import TABLE_BANDS_UM
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import InputFile, Record, rule
 
+#: Bands of the air tables, for error messages.
 TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_BANDS_UM) + " (no band across the gap)"
-"""Bands of the air tables, for error messages."""
 
 
 class BandSettings(Record):

@@ -14,12 +14,11 @@ from seaglint.base.errors import ScenarioError
 from seaglint.scenario.records.quantity import Quantity, convert
 from seaglint.scenario.records.record import InputPath, Record, rule
 
-Number = StrictInt | StrictFloat | StrictStr
-"""A number in the unit of its key, or text with another unit."""
+Number = StrictInt | StrictFloat | StrictStr  #: A number in the unit of its key, or text with another unit.
 
-_INSIDE: Final = 2.0**-53
-"""Smallest distance of uniform numbers from 0 and 1 for laws without bounds."""
+_INSIDE: Final = 2.0**-53  #: Smallest distance of uniform numbers from 0 and 1 for laws without bounds.
 
+#: Keys of a scenario that columns of a weather table can set.
 WEATHER_KEYS: Final = {
     "wind_speed_m_s": "wind.speed_m_s",
     "wind_from_deg": "wind.from_deg",
@@ -30,7 +29,6 @@ WEATHER_KEYS: Final = {
     "latitude_deg": "place.latitude_deg",
     "longitude_deg": "place.longitude_deg",
 }
-"""Keys of a scenario that columns of a weather table can set."""
 
 
 class _OfKey(Record):
@@ -160,11 +158,9 @@ class Weather(Record):
         return tuple(WEATHER_KEYS[name] for name in self.columns)
 
 
-Law = Annotated[Uniform | LogUniform | Normal | Choice, Field(discriminator="law")]
-"""Laws of a single key."""
+Law = Annotated[Uniform | LogUniform | Normal | Choice, Field(discriminator="law")]  #: Laws of a single key.
 
-Vary = Annotated[Uniform | LogUniform | Normal | Choice | Weather, Field(discriminator="law")]
-"""Law of one entry of ``[[vary]]``."""
+Vary = Annotated[Uniform | LogUniform | Normal | Choice | Weather, Field(discriminator="law")]  #: Law of one entry of ``[[vary]]``.
 
 
 def chosen(weights: Sequence[float], uniform: float) -> int:

@@ -11,8 +11,7 @@ from seaglint.scenario.records.record import InputFile, Record, rule
 
 Case = Literal["single-look", "trajectory", "field-of-view"]
 
-MOST_SAMPLES = 2**26
-"""Largest number of looks of one run [1]; some 5 GB."""
+MOST_SAMPLES = 2**26  #: Largest number of looks of one run [1]; some 5 GB.
 
 _Degrees = Annotated[float, Quantity("deg", ge=-360, le=360)]
 _Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]

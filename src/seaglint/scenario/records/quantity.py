@@ -55,6 +55,7 @@ CELSIUS: Final = ("degC", "°C")
 # Units in which data sheets and weather reports give what a key wants in another one: of a number outside its range the first that fits is
 # meant. The numbers are the limits of keys that a unit suits [unit of the key]: lenses are not in feet, differences not in degrees Celsius.
 _ANY: Final = (0.0, math.inf)
+#: Units that a number outside its range may be meant in, by the unit of the key.
 MISTAKEN: Final[dict[str, tuple[tuple[str, tuple[float, float]], ...]]] = {
     "K": (("mK", (0.0, 100.0)), ("degC", (150.0, math.inf)), ("degF", (150.0, math.inf))),
     "um": (("nm", _ANY), ("mm", _ANY), ("m", _ANY)),
@@ -68,7 +69,6 @@ MISTAKEN: Final[dict[str, tuple[tuple[str, tuple[float, float]], ...]]] = {
     "h": (("min", _ANY),),
     "hPa": (("Pa", _ANY), ("kPa", _ANY)),
 }
-"""Units that a number outside its range may be meant in, by the unit of the key."""
 
 
 @cache

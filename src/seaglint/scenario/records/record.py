@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from seaglint.base.errors import Allowed
 
+#: Endings of keys that name a unit, the longest first, and the unit in SI.
 _UNITS: Final = {
     "e_per_count": 1,
     "urad_s": 1e-6,
@@ -25,7 +26,6 @@ _UNITS: Final = {
     "k": 1,
     "e": 1,
 }
-"""Endings of keys that name a unit, the longest first, and the unit in SI."""
 
 _Built = TypeVar("_Built")
 
@@ -65,8 +65,7 @@ def default_tag(tag: str, value: str) -> BeforeValidator:
     return BeforeValidator(fill)
 
 
-YEARS = (1800, 2200)
-"""Years for which the Sun's position is computed, within which the Earth's rotation is known well enough."""
+YEARS = (1800, 2200)  #: Years for which the Sun's position is computed, within which the Earth's rotation is known well enough.
 
 
 def _moment(raw: Any) -> Any:

@@ -90,8 +90,7 @@ class FlatSea(Record):
     kind: Literal["flat"] = "flat"
 
 
-System = Elfouhaily | PiersonMoskowitz | Jonswap | SpectrumFile
-"""What can be one of several."""
+System = Elfouhaily | PiersonMoskowitz | Jonswap | SpectrumFile  #: What can be one of several.
 
 
 class WaveSystems(Record):

@@ -16,24 +16,19 @@ from seaglint.scenario.records.sensor_noise import Noise
 from seaglint.scenario.records.sensor_optics import Optics
 from seaglint.scenario.records.sensor_scan import Scan
 
-HIGHEST_SENSOR = TOP_OF_AIR
-"""Greatest height of a sensor [m]."""
+HIGHEST_SENSOR = TOP_OF_AIR  #: Greatest height of a sensor [m].
 
-SPACE = "space"
-"""Word for the height of the top of the air, above which nothing changes on the way to a satellite but the range."""
+SPACE = "space"  #: Word for the height of the top of the air, above which nothing changes on the way to a satellite but the range.
 
-SQUARE_PIXEL_TOLERANCE = 0.01
-"""Relative difference of the pixel's two angular sides up to which it counts as square."""
+SQUARE_PIXEL_TOLERANCE = 0.01  #: Relative difference of the pixel's two angular sides up to which it counts as square.
 
-MOST_OBLONG = 3.0
-"""Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner."""
+MOST_OBLONG = 3.0  #: Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner.
 
+#: Ratio of sides above which an image upright in pixels and wide in degrees (or the reverse) counts as swapped numbers.
 REVERSED_OBLONG = 1.5
-"""Ratio of sides above which an image upright in pixels and wide in degrees (or the reverse) counts as swapped numbers."""
 
 
-AGREEMENT = 0.005
-"""Relative difference up to which two ways of giving the same number agree, since data sheets round."""
+AGREEMENT = 0.005  #: Relative difference up to which two ways of giving the same number agree, since data sheets round.
 
 _PIXELS = (512, 256)
 _DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)

@@ -8,8 +8,7 @@ from typing import Final
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition
 
-VIEW, WIND, SUN = "#3b9dd8", "#35a37a", "#e0a100"
-"""Colours that stand out from a light and from a dark page."""
+VIEW, WIND, SUN = "#3b9dd8", "#35a37a", "#e0a100"  #: Colours that stand out from a light and from a dark page.
 
 _SIZE: Final = 240.0
 _RADIUS: Final = 88.0

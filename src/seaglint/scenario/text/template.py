@@ -18,8 +18,7 @@ from seaglint.scenario.presets.scene_presets import PRESETS, Preset
 from seaglint.scenario.records.sensor_table import Sensor
 from seaglint.scenario.text.toml_text import inline
 
-DATA: Final = Path(__file__).parents[1] / "data"
-"""Folder of the files that presets name."""
+DATA: Final = Path(__file__).parents[1] / "data"  #: Folder of the files that presets name.
 
 __all__ = ["PRESETS", "json_schema", "template", "write_template"]
 
@@ -65,6 +64,7 @@ _EXAMPLES = {
     "{ time_s = 4, east_m = 20, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = -5 }]",
 }
 
+#: Keys of one table in each list of tables.
 _IN_LISTS = {
     "name": '"ferry"',
     "preset": '"fishing-vessel"',
@@ -96,7 +96,6 @@ _IN_LISTS = {
     "keyframes": "[{ time_s = 0, east_m = 0, north_m = -2000, height_m = 40, latitude_deg = ..., longitude_deg = ... }, "
     "{ time_s = 4, east_m = 200, north_m = -2000, height_m = 50, heading_deg = 80, pitch_deg = 5, roll_deg = -10 }]",
 }
-"""Keys of one table in each list of tables."""
 
 
 def json_schema() -> JsonObject:

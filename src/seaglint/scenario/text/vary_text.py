@@ -10,16 +10,15 @@ from typing import Any, Final
 
 from seaglint.base.errors import DataError
 
-MOST_VALUES: Final = 100_000
-"""Values of one key at most."""
+MOST_VALUES: Final = 100_000  #: Values of one key at most.
 
 _NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _RANGE: Final = re.compile(rf"\s*({_NUMBER})\s*:\s*({_NUMBER})\s*:\s*({_NUMBER})\s*")
 
 _UNFINISHED: Final = re.compile(rf"\s*{_NUMBER}\s*:\s*{_NUMBER}(?:\s*:\s*{_NUMBER})?(?:\s*[A-Za-z/%]+)?\s*")
 
+#: How values of a key are written.
 FORMS: Final = "give KEY=VALUE,VALUE,... or KEY=START:STOP:STEP with STOP included, e.g. wind.speed_m_s=2,5,10 or wind.speed_m_s=1:20:1"
-"""How values of a key are written."""
 
 
 def parse_vary(texts: Sequence[str], option: str = "vary") -> list[tuple[str, list[Any]]]:

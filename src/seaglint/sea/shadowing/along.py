@@ -17,8 +17,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.sea.shadowing.nested import bands_of, bands_of_breadth
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-_WAVENUMBERS: Final = 96
-"""Number of wavenumbers along a direction at which sums are taken."""
+_WAVENUMBERS: Final = 96  #: Number of wavenumbers along a direction at which sums are taken.
 
 
 class WavesAlong(NamedTuple):

@@ -29,20 +29,16 @@ from seaglint.sea.shadowing.along import waves_along
 from seaglint.sea.shadowing.nested import HIGHEST, REACH, nested_chain
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-LEAN: Final = 0.93
-"""Ratio of the excess at half of the variance by brute force to that of the law's bands."""
+LEAN: Final = 0.93  #: Ratio of the excess at half of the variance by brute force to that of the law's bands.
 
-AZIMUTHS: Final = 36
-"""Number of azimuths of a half circle at which gains are tabulated."""
+AZIMUTHS: Final = 36  #: Number of azimuths of a half circle at which gains are tabulated.
 
-_POWER: Final = 0.62
-"""Power of x in the excess of the mean slope of the longer waves."""
+_POWER: Final = 0.62  #: Power of x in the excess of the mean slope of the longer waves.
 
 _STEP: Final = 0.1
 _ROWS: Final = round(HIGHEST / _STEP) + 1
 _COLUMNS: Final = round(2.0 * REACH / _STEP) + 1
-_EDGE: Final = 0.02
-"""Least distance, in rms slopes, from the slope that is seen edge on: facets beyond it are not seen."""
+_EDGE: Final = 0.02  #: Least distance, in rms slopes, from the slope that is seen edge on: facets beyond it are not seen.
 
 
 def _excess(bands: int, mu: float) -> FloatArray:

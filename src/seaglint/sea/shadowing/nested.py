@@ -49,19 +49,17 @@ from seaglint.base.kept_tables import kept
 from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
+#: Bands of equal slope variance where none are given: about those of winds above 7 m/s, which :func:`bands_of` has as 4.6.
 BANDS: Final = 5
-"""Bands of equal slope variance where none are given: about those of winds above 7 m/s, which :func:`bands_of` has as 4.6."""
 
+#: Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band.
 _MOST_BANDS: Final = 64
-"""Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band."""
 
 _ONE: Final = np.uint64(1)
 _STEP: Final = 0.05
-REACH: Final = 6.5
-"""Largest slope that is integrated, in rms slopes."""
+REACH: Final = 6.5  #: Largest slope that is integrated, in rms slopes.
 
-HIGHEST: Final = 6.0
-"""Elevation of the view, in rms slopes, above which nothing is hidden (1e-9 of the sea)."""
+HIGHEST: Final = 6.0  #: Elevation of the view, in rms slopes, above which nothing is hidden (1e-9 of the sea).
 
 _ROWS: Final = round(HIGHEST / _STEP) + 4
 _COLUMNS: Final = round(2.0 * REACH / _STEP) + 3
@@ -185,22 +183,16 @@ def bands_of_facets(share: float, bands: float) -> float:
 class Shelter(NamedTuple):
     """Shelter that geometry gives to the facets on it: of :func:`shelter_of_facets`."""
 
-    slack: float
-    """Share of the square of a low Sun's elevation over a facet that does not count."""
-    least: float
-    """Least elevation of the Sun that counts, in rms slopes of the facets."""
-    together: float
-    """Excess of facets that are both seen and lit, times both elevations in rms slopes."""
+    slack: float  #: Share of the square of a low Sun's elevation over a facet that does not count.
+    least: float  #: Least elevation of the Sun that counts, in rms slopes of the facets.
+    together: float  #: Excess of facets that are both seen and lit, times both elevations in rms slopes.
 
 
-NO_SHELTER: Final = Shelter(0.0, 0.0, 0.0)
-"""Shelter of facets that carry all slopes."""
+NO_SHELTER: Final = Shelter(0.0, 0.0, 0.0)  #: Shelter of facets that carry all slopes.
 
-SLACK_ENDS: Final = 1.22
-"""Elevation of the Sun in rms slopes of the facets at which half of :attr:`Shelter.slack` is left."""
+SLACK_ENDS: Final = 1.22  #: Elevation of the Sun in rms slopes of the facets at which half of :attr:`Shelter.slack` is left.
 
-LOWEST: Final = 0.1
-"""Elevation in rms slopes of facets below which :attr:`Shelter.together` grows no more."""
+LOWEST: Final = 0.1  #: Elevation in rms slopes of facets below which :attr:`Shelter.together` grows no more.
 
 
 def shelter_of_facets(share: float) -> Shelter:

@@ -19,11 +19,10 @@ from seaglint.sea.shadowing.nested import HIGHEST, REACH, nested_ratio_kernel, r
 _ONE: Final = np.uint64(1)
 _PAIR_NODES: Final = 31
 _PAIR_TOP: Final = HIGHEST
+#: Sizes of tables of two legs: square roots of the elevations of viewer and Sun in rms slopes, and position of the slope between both.
+#:
+#: Where both are low the law's logarithm has no bound; over the square root straight lines between nodes follow it within 1 %.
 _PAIR_SHARES: Final = 33
-"""Sizes of tables of two legs: square roots of the elevations of viewer and Sun in rms slopes, and position of the slope between both.
-
-Where both are low the law's logarithm has no bound; over the square root straight lines between nodes follow it within 1 %.
-"""
 
 
 @kernel

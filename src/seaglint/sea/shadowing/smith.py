@@ -35,8 +35,8 @@ from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, gram_charlier
 
+#: Standard deviations to which negative values of a series are integrated; beyond, the density is below 1e-14 of its peak.
 _REACH: Final = 8.0
-"""Standard deviations to which negative values of a series are integrated; beyond, the density is below 1e-14 of its peak."""
 
 _X_STEP: Final = 0.05
 _TURNS: Final = 65
@@ -48,14 +48,10 @@ class _Series(NamedTuple):
 
     deviation_up: float
     deviation_cross: float
-    coefficients: FloatArray
-    """Gram-Charlier coefficients (c21, c03, c40, c22, c04) [1]."""
-    mass: float
-    """Mass added by setting negative values of the series to 0 [1]."""
-    mean: float
-    """First moment of the added mass towards where the wind comes FROM, in standard deviations [1]."""
-    table: FloatArray
-    """Share of the added mass in ``A+/d`` against angle (0..pi, rows) and ``x`` [1]."""
+    coefficients: FloatArray  #: Gram-Charlier coefficients (c21, c03, c40, c22, c04) [1].
+    mass: float  #: Mass added by setting negative values of the series to 0 [1].
+    mean: float  #: First moment of the added mass towards where the wind comes FROM, in standard deviations [1].
+    table: FloatArray  #: Share of the added mass in ``A+/d`` against angle (0..pi, rows) and ``x`` [1].
 
 
 @kernel

@@ -14,8 +14,7 @@ from seaglint.sea.slopes.light_winds import LIGHTEST, joined_in_calm
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.wind_profile import require_wind, u10_of_wind
 
-_CROSSING: Final = 0.002 / (0.00316 - 0.00185)
-"""Wind at 10 m where the fits along and across the wind cross [m/s]: 1.53."""
+_CROSSING: Final = 0.002 / (0.00316 - 0.00185)  #: Wind at 10 m where the fits along and across the wind cross [m/s]: 1.53.
 
 
 def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:

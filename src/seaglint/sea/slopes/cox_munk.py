@@ -14,14 +14,12 @@ from seaglint.sea.slopes.light_winds import LIGHTEST, joined_in_calm
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.wind_profile import require_wind, u10_of_wind, wind_at_height
 
-WIND_HEIGHT: Final = 12.5
-"""Height of Cox and Munk's wind measurement [m]."""
+WIND_HEIGHT: Final = 12.5  #: Height of Cox and Munk's wind measurement [m].
 
-_CROSSING: Final = 0.003 / (0.00316 - 0.00192)
-"""Wind at 12.5 m where the fits along and across the wind cross [m/s]: 2.42."""
+_CROSSING: Final = 0.003 / (0.00316 - 0.00192)  #: Wind at 12.5 m where the fits along and across the wind cross [m/s]: 2.42.
 
+#: Wind at 12.5 m below which the slick fit has more variance along the wind than a clean sea [m/s]: 1.99.
 _SLICK_JOIN: Final = (0.005 - 0.0015) / (0.5 * (0.00316 + 0.00192) - 0.00078)
-"""Wind at 12.5 m below which the slick fit has more variance along the wind than a clean sea [m/s]: 1.99."""
 
 
 _GAUSSIAN: Final = (0.0, 0.0, 0.0, 0.0, 0.0)

@@ -13,17 +13,14 @@ from seaglint.sea.slopes.slope_statistics import SHORTEST, SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import resolve_limit
 
-_LENGTHS: Final = 24
-"""Number of wavelengths at which covariances are taken."""
+_LENGTHS: Final = 24  #: Number of wavelengths at which covariances are taken.
 
-_RIPPLES: Final = 13
-"""Number of those of the ripples."""
+_RIPPLES: Final = 13  #: Number of those of the ripples.
 
+#: Width of ripples without a spectrum in the logarithm of the wavenumber: a first part, and one by the slope variance up to an end.
+#:
+#: Even ones of this width have the breadth that Elfouhaily's seas have, to which the number of bands by slope variance belongs.
 _BREADTH: Final = (2.7, 156.0, 0.0337)
-"""Width of ripples without a spectrum in the logarithm of the wavenumber: a first part, and one by the slope variance up to an end.
-
-Even ones of this width have the breadth that Elfouhaily's seas have, to which the number of bands by slope variance belongs.
-"""
 
 
 def spectrum_slopes(spectrum: DirectionalSpectrum) -> SlopeStatistics:

@@ -27,11 +27,10 @@ from typing import Final
 
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-RESIDUAL: Final = 0.003
-"""Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s."""
+RESIDUAL: Final = 0.003  #: Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s.
 
+#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind.
 LIGHTEST: Final = 0.5
-"""Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind."""
 
 
 def joined_in_calm(

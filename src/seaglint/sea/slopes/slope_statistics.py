@@ -11,43 +11,28 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
-SHORTEST: Final = 2.0 * np.pi / 0.01
-"""Wavenumber of the shortest waves that carry slopes [rad/m]."""
+SHORTEST: Final = 2.0 * np.pi / 0.01  #: Wavenumber of the shortest waves that carry slopes [rad/m].
 
 
 @dataclass(frozen=True)
 class SlopeStatistics:
-    """Statistics of sea-surface slopes: Gaussian, or a Gram-Charlier series about the Gaussian of the same variances.
+    """Statistics of sea-surface slopes: Gaussian, or a Gram-Charlier series about the Gaussian of the same variances."""
 
-    Attributes
-    ----------
-    mss_up : float
-        Mean square slope along the wind [1].
-    mss_cross : float
-        Mean square slope across the wind [1].
-    wind_to_azimuth : float
-        Azimuth the wind blows TO, clockwise from north [rad]; any value for an isotropic sea.
-    c21, c03 : float
-        Skewness coefficients of :meth:`density` [1]; negative where lee faces are the steeper ones.
-    c40, c22, c04 : float
-        Peakedness coefficients: crosswind, mixed, upwind [1].
-    nesting : tuple of (float, float, float, float)
-        Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1], from none to all waves; see
-        :meth:`growth`.
-    directed : float, optional
-        Share of their direction that long waves have in a light wind, from 0 without wind to 1 [1]; where nothing is given they have
-        all of it, or none on an isotropic sea.
-    """
-
-    mss_up: float
-    mss_cross: float
-    wind_to_azimuth: float = 0.0
+    mss_up: float  #: Mean square slope along the wind [1].
+    mss_cross: float  #: Mean square slope across the wind [1].
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO, clockwise from north [rad]; any value for an isotropic sea.
+    #: ``c21``, ``c03``: Skewness coefficients of :meth:`density` [1]; negative where lee faces are the steeper ones.
     c21: float = 0.0
     c03: float = 0.0
+    #: ``c40``, ``c22``, ``c04``: Peakedness coefficients: crosswind, mixed, upwind [1].
     c40: float = 0.0
     c22: float = 0.0
     c04: float = 0.0
+    #: Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1], from none to all waves; see
+    #: :meth:`growth`.
     nesting: tuple[tuple[float, float, float, float], ...] = ()
+    #: Share of their direction that long waves have in a light wind, from 0 without wind to 1 [1]; where nothing is given they have all of
+    #: it, or none on an isotropic sea.
     directed: float | None = None
 
     def __post_init__(self) -> None:

@@ -26,17 +26,11 @@ _COSINE_BINS: Final = 360  # the sharpest cosine taken is one degree wide at hal
 
 @dataclass(frozen=True, eq=False)
 class BinnedSpectrum(MeasuredSpectrum):
-    """Measured spectrum with a directional distribution for each frequency; make it with :func:`of_bins` or :func:`of_cosine`.
+    """Measured spectrum with a directional distribution for each frequency; make it with :func:`of_bins` or :func:`of_cosine`."""
 
-    Attributes
-    ----------
-    azimuth : ndarray
-        Azimuths waves travel TO, ascending over one turn or a sector with nothing at its ends [rad, (n,)].
-    share : ndarray
-        ``D`` at these azimuths per frequency [rad⁻¹, (m, n)]; linear in between.
-    """
-
+    #: Azimuths waves travel TO, ascending over one turn or a sector with nothing at its ends [rad, (n,)].
     azimuth: FloatArray = field(default_factory=lambda: np.empty(0))
+    #: ``D`` at these azimuths per frequency [rad⁻¹, (m, n)]; linear in between.
     share: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:

@@ -19,13 +19,6 @@ class CalmSpectrum(DirectionalSpectrum):
     wind and no waves its energy, and so its slope variance, falls in proportion to the wind, as the measured slope variances of Cox and
     Munk (1954, J. Opt. Soc. Am. 44, 838) do. Below 0.5 m/s this is an interpolation, not a measurement.
 
-    Attributes
-    ----------
-    lightest : DirectionalSpectrum
-        The model's sea at the lightest wind that it allows.
-    share : float
-        Share of the energy, 0-1 [1].
-
     Examples
     --------
     >>> from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
@@ -34,8 +27,8 @@ class CalmSpectrum(DirectionalSpectrum):
     0.25
     """
 
-    lightest: DirectionalSpectrum
-    share: float
+    lightest: DirectionalSpectrum  #: The model's sea at the lightest wind that it allows.
+    share: float  #: Share of the energy, 0-1 [1].
 
     def __post_init__(self) -> None:
         """Refuse shares that are none."""

@@ -18,11 +18,10 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.directional import DirectionalSpectrum, downwind
 from seaglint.sea.wind_profile import FULLY_DEVELOPED, friction_velocity, require_wind
 
-VALID_WIND: Final = (0.5, 30.0)
-"""Winds at 10 m for which the model is evaluated [m/s]; the data behind it are of 2-24 m/s."""
+VALID_WIND: Final = (0.5, 30.0)  #: Winds at 10 m for which the model is evaluated [m/s]; the data behind it are of 2-24 m/s.
 
+#: Allowed inverse wave ages [1], from fully developed to very young seas (the paper's own limits are 0.84 and 5).
 VALID_INVERSE_WAVE_AGE: Final = (0.83, 5.0)
-"""Allowed inverse wave ages [1], from fully developed to very young seas (the paper's own limits are 0.84 and 5)."""
 
 _K_M: Final = 370.0  # gravity-capillary peak [rad/m]
 _C_M: Final = 0.23  # slowest phase speed [m/s]
@@ -46,15 +45,6 @@ class ElfouhailySpectrum(DirectionalSpectrum):
     with the upwind half folded on the downwind one, which leaves height, slopes and all even moments as they were.
     The side effects ``L_PM J_p`` multiply ``B_h`` too (public codes differ), so that short waves do not reach below the peak.
 
-    Attributes
-    ----------
-    u10 : float
-        Neutral wind speed at 10 m [m s⁻¹], 0.5-30.
-    wind_to_azimuth : float
-        Azimuth the wind blows TO [rad].
-    inverse_wave_age : float
-        ``U10/c_p``; 0.84 is a fully developed sea. See :func:`inverse_wave_age_of_fetch`.
-
     Raises
     ------
     DomainError
@@ -67,9 +57,9 @@ class ElfouhailySpectrum(DirectionalSpectrum):
     (2.64, 0.0624)
     """
 
-    u10: float
-    wind_to_azimuth: float = 0.0
-    inverse_wave_age: float = FULLY_DEVELOPED
+    u10: float  #: Neutral wind speed at 10 m [m s⁻¹], 0.5-30.
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad].
+    inverse_wave_age: float = FULLY_DEVELOPED  #: ``U10/c_p``; 0.84 is a fully developed sea. See :func:`inverse_wave_age_of_fetch`.
 
     def __post_init__(self) -> None:
         """Refuse winds and wave ages outside the model."""

@@ -15,17 +15,14 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.spreading import cosine_power, power_of_width, second_moment
 
-HEIGHTS: Final = (0.01, 30.0)
-"""Allowed significant heights [m]."""
+HEIGHTS: Final = (0.01, 30.0)  #: Allowed significant heights [m].
 
-PERIODS: Final = (0.5, 30.0)
-"""Allowed peak periods [s]; shorter waves are not gravity waves, longer ones are not raised by wind."""
+PERIODS: Final = (0.5, 30.0)  #: Allowed peak periods [s]; shorter waves are not gravity waves, longer ones are not raised by wind.
 
+#: Allowed peak enhancements [1]: 1 is a fully developed sea, the experiment's mean 3.3, its scatter 1 to 7.
 PEAK_FACTORS: Final = (1.0, 20.0)
-"""Allowed peak enhancements [1]: 1 is a fully developed sea, the experiment's mean 3.3, its scatter 1 to 7."""
 
-STEEPEST: Final = 0.07
-"""Largest allowed ratio of significant height to the peak's wavelength [1]; young seas in a gale reach 0.06."""
+STEEPEST: Final = 0.07  #: Largest allowed ratio of significant height to the peak's wavelength [1]; young seas in a gale reach 0.06.
 
 _SIDES: Final = (0.07, 0.09)  # width of the peak below and above its frequency
 _K_MAX: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
@@ -37,21 +34,6 @@ class JonswapSpectrum(DirectionalSpectrum):
 
     ``E(f) ~ f^-5 exp[-5/4 (f_p/f)^4] gamma^r``, ``r = exp[-(f/f_p - 1)^2/(2 sigma^2)]``, sigma 0.07 below the peak and 0.09 above,
     with the gravity dispersion ``(2 pi f)^2 = g k`` and the level that gives the significant height.
-
-    Attributes
-    ----------
-    height : float
-        Significant height, four times the standard deviation of the surface [m].
-    peak_period : float
-        Period of the largest density per frequency [s].
-    to_azimuth : float
-        Azimuth the waves travel TO [rad].
-    gamma : float
-        Peak enhancement [1].
-    width : float
-        Circular width of the directions [rad]; see :mod:`seaglint.sea.spectra.spreading`.
-    wind_to_azimuth : float
-        Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
 
     Raises
     ------
@@ -72,12 +54,12 @@ class JonswapSpectrum(DirectionalSpectrum):
     2.0
     """
 
-    height: float
-    peak_period: float
-    to_azimuth: float
-    gamma: float = 3.3
-    width: float = float(np.radians(30.0))
-    wind_to_azimuth: float = 0.0
+    height: float  #: Significant height, four times the standard deviation of the surface [m].
+    peak_period: float  #: Period of the largest density per frequency [s].
+    to_azimuth: float  #: Azimuth the waves travel TO [rad].
+    gamma: float = 3.3  #: Peak enhancement [1].
+    width: float = float(np.radians(30.0))  #: Circular width of the directions [rad]; see :mod:`seaglint.sea.spectra.spreading`.
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
 
     def __post_init__(self) -> None:
         """Refuse values outside the ranges, and waves that would break."""

@@ -40,28 +40,18 @@ class MeasuredSpectrum(DirectionalSpectrum):
     ``S(k) = E(f) df/dk`` with ``E`` linear between the frequencies and ``df/dk`` the group velocity over 2 pi;
     ``D`` of maximum entropy from the moments, interpolated over wavenumber.
 
-    Attributes
-    ----------
-    frequency_hz : ndarray
-        Ascending frequencies [Hz, (m,)].
-    energy : ndarray
-        Height variance per hertz, E(f) [m² Hz⁻¹, (m,)].
-    first, second : ndarray of complex
-        ``int D exp(i phi) dphi`` and ``int D exp(2 i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
-    wind_to_azimuth : float
-        Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
-
     Raises
     ------
     DataError
         Values that are missing, negative or impossible; no energy at all.
     """
 
-    frequency_hz: FloatArray
-    energy: FloatArray
+    frequency_hz: FloatArray  #: Ascending frequencies [Hz, (m,)].
+    energy: FloatArray  #: Height variance per hertz, E(f) [m² Hz⁻¹, (m,)].
+    #: ``first``, ``second``: ``int D exp(i phi) dphi`` and ``int D exp(2 i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
     first: ComplexArray
     second: ComplexArray
-    wind_to_azimuth: float = 0.0
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
 
     def __post_init__(self) -> None:
         """Refuse columns that are not a valid spectrum."""

@@ -14,11 +14,9 @@ from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.directional import DirectionalSpectrum, downwind
 from seaglint.sea.wind_profile import require_wind, wind_at_height
 
-VALID_WIND: Final = (0.5, 34.0)
-"""Winds at 19.5 m for which the model is evaluated [m/s]; the data behind it are of 10-20 m/s."""
+VALID_WIND: Final = (0.5, 34.0)  #: Winds at 19.5 m for which the model is evaluated [m/s]; the data behind it are of 10-20 m/s.
 
-WIND_HEIGHT: Final = 19.5
-"""Height of the weather ships' anemometers behind the fit [m]."""
+WIND_HEIGHT: Final = 19.5  #: Height of the weather ships' anemometers behind the fit [m].
 
 _ALPHA: Final = 8.10e-3
 _BETA: Final = 0.74
@@ -32,13 +30,6 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
     ``S(k) = alpha/(2 k^3) exp[-beta (g/(k U19.5^2))^2]``, ``D = (2/pi) cos^2 phi`` for ``|phi| < pi/2``
 
     This is ``alpha g^2 omega^-5 exp[-beta (g/(omega U))^4]`` with the gravity dispersion ``omega^2 = g k``.
-
-    Attributes
-    ----------
-    u19_5 : float
-        Wind speed at 19.5 m [m s⁻¹].
-    wind_to_azimuth : float
-        Azimuth the wind blows TO [rad].
 
     Notes
     -----
@@ -55,8 +46,8 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
     2.13
     """
 
-    u19_5: float
-    wind_to_azimuth: float = 0.0
+    u19_5: float  #: Wind speed at 19.5 m [m s⁻¹].
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad].
 
     def __post_init__(self) -> None:
         """Refuse winds outside the model."""

@@ -17,8 +17,8 @@ from scipy.special import gammaln
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction.
 WIDTHS: Final = (float(np.radians(1.0)), float(np.radians(80.0)))
-"""Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction."""
 
 
 def power_of_width(width: ArrayLike) -> FloatArray:

@@ -20,11 +20,6 @@ class CombinedSpectrum(DirectionalSpectrum):
 
     Systems are independent of each other: variances of height and slopes add.
 
-    Attributes
-    ----------
-    systems : tuple of DirectionalSpectrum
-        One or more, with the same wind.
-
     Raises
     ------
     DomainError
@@ -38,7 +33,7 @@ class CombinedSpectrum(DirectionalSpectrum):
     (3.31, 3.31)
     """
 
-    systems: tuple[DirectionalSpectrum, ...]
+    systems: tuple[DirectionalSpectrum, ...]  #: One or more, with the same wind.
 
     def __post_init__(self) -> None:
         """Refuse systems that cannot be added."""

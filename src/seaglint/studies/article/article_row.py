@@ -9,22 +9,13 @@ from seaglint.base.free_form import JsonObject
 
 @dataclass(frozen=True)
 class ArticleRow:
-    """Number of the source article beside ours.
+    """Number of the source article beside ours."""
 
-    Attributes
-    ----------
-    article, ours : float or None
-        Both values; None where one does not exist.
-    unit : str
-        Their unit.
-    settings : JsonObject
-        Settings and conditions, plain numbers and text by name.
-    """
-
+    #: ``article``, ``ours``: Both values; None where one does not exist.
     article: float | None
     ours: float | None
-    unit: str
-    settings: JsonObject = field(default_factory=dict)
+    unit: str  #: Their unit.
+    settings: JsonObject = field(default_factory=dict)  #: Settings and conditions, plain numbers and text by name.
 
     @property
     def numbers(self) -> dict[str, float | None]:
@@ -38,15 +29,9 @@ class ArticleRow:
 
 @dataclass(frozen=True)
 class SensedRow(ArticleRow):
-    """Number of the source article beside ours of pictures as rendered (``ours``) and of the same pictures through a detector.
+    """Number of the source article beside ours of pictures as rendered (``ours``) and of the same pictures through a detector."""
 
-    Attributes
-    ----------
-    through_detector : float or None
-        Value of the pictures through the detector; None where it does not exist.
-    """
-
-    through_detector: float | None = None
+    through_detector: float | None = None  #: Value of the pictures through the detector; None where it does not exist.
 
     @property
     def numbers(self) -> dict[str, float | None]:

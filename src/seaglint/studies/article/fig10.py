@@ -28,6 +28,7 @@ from seaglint.textures.regime import Regime, correlations, mean_field, regime
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Straight down on half a metre a pixel; waves run down the picture, so that its crests lie along the rows.
 SCENE: Final[TomlTables] = {
     "sensor": {"height_m": 150, "projection": "pinhole", "fov_deg": [24, 24], "elevation_deg": -90, "azimuth_deg": 0, "pixels": [128, 128]},
     "wind": {"speed_m_s": 8, "from_deg": 0},
@@ -35,17 +36,16 @@ SCENE: Final[TomlTables] = {
     "sea": {"shortest_wave_m": 0.5},
     "atmosphere": {"spectroscopy": "lowtran7"},
 }
-"""Straight down on half a metre a pixel; waves run down the picture, so that its crests lie along the rows."""
 
 LEVELS: Final = 8
 ORDER: Final = 2
 TEXTURES: Final = ("isotropic", "horizontal")
+#: The picture, the exchange sample at the fit, the Gibbs sample at the pseudo-likelihood's, and that with weaker couplings.
 PICTURES: Final = ("sea", "exchange", "frozen", "molten")
-"""The picture, the exchange sample at the fit, the Gibbs sample at the pseudo-likelihood's, and that with weaker couplings."""
 
 SWEEPS: Final = 300
+#: Slope of the mean field to which couplings are weakened for the molten sample: on the other side of the transition, at 1.
 MOLTEN_SLOPE: Final = 0.8
-"""Slope of the mean field to which couplings are weakened for the molten sample: on the other side of the transition, at 1."""
 
 
 def _silent(done: int, total: int) -> None:

@@ -21,17 +21,13 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import render
 from seaglint.studies.sequence.scene_objects import bodies_of
 
-FRAMES: Final = 100
-"""Frames of the article's sequence."""
+FRAMES: Final = 100  #: Frames of the article's sequence.
 
-PIXELS: Final = 512
-"""Pixels along each side."""
+PIXELS: Final = 512  #: Pixels along each side.
 
-FRAME_RATE: Final = 10.0
-"""Frames per second [Hz]; the article does not tell its own."""
+FRAME_RATE: Final = 10.0  #: Frames per second [Hz]; the article does not tell its own.
 
-SPEED: Final = 50.0
-"""Speed of the viewpoint [m/s]."""
+SPEED: Final = 50.0  #: Speed of the viewpoint [m/s].
 
 _ATTACKING: Final[TomlTables] = {
     "name": "attacking body",
@@ -121,23 +117,14 @@ def scene(pixels: int = PIXELS) -> Scenario:
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """Positions of sensor and bodies in the vertical plane of the line of sight.
+    """Positions of sensor and bodies in the vertical plane of the line of sight."""
 
-    Attributes
-    ----------
-    time : ndarray
-        Of the frames [s].
-    ahead, height : dict of str to ndarray
-        Distance ahead of the sensor's start, along the sea, and height above the mean sea [m], by name; that of the sensor is
-        ``"sensor"``.
-    sight : (float, float)
-        Elevations of the image's lower and upper edge [rad].
-    """
-
-    time: FloatArray
+    time: FloatArray  #: Of the frames [s].
+    #: ``ahead``, ``height``: Distance ahead of the sensor's start, along the sea, and height above the mean sea [m], by name; that of the
+    #: sensor is ``"sensor"``.
     ahead: dict[str, FloatArray]
     height: dict[str, FloatArray]
-    sight: tuple[float, float]
+    sight: tuple[float, float]  #: Elevations of the image's lower and upper edge [rad].
 
 
 def ways(scenario: Scenario, frames: range) -> Ways:

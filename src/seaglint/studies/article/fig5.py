@@ -24,15 +24,13 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw
 
-THRESHOLDS: Final = (2.5, 0.25)
-"""0.25 mW cm-2 sr-1, and the number of the caption in W m-2 sr-1 [W m-2 sr-1]."""
+THRESHOLDS: Final = (2.5, 0.25)  #: 0.25 mW cm-2 sr-1, and the number of the caption in W m-2 sr-1 [W m-2 sr-1].
 
-PRINTED: Final = 2500.0
-"""The caption's 0.25 W cm-2 sr-1 [W m-2 sr-1]."""
+PRINTED: Final = 2500.0  #: The caption's 0.25 W cm-2 sr-1 [W m-2 sr-1].
 
 CASES: Final = ("single-look", "trajectory", "field-of-view")
+#: Azimuths from the Sun [deg].
 AZIMUTHS: Final = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 90.0, 180.0])
-"""Azimuths from the Sun [deg]."""
 NORTH_ATLANTIC: Final = {"latitudes_deg": [35.0, 65.0], "longitudes_deg": [-70.0, 0.0]}
 HEIGHT: Final = 30.0
 SAMPLES: Final = 8192
@@ -43,10 +41,8 @@ class Fig5:
     """Both panels: columns by name, ``case`` counts :data:`CASES`; and what the printed threshold gives."""
 
     columns: dict[str, FloatArray]
-    brightest: float
-    """Brightest glint of all draws [W m-2 sr-1]."""
-    printed: float
-    """Largest chance of the caption's threshold at any azimuth [1]."""
+    brightest: float  #: Brightest glint of all draws [W m-2 sr-1].
+    printed: float  #: Largest chance of the caption's threshold at any azimuth [1].
 
 
 def scenario(case: str, weather: Path | None, mode: str = "article", samples: int = SAMPLES) -> TomlTables:

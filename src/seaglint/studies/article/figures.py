@@ -38,32 +38,26 @@ SEA_TEMPERATURE: Final = 288.15
 PATH_BAND: Final = (3.0, 5.0)
 PATH_HEIGHT: Final = 130.0
 PATH_WINDS: Final = (1.0, 5.0, 10.0, 15.0, 20.0)
-PATH_BLACKBODY: Final = 292.4
-"""Temperature of the air that the article names beside Fig. 2 [K]."""
+PATH_BLACKBODY: Final = 292.4  #: Temperature of the air that the article names beside Fig. 2 [K].
 
 GLINT_BAND: Final = (3.5, 5.0)
 GLINT_HEIGHT: Final = 100.0
+#: Winds of Fig. 3: its calm, whose 526 K is the peak near 0.5 m/s; the 10 m/s of its text; and one between.
 SURFACE_WINDS: Final = (0.5, 5.0, 10.0)
-"""Winds of Fig. 3: its calm, whose 526 K is the peak near 0.5 m/s; the 10 m/s of its text; and one between."""
 
+#: Zenith angles of the Sun in Fig. 3 [deg].
 SURFACE_SUNS: Final = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
-"""Zenith angles of the Sun in Fig. 3 [deg]."""
 
-SURFACE_DEPRESSIONS: Final = 140
-"""Depressions of the sensor in Fig. 3, from the horizon to 12 deg."""
+SURFACE_DEPRESSIONS: Final = 140  #: Depressions of the sensor in Fig. 3, from the horizon to 12 deg.
 
 IMAGE_WINDS: Final = (2.0, 5.0, 10.0)
-IMAGE_WIND_DIRECTIONS: Final = (0.0, 45.0, 90.0)
-"""Where the wind of Fig. 4 comes from, clockwise from the Sun [deg]."""
+IMAGE_WIND_DIRECTIONS: Final = (0.0, 45.0, 90.0)  #: Where the wind of Fig. 4 comes from, clockwise from the Sun [deg].
 
-IMAGE_SUN: Final = 65.0
-"""Zenith angle of the Sun in Fig. 4 [deg]: the whole glint pattern lies in view."""
+IMAGE_SUN: Final = 65.0  #: Zenith angle of the Sun in Fig. 4 [deg]: the whole glint pattern lies in view.
 
-IMAGE_IFOV: Final = 1e-3
-"""Side of the article's detector [rad]."""
+IMAGE_IFOV: Final = 1e-3  #: Side of the article's detector [rad].
 
-IMAGE_FIELD: Final = (50.0, 35.0)
-"""Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg]."""
+IMAGE_FIELD: Final = (50.0, 35.0)  #: Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg].
 
 
 def _silent(done: int, total: int) -> None:
@@ -245,14 +239,14 @@ def figure_4(report: Progress = _silent) -> xr.Dataset:
     )
 
 
+#: What ``seaglint reproduce`` computes, by name.
 FIGURES: Final[dict[str, Callable[[Progress], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
-"""What ``seaglint reproduce`` computes, by name."""
 
+#: Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB.
 CSV_STEP: Final[dict[str, dict[str, int]]] = {"fig4": {"elevation_deg": 5, "azimuth_from_sun_deg": 10}}
-"""Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB."""
 
+#: Variables that the CSV file does not hold: samples, which seeds give again.
 CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
-"""Variables that the CSV file does not hold: samples, which seeds give again."""
 
 
 def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:

@@ -39,58 +39,47 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.sensor_model import sensor_model
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
-FRAME_RATE: Final = 25.0
-"""Frames per second [Hz]."""
+FRAME_RATE: Final = 25.0  #: Frames per second [Hz].
 
-FRAMES: Final = 50
-"""Frames of the sequence: the article's lasts about two seconds."""
+FRAMES: Final = 50  #: Frames of the sequence: the article's lasts about two seconds.
 
-DEPRESSIONS_DEG: Final = (1.5, 6.0)
-"""Depressions that the image spans [deg]: the sea from 1 to 4 km."""
+DEPRESSIONS_DEG: Final = (1.5, 6.0)  #: Depressions that the image spans [deg]: the sea from 1 to 4 km.
 
+#: Pixels along and up, nearly as many as in 256 x 256: the corridor and sea on both its sides are in the picture.
 PIXELS: Final = (448, 140)
-"""Pixels along and up, nearly as many as in 256 x 256: the corridor and sea on both its sides are in the picture."""
 
-SUN: Final = 60.0
-"""Zenith angle of the Sun [deg]."""
+SUN: Final = 60.0  #: Zenith angle of the Sun [deg].
 
-SHORTEST_WAVE: Final = 0.5
-"""Shortest wave that is geometry [m]: as short as the pixels are wide at the near edge."""
+SHORTEST_WAVE: Final = 0.5  #: Shortest wave that is geometry [m]: as short as the pixels are wide at the near edge.
 
-CORRIDOR_SHARE: Final = 0.5
-"""Mean mirrored Sun, as a share of its row's largest, from which a pixel belongs to the corridor."""
+CORRIDOR_SHARE: Final = 0.5  #: Mean mirrored Sun, as a share of its row's largest, from which a pixel belongs to the corridor.
 
+#: Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
+#:
+#: Assumed: the article does not state that of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
+#: twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of resolution,
+#: at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
 BLUR_PX: Final = 1.2
-"""Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
 
-Assumed: the article does not state that of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
-twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of resolution,
-at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
-"""
-
+#: Blurs with which rates and correlation times are given too [px]: how much they hang on the assumed one.
 BLURS_PX: Final = (0.8, 1.0, 1.2, 1.5)
-"""Blurs with which rates and correlation times are given too [px]: how much they hang on the assumed one."""
 
-F_NUMBER: Final = 2.1
-"""F-number of the optics: that of cooled cameras."""
+F_NUMBER: Final = 2.1  #: F-number of the optics: that of cooled cameras.
 
+#: Pitch of the pixels [um]: assumed; at F/2.1 the aperture is the 2 in. of the seeker to whose noise the article compares its clutter.
 PITCH_UM: Final = 60.0
-"""Pitch of the pixels [um]: assumed; at F/2.1 the aperture is the 2 in. of the seeker to whose noise the article compares its clutter."""
 
-FILL_FACTOR: Final = 0.9
-"""Sensitive share of a pixel's area: assumed, as in the ready sensors."""
+FILL_FACTOR: Final = 0.9  #: Sensitive share of a pixel's area: assumed, as in the ready sensors.
 
-INTEGRATION_TIME: Final = 1e-3
-"""Integration time [s]: assumed, short against the frame of 0.04 s, as the waves stand still in it."""
+INTEGRATION_TIME: Final = 1e-3  #: Integration time [s]: assumed, short against the frame of 0.04 s, as the waves stand still in it.
 
-MARGIN: Final = 6
-"""Pixels that are rendered beyond each border of the picture, five blurs of 1.2: what lies there blurs into it."""
+MARGIN: Final = 6  #: Pixels that are rendered beyond each border of the picture, five blurs of 1.2: what lies there blurs into it.
 
+#: Table 1: false-alarm rate and correlation time [s] by region and threshold; None where the article has "not measured".
 ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
     "glint": {3.0: (0.0096, 0.270), 3.5: (0.0050, 0.202)},
     "background": {3.0: (0.014, 0.292), 3.5: (None, None)},
 }
-"""Table 1: false-alarm rate and correlation time [s] by region and threshold; None where the article has "not measured"."""
 
 
 def _silent(done: int, total: int) -> None:
@@ -187,8 +176,7 @@ def detector(blur_px: float = BLUR_PX) -> SensorModel:
     return sensor_model(scene(sensor=tables))
 
 
-Rates = dict[str, list[FalseAlarmRate]]
-"""Rates at the article's thresholds by region."""
+Rates = dict[str, list[FalseAlarmRate]]  #: Rates at the article's thresholds by region.
 
 
 def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates:

@@ -12,21 +12,11 @@ from seaglint.base.free_form import JsonObject
 
 @dataclass(frozen=True)
 class ScenarioFacts:
-    """Contents of a scenario file or an ensemble file.
+    """Contents of a scenario file or an ensemble file."""
 
-    Attributes
-    ----------
-    path : str
-        The file.
-    kind : str
-        "scenario" or "ensemble".
-    about : list of str
-        What it describes, a line each.
-    """
-
-    path: str
-    kind: str
-    about: list[str]
+    path: str  #: The file.
+    kind: str  #: "scenario" or "ensemble".
+    about: list[str]  #: What it describes, a line each.
 
     @property
     def lines(self) -> list[str]:
@@ -40,33 +30,19 @@ class ScenarioFacts:
 
 @dataclass(frozen=True)
 class RecordingFacts:
-    """Contents of a recording: images in a file of any format that ``seaglint analyze`` reads.
+    """Contents of a recording: images in a file of any format that ``seaglint analyze`` reads."""
 
-    Attributes
-    ----------
-    path : str
-        File or folder.
-    frames, rows, columns : int
-        Size.
-    units : str or None
-        Units of the values, where the file says them.
-    frame_rate_hz : float or None
-        Frames per second, where the file says them.
-    least, most : float or None
-        Smallest and largest value of the first frame; None where it has none.
-    notes : list of str
-        Notes on the format.
-    """
-
-    path: str
+    path: str  #: File or folder.
+    #: ``frames``, ``rows``, ``columns``: Size.
     frames: int
     rows: int
     columns: int
-    units: str | None
-    frame_rate_hz: float | None
+    units: str | None  #: Units of the values, where the file says them.
+    frame_rate_hz: float | None  #: Frames per second, where the file says them.
+    #: ``least``, ``most``: Smallest and largest value of the first frame; None where it has none.
     least: float | None
     most: float | None
-    notes: list[str]
+    notes: list[str]  #: Notes on the format.
 
     @property
     def lines(self) -> list[str]:

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 _HIDDEN = frozenset(
     {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
 )
-_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})
-"""Variables that no user looks at."""
+_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Variables that no user looks at.
 
 
 @dataclass(frozen=True)
@@ -41,66 +40,32 @@ class FramesHeld:
 
 @dataclass(frozen=True)
 class DirectionsHeld:
-    """Directions and band of a picture.
+    """Directions and band of a picture."""
 
-    Attributes
-    ----------
-    azimuth_deg, elevation_deg : list of float
-        Of the first and last column and row; of a picture that is turned, the limits [deg].
-    band_um : list of float
-        Limits of the band [um].
-    """
-
+    #: ``azimuth_deg``, ``elevation_deg``: Of the first and last column and row; of a picture that is turned, the limits [deg].
     azimuth_deg: list[float]
     elevation_deg: list[float]
-    band_um: list[float]
+    band_um: list[float]  #: Limits of the band [um].
 
 
 @dataclass(frozen=True)
 class FileFacts:
-    """Contents of an output file.
+    """Contents of an output file."""
 
-    Attributes
-    ----------
-    path, title : str
-        Place and title.
-    variables : list of str
-        Names of its variables.
-    frames : FramesHeld or None
-        Frames of a sequence; None of a map.
-    pixels : list of int
-        Columns and rows.
-    directions : DirectionsHeld or None
-        Directions and band; None of a texture, whose pixels look nowhere and have no band.
-    units : str
-        Units of a texture.
-    seed : int or None
-        Seed, as far as there is one.
-    bytes : int
-        Size [B].
-    summary : Summary or None
-        Statistics of the frames that are written.
-    saturated_share : list of float or None
-        Share of saturated pixels of each written frame [1]; None without a detector.
-    provenance : JsonObject
-        Attributes about its making.
-    scenario : JsonObject or None
-        Scenario as one table, as far as it can be read.
-    """
-
+    #: ``path``, ``title``: Place and title.
     path: str
     title: str
-    variables: list[str]
-    frames: FramesHeld | None
-    pixels: list[int]
-    directions: DirectionsHeld | None
-    seed: int | None
-    bytes: int
-    provenance: JsonObject
-    units: str = ""
-    summary: Summary | None = None
-    saturated_share: list[float] | None = None
-    scenario: JsonObject | None = None
+    variables: list[str]  #: Names of its variables.
+    frames: FramesHeld | None  #: Frames of a sequence; None of a map.
+    pixels: list[int]  #: Columns and rows.
+    directions: DirectionsHeld | None  #: Directions and band; None of a texture, whose pixels look nowhere and have no band.
+    seed: int | None  #: Seed, as far as there is one.
+    bytes: int  #: Size [B].
+    provenance: JsonObject  #: Attributes about its making.
+    units: str = ""  #: Units of a texture.
+    summary: Summary | None = None  #: Statistics of the frames that are written.
+    saturated_share: list[float] | None = None  #: Share of saturated pixels of each written frame [1]; None without a detector.
+    scenario: JsonObject | None = None  #: Scenario as one table, as far as it can be read.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text; keys that a kind of file does not have are left out."""
@@ -115,31 +80,16 @@ class FileFacts:
 
 @dataclass(frozen=True)
 class ArrayFile:
-    """Arrays that this program computed and that are no pictures: a sweep, the air along paths, a map of chances.
+    """Arrays that this program computed and that are no pictures: a sweep, the air along paths, a map of chances."""
 
-    Attributes
-    ----------
-    path, title : str
-        Place and title.
-    sizes : dict of int
-        Length of each dimension.
-    variables : dict of str
-        Units of each variable.
-    bytes : int
-        Size [B].
-    provenance : JsonObject
-        Attributes about its making.
-    scenario : JsonObject or None
-        Scenario as one table, as far as it can be read.
-    """
-
+    #: ``path``, ``title``: Place and title.
     path: str
     title: str
-    sizes: dict[str, int]
-    variables: dict[str, str]
-    bytes: int
-    provenance: JsonObject
-    scenario: JsonObject | None
+    sizes: dict[str, int]  #: Length of each dimension.
+    variables: dict[str, str]  #: Units of each variable.
+    bytes: int  #: Size [B].
+    provenance: JsonObject  #: Attributes about its making.
+    scenario: JsonObject | None  #: Scenario as one table, as far as it can be read.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""

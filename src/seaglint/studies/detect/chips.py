@@ -14,11 +14,9 @@ from seaglint.detection.sources import FrameSource
 from seaglint.files.detection_case import Chip, Chips, FalseAlarmMap
 from seaglint.studies.detect.performance import Performance
 
-CHIPS: Final = 6
-"""Pictures of each kind."""
+CHIPS: Final = 6  #: Pictures of each kind.
 
-HALF: Final = 12
-"""Pixels from their middle to their edge [px]."""
+HALF: Final = 12  #: Pixels from their middle to their edge [px].
 
 
 def chips(found: Performance, source: FrameSource) -> Chips:

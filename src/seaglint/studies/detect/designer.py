@@ -30,36 +30,20 @@ from seaglint.detection.sources import FrameSource
 from seaglint.detection.stepped import tail_above
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detector_for
 
-TAIL_SHARE: Final = 0.02
-"""Share of the pixels that a tail holds at most [1]."""
+TAIL_SHARE: Final = 0.02  #: Share of the pixels that a tail holds at most [1].
 
-FEWEST_PIXELS: Final = 200
-"""Pixels that it holds at least, as far as that share allows."""
+FEWEST_PIXELS: Final = 200  #: Pixels that it holds at least, as far as that share allows.
 
 
 @dataclass(frozen=True)
 class Design:
-    """Request for the contrast that a designer needs.
+    """Request for the contrast that a designer needs."""
 
-    Attributes
-    ----------
-    p_d : float
-        Share of objects to be found [1].
-    p_fa : float, optional
-        Rate of false alarms per pixel [1]; without it ``alarms_per_hour`` counts.
-    alarms_per_hour : float
-        False alarms an hour in the whole field: events, of which each frame is an independent look [1/h].
-    injections : int
-        Objects of each contrast tried.
-    white : bool
-        Whether white noise is judged as well.
-    """
-
-    p_d: float = 0.9
-    p_fa: float | None = None
-    alarms_per_hour: float = 1.0
-    injections: int = 400
-    white: bool = True
+    p_d: float = 0.9  #: Share of objects to be found [1].
+    p_fa: float | None = None  #: Rate of false alarms per pixel [1]; without it ``alarms_per_hour`` counts.
+    alarms_per_hour: float = 1.0  #: False alarms an hour in the whole field: events, of which each frame is an independent look [1/h].
+    injections: int = 400  #: Objects of each contrast tried.
+    white: bool = True  #: Whether white noise is judged as well.
 
     def __post_init__(self) -> None:
         if not 0.0 < self.p_d < 1.0:
@@ -140,49 +124,25 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
 
 @dataclass(frozen=True)
 class DesignFigures:
-    """Contrast that a detector needs, and what clutter costs against white noise.
+    """Contrast that a detector needs, and what clutter costs against white noise."""
 
-    Attributes
-    ----------
-    p_d, p_fa : float
-        Share of objects found, and rate of false alarms per pixel [1].
-    p_fa_interval : list of float
-        Ends of the rate's 95 % interval [1].
-    alarms_per_hour : float or None
-        False alarms asked for [1/h]; None where the rate itself was.
-    threshold_sigma : float
-        Threshold of that rate [standard deviations].
-    threshold_how : str
-        Way in which the rate is known: counted or extrapolated.
-    believed : bool
-        Whether it is to be believed.
-    contrast : float or None
-        Contrast needed; None where it cannot be stated in its unit.
-    contrast_interval : list of float or None
-        Ends of its interval.
-    white_contrast, white_sigma : float or None
-        Contrast needed in white Gaussian noise of the same variance, and its standard deviation.
-    loss_db : float or None
-        Ratio of the two contrasts [dB].
-    note : str or None
-        Why there is no comparison with white noise.
-    contrast_pixel, white_contrast_pixel : float or None
-        Both contrasts in the pixel [units of the source], where ``contrast`` is stated in another unit.
-    """
-
+    #: ``p_d``, ``p_fa``: Share of objects found, and rate of false alarms per pixel [1].
     p_d: float
     p_fa: float
-    p_fa_interval: list[float | None]
-    alarms_per_hour: float | None
-    threshold_sigma: float
-    threshold_how: str
-    believed: bool
-    contrast: float | None
-    contrast_interval: list[float | None]
+    p_fa_interval: list[float | None]  #: Ends of the rate's 95 % interval [1].
+    alarms_per_hour: float | None  #: False alarms asked for [1/h]; None where the rate itself was.
+    threshold_sigma: float  #: Threshold of that rate [standard deviations].
+    threshold_how: str  #: Way in which the rate is known: counted or extrapolated.
+    believed: bool  #: Whether it is to be believed.
+    contrast: float | None  #: Contrast needed; None where it cannot be stated in its unit.
+    contrast_interval: list[float | None]  #: Ends of its interval.
+    #: ``white_contrast``, ``white_sigma``: Contrast needed in white Gaussian noise of the same variance, and its standard deviation.
     white_contrast: float | None = None
     white_sigma: float | None = None
-    loss_db: float | None = None
-    note: str | None = None
+    loss_db: float | None = None  #: Ratio of the two contrasts [dB].
+    note: str | None = None  #: Why there is no comparison with white noise.
+    #: ``contrast_pixel``, ``white_contrast_pixel``: Both contrasts in the pixel [units of the source], where ``contrast`` is stated in
+    #: another unit.
     contrast_pixel: float | None = None
     white_contrast_pixel: float | None = None
 

@@ -19,17 +19,14 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.designer import Design
     from seaglint.studies.detect.performance import DetectionOptions
 
+#: Detectors that are tried where none is stated; each looks at one frame, so that all of them share the frames.
 TRIED: Final = ("matched", "matched-global", "matched-local", "ca-cfar", "max-median")
-"""Detectors that are tried where none is stated; each looks at one frame, so that all of them share the frames."""
 
-INJECTIONS: Final = 120
-"""Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03."""
+INJECTIONS: Final = 120  #: Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03.
 
-LARGEST: Final = 32.0
-"""Largest margin that is measured [1]; larger ones count as this."""
+LARGEST: Final = 32.0  #: Largest margin that is measured [1]; larger ones count as this.
 
-SMALLEST: Final = 0.125
-"""Smallest margin that is measured [1]."""
+SMALLEST: Final = 0.125  #: Smallest margin that is measured [1].
 
 _FACTORS: Final = np.geomspace(1.0 / LARGEST, 1.0 / SMALLEST, 17)
 

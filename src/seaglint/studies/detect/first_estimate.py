@@ -18,14 +18,11 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.designer import Design
     from seaglint.studies.detect.injected import Seen
 
-COLUMNS: Final = 96
-"""Columns about the object that are drawn for an estimate."""
+COLUMNS: Final = 96  #: Columns about the object that are drawn for an estimate.
 
-SEAS: Final = 3
-"""Seas of that size that are drawn at each range."""
+SEAS: Final = 3  #: Seas of that size that are drawn at each range.
 
-_OFFSETS: Final = (np.arange(5) + 0.5) / 5 - 0.5
-"""Places of the object within its pixel [px]."""
+_OFFSETS: Final = (np.arange(5) + 0.5) / 5 - 0.5  #: Places of the object within its pixel [px].
 
 
 def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:

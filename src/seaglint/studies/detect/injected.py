@@ -24,39 +24,27 @@ from seaglint.studies.sequence.sensed import prepare_sensed
 
 Unit = Literal["W m-2 sr-1", "K", "W/sr"]
 
-REACH: Final = 12
-"""Pixels from an object's brightest pixel beyond which its blur is cut [px]."""
+REACH: Final = 12  #: Pixels from an object's brightest pixel beyond which its blur is cut [px].
 
-CUT: Final = 1e-3
-"""Share of its peak below which the edge of an object's picture is cut."""
+CUT: Final = 1e-3  #: Share of its peak below which the edge of an object's picture is cut.
 
-FINEST: Final = 5
-"""Steps to a pixel, at least, at which a point's response is known."""
+FINEST: Final = 5  #: Steps to a pixel, at least, at which a point's response is known.
 
 _AROUND = 20
 
 
-SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
-"""Contrasts where none are stated [standard deviations of the clutter]."""
+SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)  #: Contrasts where none are stated [standard deviations of the clutter].
 
 
 @dataclass(frozen=True)
 class Strength:
-    """Contrasts as they are stated.
+    """Contrasts as they are stated."""
 
-    Attributes
-    ----------
-    values : tuple of float
-        In ``unit``.
-    unit : {"W m-2 sr-1", "K", "W/sr"}
-        In-band radiance at the aperture, or apparent temperature, of an object that fills a pixel, against the field's mean; or the
-        in-band intensity of a point before the path.
-    range_m, height_m : float
-        Place of that point [m].
-    """
-
-    values: tuple[float, ...]
+    values: tuple[float, ...]  #: In ``unit``.
+    #: In-band radiance at the aperture, or apparent temperature, of an object that fills a pixel, against the field's mean; or the in-band
+    #: intensity of a point before the path.
     unit: Unit = "W m-2 sr-1"
+    #: ``range_m``, ``height_m``: Place of that point [m].
     range_m: float | None = None
     height_m: float = 5.0
 
@@ -172,31 +160,16 @@ def _blur(model: SensorModel, size: int, steps: int, *, points: bool = False) ->
 
 @dataclass(frozen=True)
 class Seen:
-    """An object of a scenario as it is seen over the mean sea.
+    """An object of a scenario as it is seen over the mean sea."""
 
-    Attributes
-    ----------
-    shape : SpotShape
-        Of it, behind the sensor where there is one.
-    contrast : float
-        Of its brightest pixel, when it is centred there [W m-2 sr-1].
-    row, column : float
-        That pixel in the whole picture [px].
-    columns : (int, int)
-        Columns that it is in, first and end [px].
-    whole : float
-        Solid angle of it that is in view over the mean sea [sr]; of a point 1.
-    among : Scenario, optional
-        The object alone among the scenario's waves; None where they are no geometry and hide nothing.
-    """
-
-    shape: SpotShape
-    contrast: float
+    shape: SpotShape  #: Of it, behind the sensor where there is one.
+    contrast: float  #: Of its brightest pixel, when it is centred there [W m-2 sr-1].
+    #: ``row``, ``column``: That pixel in the whole picture [px].
     row: float
     column: float
-    columns: tuple[int, int] = (0, 0)
-    whole: float = 0.0
-    among: Scenario | None = None
+    columns: tuple[int, int] = (0, 0)  #: Columns that it is in, first and end [px].
+    whole: float = 0.0  #: Solid angle of it that is in view over the mean sea [sr]; of a point 1.
+    among: Scenario | None = None  #: The object alone among the scenario's waves; None where they are no geometry and hide nothing.
 
     def visible_shares(self, count: int, seas: IndependentSeas) -> FloatArray:
         """Share of the object that independent seas leave in view, against the mean sea, which hides only what is under the horizon [1].

@@ -19,14 +19,11 @@ if TYPE_CHECKING:
 
 Background = Literal["sea", "horizon", "sky"]
 
-AROUND: Final = 24
-"""Rows above and below the object whose statistics are those of its background."""
+AROUND: Final = 24  #: Rows above and below the object whose statistics are those of its background.
 
-MARGIN: Final = 3
-"""Rows on either side of the horizon that optics blur into one another."""
+MARGIN: Final = 3  #: Rows on either side of the horizon that optics blur into one another.
 
-FEWEST: Final = 20
-"""Least number of rows of sea, or of sky, that are a background of their own; else it is that about the horizon."""
+FEWEST: Final = 20  #: Least number of rows of sea, or of sky, that are a background of their own; else it is that about the horizon.
 
 
 @dataclass(frozen=True)
@@ -35,16 +32,10 @@ class NearRows(PlainFrames):
 
     Sea brightens and sky darkens away from the horizon, in steps from row to row that are many times the clutter of a row. They are known
     wherever the horizon is, so that no detector need take them for clutter.
-
-    Attributes
-    ----------
-    source : FrameSource
-        Whole frames.
-    first, end : int
-        Rows taken, the last one not included.
     """
 
-    source: FrameSource
+    source: FrameSource  #: Whole frames.
+    #: ``first``, ``end``: Rows taken, the last one not included.
     first: int
     end: int
 

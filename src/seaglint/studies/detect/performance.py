@@ -30,47 +30,24 @@ from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import tail_above
 from seaglint.detection.trials import InjectedObjects, Trials, run_trials
 
-COVARIANCE_VALUES: Final = 4_000_000
-"""Values of the frames, evenly spaced, from which covariances are estimated."""
+COVARIANCE_VALUES: Final = 4_000_000  #: Values of the frames, evenly spaced, from which covariances are estimated.
 
 
 @dataclass(frozen=True)
 class DetectionOptions:
-    """How to judge.
+    """How to judge."""
 
-    Attributes
-    ----------
-    objects : InjectedObjects
-        What is injected.
-    detector : str
-        Name (:data:`seaglint.detection.named_detectors.NAMES`), or ``package.module:function``.
-    filter : Filter
-        Before the detector.
-    threshold : float
-        In the unit of ``law``.
-    law : {"sigma", "frame", "fixed", "design"}
-        See :class:`seaglint.detection.background.Threshold`.
-    level : float
-        Of the intervals [1].
-    frame_rate : float, optional
-        Frames per second [Hz], for rates in time.
-    pixel_deg : (float, float), optional
-        Angle between rows and between columns [deg], for rates per square degree and errors in angle.
-    time_limit : float
-        Of a call of a user's detector [s].
-    enough : callable, optional
-        When to stop before all objects are tried (:func:`seaglint.detection.trials.run_trials`).
-    """
-
-    objects: InjectedObjects
-    detector: str = "threshold"
-    filter: Filter = field(default_factory=Unfiltered)
-    threshold: float = 4.0
-    law: Law = "sigma"
-    level: float = 0.95
-    frame_rate: float | None = None
+    objects: InjectedObjects  #: What is injected.
+    detector: str = "threshold"  #: Name (:data:`seaglint.detection.named_detectors.NAMES`), or ``package.module:function``.
+    filter: Filter = field(default_factory=Unfiltered)  #: Before the detector.
+    threshold: float = 4.0  #: In the unit of ``law``.
+    law: Law = "sigma"  #: See :class:`seaglint.detection.background.Threshold`.
+    level: float = 0.95  #: Of the intervals [1].
+    frame_rate: float | None = None  #: Frames per second [Hz], for rates in time.
+    #: Angle between rows and between columns [deg], for rates per square degree and errors in angle.
     pixel_deg: tuple[float, float] | None = None
-    time_limit: float = TIME_LIMIT
+    time_limit: float = TIME_LIMIT  #: Of a call of a user's detector [s].
+    #: When to stop before all objects are tried (:func:`seaglint.detection.trials.run_trials`).
     enough: Callable[[Sequence[int]], str | None] | None = None
 
     def __post_init__(self) -> None:

@@ -33,50 +33,30 @@ from seaglint.studies.detect.range_doubts import doubts
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
-PRECISION: Final = 0.04
-"""Share of the range at which the bisection ends."""
+PRECISION: Final = 0.04  #: Share of the range at which the bisection ends.
 
-ESTIMATED: Final = 0.12
-"""Share of the range at which its first estimate ends."""
+ESTIMATED: Final = 0.12  #: Share of the range at which its first estimate ends.
 
-ALIKE: Final = 1.6
-"""Margin of contrast, or its inverse, up to which a list of detectors is not tried again: 1.2 in range."""
+ALIKE: Final = 1.6  #: Margin of contrast, or its inverse, up to which a list of detectors is not tried again: 1.2 in range.
 
-ROUNDS: Final = 4
-"""Ranges at which a list of detectors is tried at most."""
+ROUNDS: Final = 4  #: Ranges at which a list of detectors is tried at most.
 
-STEP: Final = 1.25
-"""Factor by which the frames look to either side of the first estimate."""
+STEP: Final = 1.25  #: Factor by which the frames look to either side of the first estimate.
 
-_ROWS: Final = 2 * AROUND + 16
-"""Rows that are rendered about an object that is small in them."""
+_ROWS: Final = 2 * AROUND + 16  #: Rows that are rendered about an object that is small in them.
 
-ROWS: Final = 1
-"""Rows above and below the object's own in which it is injected: the sea there is as far away."""
+ROWS: Final = 1  #: Rows above and below the object's own in which it is injected: the sea there is as far away.
 
 
 @dataclass(frozen=True)
 class RangeOptions:
-    """Request for a range of detection.
+    """Request for a range of detection."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the object.
-    limits : (float, float)
-        Nearest and farthest range tried [m].
-    design : Design
-        P_d at which the object counts as detected, and at which rate of false alarms.
-    precision : float
-        Share of the range at which the bisection ends [1].
-    detectors : tuple of str
-        Detectors among which the best is chosen at the first estimate; where there is none, the one of the options is taken.
-    """
-
-    name: str
-    limits: tuple[float, float] = (500.0, 40_000.0)
-    design: Design = field(default_factory=Design)
-    precision: float = PRECISION
+    name: str  #: Name of the object.
+    limits: tuple[float, float] = (500.0, 40_000.0)  #: Nearest and farthest range tried [m].
+    design: Design = field(default_factory=Design)  #: P_d at which the object counts as detected, and at which rate of false alarms.
+    precision: float = PRECISION  #: Share of the range at which the bisection ends [1].
+    #: Detectors among which the best is chosen at the first estimate; where there is none, the one of the options is taken.
     detectors: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -89,33 +69,15 @@ class RangeOptions:
 
 @dataclass(frozen=True)
 class _Placed:
-    """An object at one range, and the frames of the rows near it.
+    """An object at one range, and the frames of the rows near it."""
 
-    Attributes
-    ----------
-    near : FrameSource
-        Frames without the object, with their sign turned where it is dark.
-    options : DetectionOptions
-        With the object's shape, in its rows.
-    seen : Seen
-        The object.
-    shares : ndarray
-        Share of it that each sea leaves in view [1].
-    background : {"sea", "horizon", "sky"}
-        Rows whose statistics are taken.
-    horizon_rows : int or None
-        Rows from the object to the horizon [px].
-    frames : str
-        Name of the kept frames.
-    """
-
-    near: FrameSource
-    options: DetectionOptions
-    seen: Seen
-    shares: FloatArray
-    background: Background
-    horizon_rows: int | None
-    frames: str
+    near: FrameSource  #: Frames without the object, with their sign turned where it is dark.
+    options: DetectionOptions  #: With the object's shape, in its rows.
+    seen: Seen  #: The object.
+    shares: FloatArray  #: Share of it that each sea leaves in view [1].
+    background: Background  #: Rows whose statistics are taken.
+    horizon_rows: int | None  #: Rows from the object to the horizon [px].
+    frames: str  #: Name of the kept frames.
 
 
 def _placed(whole: Scenario, wanted: SceneOptions, name: str, parts: Parts, in_view: float = 0.0) -> _Placed:

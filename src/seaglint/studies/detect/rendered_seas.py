@@ -29,44 +29,23 @@ from seaglint.studies.detect.injected import SWEEP, Strength, point_shape, seen_
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
-FIRST_SEAS: Final = 8
-"""Seas before the precision is looked at for the first time; twice as many each time after it."""
+FIRST_SEAS: Final = 8  #: Seas before the precision is looked at for the first time; twice as many each time after it.
 
 Reason = Literal["precision", "time budget", "frames"]
 
 
 @dataclass(frozen=True)
 class SceneOptions:
-    """How scenes are judged.
+    """How scenes are judged."""
 
-    Attributes
-    ----------
-    options : DetectionOptions
-        Detector, threshold, and of objects what does not depend on the scene.
-    objects : str
-        "point", "gaussian", or the name of one of the scenario's objects.
-    strength : Strength, optional
-        Contrasts; without them a sweep in standard deviations of the frames, or the named object's own.
-    shape : SpotShape, optional
-        Instead of ``objects``.
-    seas : int
-        Independent seas at most.
-    precision : float, optional
-        Half width of the interval of P_d, at every contrast, from which on no further seas are drawn [1].
-    precision_fa : float, optional
-        The same of P_fa, as a share of it [1].
-    design : Design, optional
-        What is found out about needed contrasts.
-    """
-
-    options: DetectionOptions
-    objects: str = "point"
-    strength: Strength | None = None
-    shape: SpotShape | None = None
-    seas: int = 32
-    precision: float | None = None
-    precision_fa: float | None = None
-    design: Design | None = None
+    options: DetectionOptions  #: Detector, threshold, and of objects what does not depend on the scene.
+    objects: str = "point"  #: "point", "gaussian", or the name of one of the scenario's objects.
+    strength: Strength | None = None  #: Contrasts; without them a sweep in standard deviations of the frames, or the named object's own.
+    shape: SpotShape | None = None  #: Instead of ``objects``.
+    seas: int = 32  #: Independent seas at most.
+    precision: float | None = None  #: Half width of the interval of P_d, at every contrast, from which on no further seas are drawn [1].
+    precision_fa: float | None = None  #: The same of P_fa, as a share of it [1].
+    design: Design | None = None  #: What is found out about needed contrasts.
 
     def __post_init__(self) -> None:
         if self.seas < 1:

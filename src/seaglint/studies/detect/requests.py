@@ -24,11 +24,9 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.rendered_seas import SceneOptions
 
 
-USUAL_DETECTOR: Final = "threshold"
-"""Detector of a request that names none."""
+USUAL_DETECTOR: Final = "threshold"  #: Detector of a request that names none.
 
-USUAL_THRESHOLD: Final = 4.0
-"""Threshold of a request that gives none, in the unit of its law."""
+USUAL_THRESHOLD: Final = 4.0  #: Threshold of a request that gives none, in the unit of its law.
 
 
 @dataclass(frozen=True)

@@ -57,21 +57,11 @@ def counting_of(model: SensorModel) -> Counting:
 
 @dataclass(frozen=True, eq=False)
 class IndependentSeas:
-    """A scenario made ready, from which independent seas are drawn; make it with :meth:`of`.
+    """A scenario made ready, from which independent seas are drawn; make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        Without objects.
-    sequence : Sequence
-        The scene; with a sensor drawn finer than its pixels.
-    sensed : SensedSequence, optional
-        The sensor on it.
-    """
-
-    scenario: Scenario
-    sequence: Sequence
-    sensed: SensedSequence | None
+    scenario: Scenario  #: Without objects.
+    sequence: Sequence  #: The scene; with a sensor drawn finer than its pixels.
+    sensed: SensedSequence | None  #: The sensor on it.
 
     @classmethod
     def of(cls, scenario: Scenario) -> IndependentSeas:
@@ -152,27 +142,13 @@ class IndependentSeas:
 
 @dataclass(eq=False)
 class SceneFrames(PlainFrames):
-    """Independent seas on disk as a :class:`seaglint.detection.sources.FrameSource`.
+    """Independent seas on disk as a :class:`seaglint.detection.sources.FrameSource`."""
 
-    Attributes
-    ----------
-    seas : IndependentSeas
-        What is drawn.
-    folder : Path
-        Where frames are kept, a file a sea.
-    sequence_length : int
-        Frames of each sea.
-    count : int
-        Seas that there are.
-    workers : Workers, optional
-        Who renders them; this process where nobody is named.
-    """
-
-    seas: IndependentSeas
-    folder: Path
-    sequence_length: int = 1
-    count: int = 0
-    workers: Workers | None = None
+    seas: IndependentSeas  #: What is drawn.
+    folder: Path  #: Where frames are kept, a file a sea.
+    sequence_length: int = 1  #: Frames of each sea.
+    count: int = 0  #: Seas that there are.
+    workers: Workers | None = None  #: Who renders them; this process where nobody is named.
     _held: dict[int, Frames] = field(default_factory=dict, repr=False)
 
     @property

@@ -25,21 +25,12 @@ from seaglint.studies.detect.varied_cases import StudyCase, flattened
 
 @dataclass(frozen=True)
 class Study:
-    """Results of all cases.
+    """Results of all cases."""
 
-    Attributes
-    ----------
-    cases : list of DetectionCase
-        What was set in each case, and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or why it failed.
-    stopped : str or None
-        Why some cases were not begun.
-    unfinished : bool
-        Whether a resumed study has something left to compute.
-    """
-
+    #: What was set in each case, and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or why it failed.
     cases: list[DetectionCase]
-    stopped: str | None
-    unfinished: bool
+    stopped: str | None  #: Why some cases were not begun.
+    unfinished: bool  #: Whether a resumed study has something left to compute.
 
     @property
     def errors(self) -> list[str]:

@@ -18,17 +18,14 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.performance import DetectionOptions
     from seaglint.studies.detect.requests import SpotRequest
 
+#: Detector where none is named: it takes the level off, and weighs by the covariance of each part of the frame.
 SUITED: Final = "matched-local"
-"""Detector where none is named: it takes the level off, and weighs by the covariance of each part of the frame."""
 
-RATE: Final = 1e-4
-"""Rate of false alarms per pixel where no threshold is stated, as far as the pixels support it."""
+RATE: Final = 1e-4  #: Rate of false alarms per pixel where no threshold is stated, as far as the pixels support it.
 
-FEWEST: Final = 20
-"""Least number of exceedances by which a threshold is chosen."""
+FEWEST: Final = 20  #: Least number of exceedances by which a threshold is chosen.
 
-_FRAMES: Final = 16
-"""Number of frames from which the clutter's deviation is taken."""
+_FRAMES: Final = 16  #: Number of frames from which the clutter's deviation is taken.
 
 
 def options_of(request: SpotRequest, source: Recording, pixel_deg: tuple[float, float] | None = None) -> DetectionOptions:

@@ -21,30 +21,18 @@ from seaglint.scenario.setting import set_key
 from seaglint.scenario.text.vary_text import parse_vary, plain_value
 from seaglint.scenario.text.write import stated
 
-MOST_CASES: Final = 1000
-"""Cases of one study at most."""
+MOST_CASES: Final = 1000  #: Cases of one study at most.
 
-STUDY_KEYS: Final = ("detector", "filter", "threshold")
-"""What cases may set beside keys of the scenario."""
+STUDY_KEYS: Final = ("detector", "filter", "threshold")  #: What cases may set beside keys of the scenario.
 
 
 @dataclass(frozen=True)
 class StudyCase:
-    """One scenario of a study.
+    """One scenario of a study."""
 
-    Attributes
-    ----------
-    parameters : dict
-        Keys that were set, with their values.
-    scenario : Scenario
-        With them.
-    study : dict
-        Those of :data:`STUDY_KEYS` among them.
-    """
-
-    parameters: TomlTables
-    scenario: Scenario
-    study: TomlTables
+    parameters: TomlTables  #: Keys that were set, with their values.
+    scenario: Scenario  #: With them.
+    study: TomlTables  #: Those of :data:`STUDY_KEYS` among them.
 
 
 def cases_of(

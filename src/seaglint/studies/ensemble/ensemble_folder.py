@@ -24,21 +24,14 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene
 _REMEDY: Final = "make room and run the same command with --resume"
 _TABLES: Final = ("parameters", "objects")
 _ENDINGS: Final = (".csv", ".parquet")
-_MOST_LISTED: Final = 5
-"""Keys that differ, of which more are only counted."""
+_MOST_LISTED: Final = 5  #: Keys that differ, of which more are only counted.
 
 
 @dataclass(frozen=True)
 class Folder:
-    """Where an ensemble lies.
+    """Where an ensemble lies."""
 
-    Attributes
-    ----------
-    path : Path
-        ``ensemble.toml``, ``parameters.csv``, ``objects.csv``, ``scenes/`` and, of scenes that failed, ``failures/``.
-    """
-
-    path: Path
+    path: Path  #: ``ensemble.toml``, ``parameters.csv``, ``objects.csv``, ``scenes/`` and, of scenes that failed, ``failures/``.
 
     @property
     def file(self) -> Path:

@@ -14,8 +14,7 @@ from seaglint.studies.sequence.sensed import prepare_sensed
 if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
-MANY: Final = 16
-"""Least number of scenes whose cost is worth the time of one frame."""
+MANY: Final = 16  #: Least number of scenes whose cost is worth the time of one frame.
 
 _STRIP: Final = 16
 

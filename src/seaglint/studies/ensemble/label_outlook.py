@@ -22,23 +22,17 @@ from seaglint.studies.sequence.out_of_view import out_of_view, times_of
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed import prepare_sensed
 
-MOST_SCENES: Final = 500
-"""Scenes whose objects are looked for; a data set of more is judged by its first."""
+MOST_SCENES: Final = 500  #: Scenes whose objects are looked for; a data set of more is judged by its first.
 
-MOST_NAMED: Final = 3
-"""Objects out of view that are named; more are counted."""
+MOST_NAMED: Final = 3  #: Objects out of view that are named; more are counted.
 
-MOST_FRAMES: Final = 6
-"""Frames that are drawn for an estimate at most."""
+MOST_FRAMES: Final = 6  #: Frames that are drawn for an estimate at most.
 
-SHARE: Final = 8
-"""Frames of an ensemble for each one that is drawn for the estimate: it adds an eighth to the work at most."""
+SHARE: Final = 8  #: Frames of an ensemble for each one that is drawn for the estimate: it adds an eighth to the work at most.
 
-PATIENCE: Final = 15.0
-"""Time after which no further frame is drawn for the estimate [s]."""
+PATIENCE: Final = 15.0  #: Time after which no further frame is drawn for the estimate [s].
 
-WEAK: Final = 1.0
-"""Signal-to-noise ratio below which a label is counted as weak: nobody sees such an object in a single picture."""
+WEAK: Final = 1.0  #: Signal-to-noise ratio below which a label is counted as weak: nobody sees such an object in a single picture.
 
 
 def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
@@ -66,25 +60,14 @@ def report_unseen(scenes: Sequence[EnsembleScene]) -> None:
 
 @dataclass(frozen=True)
 class WeakLabels:
-    """Estimate of how many labels are weak, from the first frames of some scenes.
+    """Estimate of how many labels are weak, from the first frames of some scenes."""
 
-    Attributes
-    ----------
-    weak, seen : int
-        Labels with a ratio below :data:`WEAK`, and all labels with a ratio, in the frames drawn.
-    frames : int
-        Frames drawn.
-    labels : int
-        Labels expected in all frames of all scenes.
-    noise : bool
-        True where a detector adds noise; without one the ratio is to clutter alone.
-    """
-
+    #: ``weak``, ``seen``: Labels with a ratio below :data:`WEAK`, and all labels with a ratio, in the frames drawn.
     weak: int
     seen: int
-    frames: int
-    labels: int
-    noise: bool
+    frames: int  #: Frames drawn.
+    labels: int  #: Labels expected in all frames of all scenes.
+    noise: bool  #: True where a detector adds noise; without one the ratio is to clutter alone.
 
     @property
     def line(self) -> str:

@@ -25,41 +25,23 @@ from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.text.toml_text import document
 from seaglint.studies.ensemble.object_places import PixelGrid
 
-MOST_TRIES: Final = 200
-"""How often a place is drawn before objects count as too many to stand apart."""
+MOST_TRIES: Final = 200  #: How often a place is drawn before objects count as too many to stand apart.
 
-_SEED_BITS: Final = 53
-"""Bits of the seeds of seas: whole numbers that every reader of tables keeps."""
+_SEED_BITS: Final = 53  #: Bits of the seeds of seas: whole numbers that every reader of tables keeps.
 
 SingleLaw = Uniform | LogUniform | Normal | Choice
 
 
 @dataclass(frozen=True, eq=False)
 class EnsembleScene:
-    """One scene of an ensemble.
+    """One scene of an ensemble."""
 
-    Attributes
-    ----------
-    number : int
-        Counted from 0.
-    label : str
-        The number with leading zeros, as its files are called.
-    scenario : Scenario
-        What is rendered.
-    tables : dict
-        The scenario as a file has it, paths absolute.
-    parameters : dict
-        What was drawn, by key: numbers in the key's unit.
-    objects : tuple of dict
-        Tables of the objects drawn for it.
-    """
-
-    number: int
-    label: str
-    scenario: Scenario
-    tables: TomlTables
-    parameters: TableRow
-    objects: tuple[TomlTables, ...]
+    number: int  #: Counted from 0.
+    label: str  #: The number with leading zeros, as its files are called.
+    scenario: Scenario  #: What is rendered.
+    tables: TomlTables  #: The scenario as a file has it, paths absolute.
+    parameters: TableRow  #: What was drawn, by key: numbers in the key's unit.
+    objects: tuple[TomlTables, ...]  #: Tables of the objects drawn for it.
 
     @property
     def seed(self) -> int:
@@ -86,18 +68,10 @@ def sea_seed(seed: int, number: int) -> int:
 
 @dataclass(frozen=True, eq=False)
 class UniformNumbers:
-    """Uniform numbers of all scenes, by key [(scenes,) each]; each a function of seed, scene and key.
+    """Uniform numbers of all scenes, by key [(scenes,) each]; each a function of seed, scene and key."""
 
-    Attributes
-    ----------
-    ensemble : Ensemble
-        Whose.
-    keys : tuple of str
-        Those whose draws are spread over the scenes as ``sampling`` says.
-    """
-
-    ensemble: Ensemble
-    keys: tuple[str, ...]
+    ensemble: Ensemble  #: Whose.
+    keys: tuple[str, ...]  #: Those whose draws are spread over the scenes as ``sampling`` says.
 
     @cached_property
     def _spread(self) -> Mapping[str, FloatArray]:

@@ -16,15 +16,9 @@ from seaglint.studies.prepare import prepare
 
 @dataclass(frozen=True)
 class PixelGrid:
-    """The first frame's grid of pixels: from a place in it to a place on or above the sea.
+    """The first frame's grid of pixels: from a place in it to a place on or above the sea."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        Of the sensor.
-    """
-
-    scenario: Scenario
+    scenario: Scenario  #: Of the sensor.
 
     @cached_property
     def pose(self) -> Pose:

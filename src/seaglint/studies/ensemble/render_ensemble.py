@@ -38,8 +38,7 @@ from seaglint.studies.prepare.sounding_air import report_air
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed import prepare_sensed
 
-_MOST_NAMED: Final = 3
-"""Scenes that failed, of which more are only counted."""
+_MOST_NAMED: Final = 3  #: Scenes that failed, of which more are only counted.
 
 
 def draw(ensemble: Ensemble) -> list[EnsembleScene]:

@@ -31,34 +31,22 @@ from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.studies.ensemble.ensemble_folder import differences
 from seaglint.version import __version__
 
-SCENES: Final = ".ensemble"
-"""Folder of the scenes' stores while a data set is made."""
+SCENES: Final = ".ensemble"  #: Folder of the scenes' stores while a data set is made.
 
 SOURCE: Final = "ensemble.toml"
 
 _SETTINGS: Final = "settings.json"
 _REPLACED: Final = ".replaced"
-_MOST_LISTED: Final = 5
-"""Keys that differ, of which more are only counted."""
+_MOST_LISTED: Final = 5  #: Keys that differ, of which more are only counted.
 
 
 @dataclass(frozen=True)
 class DatasetOptions:
-    """How a data set is written.
+    """How a data set is written."""
 
-    Attributes
-    ----------
-    format : str
-        Name of one of :data:`seaglint.files.dataset.FORMATS`.
-    bits : 8 or 16
-        Of a pixel.
-    image : str
-        ``png`` or ``tiff``.
-    """
-
-    format: str
-    bits: Bits
-    image: ImageKind
+    format: str  #: Name of one of :data:`seaglint.files.dataset.FORMATS`.
+    bits: Bits  #: Of a pixel.
+    image: ImageKind  #: ``png`` or ``tiff``.
 
     @classmethod
     def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
@@ -81,24 +69,12 @@ class DatasetOptions:
 
 @dataclass(frozen=True)
 class DatasetPlan:
-    """Ensemble, scenes and folders of a data set.
+    """Ensemble, scenes and folders of a data set."""
 
-    Attributes
-    ----------
-    title : str
-        Of the data card, where the table has none.
-    seed : int
-        Of the ensemble.
-    table : Dataset
-        The ensemble's table ``[dataset]``.
-    source : str
-        Text of the ensemble's file.
-    """
-
-    title: str
-    seed: int
-    table: Dataset
-    source: str
+    title: str  #: Of the data card, where the table has none.
+    seed: int  #: Of the ensemble.
+    table: Dataset  #: The ensemble's table ``[dataset]``.
+    source: str  #: Text of the ensemble's file.
 
 
 def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:

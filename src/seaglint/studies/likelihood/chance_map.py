@@ -32,18 +32,14 @@ from seaglint.studies.prepare.sounding_air import report_air
 if TYPE_CHECKING:
     import xarray as xr
 
-SAMPLES: Final = 512
-"""Draws for each cell and month: chances within 0.02."""
+SAMPLES: Final = 512  #: Draws for each cell and month: chances within 0.02.
 
-INTEGRATED: Final = 64
-"""Draws for each cell and month where each draw integrates over azimuths: standard error a tenth of the chance."""
+INTEGRATED: Final = 64  #: Draws for each cell and month where each draw integrates over azimuths: standard error a tenth of the chance.
 
-_SHARED: Final = 2048
-"""Most draws for all cells of a latitude where longitude does not matter."""
+_SHARED: Final = 2048  #: Most draws for all cells of a latitude where longitude does not matter.
 
 _MOST: Final = 100_000
-_TOGETHER: Final = 1_000_000
-"""Draws that are worked on together: some 300 MB."""
+_TOGETHER: Final = 1_000_000  #: Draws that are worked on together: some 300 MB.
 
 
 @documented(LikelihoodRequest)
@@ -138,37 +134,18 @@ class MapSettings(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PreparedMap:
-    """A map made ready, of which pieces are computed in any order.
+    """A map made ready, of which pieces are computed in any order."""
 
-    Attributes
-    ----------
-    model : LikelihoodModel
-        Of the scenario.
-    latitude, longitude : ndarray
-        Middles of the cells [deg].
-    months : tuple of int
-        Months that count.
-    rows : list of ndarray or None
-        Rows of weather of each cell; None where all have all.
-    across : ndarray
-        Longitudes that are drawn [deg]: one where all are alike.
-    plan : SamplingPlan
-        Draws of a cell.
-    whole : bool
-        Whether azimuths are integrated.
-    step : float
-        Size of a cell [deg].
-    """
-
-    model: LikelihoodModel
+    model: LikelihoodModel  #: Of the scenario.
+    #: ``latitude``, ``longitude``: Middles of the cells [deg].
     latitude: FloatArray
     longitude: FloatArray
-    months: tuple[int, ...]
-    rows: list[NDArray[np.intp]] | None
-    across: FloatArray
-    plan: SamplingPlan
-    whole: bool
-    step: float
+    months: tuple[int, ...]  #: Months that count.
+    rows: list[NDArray[np.intp]] | None  #: Rows of weather of each cell; None where all have all.
+    across: FloatArray  #: Longitudes that are drawn [deg]: one where all are alike.
+    plan: SamplingPlan  #: Draws of a cell.
+    whole: bool  #: Whether azimuths are integrated.
+    step: float  #: Size of a cell [deg].
 
     @classmethod
     def of(cls, settings: MapSettings) -> PreparedMap:

@@ -44,41 +44,22 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.profile_air import model_air, wanted_gases
 from seaglint.studies.prepare.slope_laws import slopes
 
-_SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")
-"""Tables that scenarios with the same air, sea and year share."""
+_SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")  #: Tables that scenarios with the same air, sea and year share.
 
 LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
 
 @dataclass(frozen=True, eq=False)
 class LikelihoodModel:
-    """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with :meth:`of`.
+    """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    scenario : Scenario
-        With ``[likelihood]``.
-    table : WeatherTable
-        Rows with wind and cover, in the order of the wind.
-    models : tuple of str
-        Model atmospheres that rows name; the scenario's where they name none.
-    row_model : ndarray of int
-        Place of each row's model among them.
-    winds : (float, float)
-        Winds that seas and air cover [m/s].
-    looks : mapping
-        Columns of a table of looks, angles in radians; empty without one.
-    notes : tuple of str
-        What was decided about the data, with counts.
-    """
-
-    scenario: Scenario
-    table: WeatherTable
-    models: tuple[str, ...]
-    row_model: NDArray[np.int64]
-    winds: tuple[float, float]
-    looks: Mapping[str, FloatArray]
-    notes: tuple[str, ...]
+    scenario: Scenario  #: With ``[likelihood]``.
+    table: WeatherTable  #: Rows with wind and cover, in the order of the wind.
+    models: tuple[str, ...]  #: Model atmospheres that rows name; the scenario's where they name none.
+    row_model: NDArray[np.int64]  #: Place of each row's model among them.
+    winds: tuple[float, float]  #: Winds that seas and air cover [m/s].
+    looks: Mapping[str, FloatArray]  #: Columns of a table of looks, angles in radians; empty without one.
+    notes: tuple[str, ...]  #: What was decided about the data, with counts.
 
     @classmethod
     def of(cls, scenario: Scenario, weather: WeatherTable | None = None) -> LikelihoodModel:

@@ -39,17 +39,15 @@ from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.prepare import prepare
 
+#: Uniform numbers of a draw, those that matter most first.
 DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "cover", "wind", "height", "along")
-"""Uniform numbers of a draw, those that matter most first."""
 
-NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)
-"""Shares of looks for which the contrast exceeded by glint is reported."""
+NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)  #: Shares of looks for which the contrast exceeded by glint is reported.
 
+#: Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million looks of their own take less.
 INTEGRATED: Final = 131_072
-"""Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million looks of their own take less."""
 
-_SHINES: Final = 0.5 * math.pi + 0.3
-"""Zenith angle of the Sun beyond which no place in view can be lit [rad]."""
+_SHINES: Final = 0.5 * math.pi + 0.3  #: Zenith angle of the Sun beyond which no place in view can be lit [rad].
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +56,7 @@ class Draws:
 
     plan: SamplingPlan
     radiance: FloatArray
-    illuminated: FloatArray
-    """Chance that clouds leave the Sun free [1]."""
+    illuminated: FloatArray  #: Chance that clouds leave the Sun free [1].
     wind: FloatArray
     cover: FloatArray
     time: FloatArray
@@ -70,10 +67,9 @@ class Draws:
     solar_azimuth: FloatArray
     height: FloatArray
     found: Looks
-    weight: FloatArray
-    """Weight of each draw [1], 1 on average: more hours are drawn while the Sun is low than there are."""
+    weight: FloatArray  #: Weight of each draw [1], 1 on average: more hours are drawn while the Sun is low than there are.
+    #: Share of the azimuths [1] that exceed each threshold above 0 [W m-2 sr-1]; empty where azimuths are drawn.
     shares: Mapping[float, FloatArray]
-    """Share of the azimuths [1] that exceed each threshold above 0 [W m-2 sr-1]; empty where azimuths are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,10 +80,8 @@ class GlintLikelihood:
     draws: Draws
     thresholds: tuple[float, ...]
     estimates: tuple[Estimate, ...]
-    strata: tuple[tuple[Stratum, ...], ...]
-    """Strata of every threshold."""
-    values: tuple[FloatArray, ...]
-    """Values of every threshold and draw."""
+    strata: tuple[tuple[Stratum, ...], ...]  #: Strata of every threshold.
+    values: tuple[FloatArray, ...]  #: Values of every threshold and draw.
 
     @property
     def sun_up(self) -> Estimate:

@@ -12,12 +12,12 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, measured
 
+#: Latitudes and longitudes [deg].
 REGIONS: Final = {
     "Norwegian Sea, 65-72 N": ((65.0, 72.0), (-5.0, 15.0)),
     "open North Atlantic, 45-58 N": ((45.0, 58.0), (-45.0, -12.0)),
     "Azores to Canaries, 27-40 N": ((27.0, 40.0), (-32.0, -14.0)),
 }
-"""Latitudes and longitudes [deg]."""
 
 THRESHOLDS: Final = (0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0)
 _MONTHLY: Final = THRESHOLDS.index(0.25)

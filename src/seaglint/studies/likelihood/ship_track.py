@@ -27,8 +27,7 @@ from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 if TYPE_CHECKING:
     import xarray as xr
 
-SAMPLES: Final = 1024
-"""Draws at each time."""
+SAMPLES: Final = 1024  #: Draws at each time.
 
 _NEEDED: Final = ("time_utc", "latitude_deg", "longitude_deg")
 _BEARING: Final = "bearing_deg"
@@ -36,28 +35,15 @@ _BEARING: Final = "bearing_deg"
 
 @dataclass(frozen=True)
 class TrackChance:
-    """Chance of glint at one time of a way.
+    """Chance of glint at one time of a way."""
 
-    Attributes
-    ----------
-    time_utc : str
-        Time in ISO 8601.
-    latitude_deg, longitude_deg : float
-        Place [deg].
-    sun_elevation_deg : float
-        Elevation of the Sun [deg].
-    threshold_w_m2_sr : float
-        Threshold [W m-2 sr-1].
-    probability : float
-        Chance that glint exceeds it [1].
-    """
-
-    time_utc: str
+    time_utc: str  #: Time in ISO 8601.
+    #: ``latitude_deg``, ``longitude_deg``: Place [deg].
     latitude_deg: float
     longitude_deg: float
-    sun_elevation_deg: float
-    threshold_w_m2_sr: float
-    probability: float
+    sun_elevation_deg: float  #: Elevation of the Sun [deg].
+    threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
+    probability: float  #: Chance that glint exceeds it [1].
 
 
 class Spells(NamedTuple):
@@ -69,44 +55,24 @@ class Spells(NamedTuple):
 
 @dataclass(frozen=True)
 class GlintHours:
-    """Hours with glint along a way.
+    """Hours with glint along a way."""
 
-    Attributes
-    ----------
-    threshold_w_m2_sr : float
-        Threshold [W m-2 sr-1].
-    hours : float
-        Expected time with glint above it [h].
-    mean_duration_hours, mean_return_hours : float or None
-        Mean duration of glint and mean time from its end to its return [h]; None where there is none.
-    """
-
-    threshold_w_m2_sr: float
-    hours: float
+    threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
+    hours: float  #: Expected time with glint above it [h].
+    #: ``mean_duration_hours``, ``mean_return_hours``: Mean duration of glint and mean time from its end to its return [h]; None where there
+    #: is none.
     mean_duration_hours: float | None
     mean_return_hours: float | None
 
 
 @dataclass(frozen=True)
 class TrackChances:
-    """Chances of glint along a ship's way.
+    """Chances of glint along a ship's way."""
 
-    Attributes
-    ----------
-    hours : float
-        Length of the way [h].
-    results : list of GlintHours
-        Hours with glint of each threshold.
-    way : list of TrackChance
-        Chances by time and threshold.
-    notes : list of str
-        Remarks.
-    """
-
-    hours: float
-    results: list[GlintHours]
-    way: list[TrackChance]
-    notes: list[str]
+    hours: float  #: Length of the way [h].
+    results: list[GlintHours]  #: Hours with glint of each threshold.
+    way: list[TrackChance]  #: Chances by time and threshold.
+    notes: list[str]  #: Remarks.
 
     def rows(self) -> list[TableRow]:
         """Return the way as a tidy table: a row a time and threshold."""

@@ -37,18 +37,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Built:
-    """A table made of files.
+    """A table made of files."""
 
-    Attributes
-    ----------
-    table : WeatherTable
-        The rows.
-    notes : tuple of str
-        What was read, left out, assumed and filled, one sentence each, with counts.
-    """
-
-    table: WeatherTable
-    notes: tuple[str, ...] = field(default_factory=tuple)
+    table: WeatherTable  #: The rows.
+    notes: tuple[str, ...] = field(default_factory=tuple)  #: What was read, left out, assumed and filled, one sentence each, with counts.
 
     def dataset(self) -> xr.Dataset:
         """Return the columns as a dataset over ``row``."""

@@ -13,11 +13,10 @@ from seaglint.studies.mean.evaluate_cases import Columns
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Units by the ending of a column's name, longer endings first.
 UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
-"""Units by the ending of a column's name, longer endings first."""
 
-SHARES: Final = ("emissivity", "tau_mean")
-"""Columns without a unit."""
+SHARES: Final = ("emissivity", "tau_mean")  #: Columns without a unit.
 
 
 def labelled_cases(cases: Cases, results: Columns) -> xr.Dataset:

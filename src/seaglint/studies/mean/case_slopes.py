@@ -15,11 +15,10 @@ from seaglint.sea.slopes.from_spectrum import nested_in
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.prepare.wave_spectra import elfouhaily
 
+#: Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth.
 WIND_FROM: Final = "wind_from_deg"
-"""Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
 
-SLOPES: Final = "slopes"
-"""Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`."""
+SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`.
 
 SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
 

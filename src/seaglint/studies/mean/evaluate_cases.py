@@ -32,11 +32,9 @@ from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, Evalua
 
 Columns = dict[str, FloatArray | list[str]]
 
-CORRELATION_TIME: Final = 0.07
-"""Time after which glint at a point is forgotten, as in the scenario's default [s]."""
+CORRELATION_TIME: Final = 0.07  #: Time after which glint at a point is forgotten, as in the scenario's default [s].
 
-EXTRAPOLATED: Final = "extrapolated"
-"""Column that names what was extrapolated in each row, where that was asked for."""
+EXTRAPOLATED: Final = "extrapolated"  #: Column that names what was extrapolated in each row, where that was asked for.
 
 ATMOSPHERE_INPUTS: Final = (
     "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg",
@@ -51,8 +49,7 @@ SCATTERED_INPUTS: Final = (
     "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
 )  # fmt: skip
 
-_CHUNK: Final = 1024
-"""Rows at a time: their spectra (2 MB each) stay near the processor."""
+_CHUNK: Final = 1024  #: Rows at a time: their spectra (2 MB each) stay near the processor.
 
 _THREADS: Final = min(os.cpu_count() or 1, 4)
 

@@ -41,12 +41,11 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
+#: Widest part of a column whose middle serves without a Sun [rad]: emission and sky change with the azimuth as its second harmonic.
 _WIDEST: Final = math.radians(5.0)
-"""Widest part of a column whose middle serves without a Sun [rad]: emission and sky change with the azimuth as its second harmonic."""
 
 
-BLOCK: Final = 1 << 20
-"""Lines of sight that are computed at a time where a picture has many rows: progress is reported between blocks."""
+BLOCK: Final = 1 << 20  #: Lines of sight that are computed at a time where a picture has many rows: progress is reported between blocks.
 
 
 @single_threaded_algebra()

@@ -11,34 +11,30 @@ from seaglint.base.conventions import FloatArray, Progress, horizon_depression
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
 
+#: Mapped components, beside the sum of the radiances and its temperature.
 MAPS: Final = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "glint_std")
-"""Mapped components, beside the sum of the radiances and its temperature."""
 
+#: Height of a pixel, or of a part of it, over its distance from the horizon, from which it is sampled more finely: below it the middle is
+#: within 1e-4 of the mean.
 ROW_SHARE: Final = 0.02
-"""Height of a pixel, or of a part of it, over its distance from the horizon, from which it is sampled more finely: below it the middle is
-within 1e-4 of the mean."""
 
-ROW_POINTS: Final = 8
-"""Elevations averaged in such a pixel, and azimuths where columns are not upright and :data:`SIDE` do not serve."""
+ROW_POINTS: Final = 8  #: Elevations averaged in such a pixel, and azimuths where columns are not upright and :data:`SIDE` do not serve.
 
-CUT_POINTS: Final = 64
-"""Elevations averaged in a whole row that the horizon cuts: the share of it that is sea is within 1/128."""
+CUT_POINTS: Final = 64  #: Elevations averaged in a whole row that the horizon cuts: the share of it that is sea is within 1/128.
 
+#: Points along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off.
 EDGE_POINTS: Final = 24
-"""Points along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off."""
 
-SIDE: Final = 3
-"""Lines of sight along each side of any other pixel that is not small, as many as the cells of a turned image."""
+SIDE: Final = 3  #: Lines of sight along each side of any other pixel that is not small, as many as the cells of a turned image.
 
+#: Root of the solid angle of a pixel below which its middle serves [rad]: glint varies over degrees, the middle is within 1e-4.
 SMALL: Final = 2e-3
-"""Root of the solid angle of a pixel below which its middle serves [rad]: glint varies over degrees, the middle is within 1e-4."""
 
-BLOCK: Final = 1 << 17
-"""Lines of sight at a time: memory stays below 100 MB."""
+BLOCK: Final = 1 << 17  #: Lines of sight at a time: memory stays below 100 MB.
 
+#: Four components of the radiance [W m-2 sr-1] and the variance of glint [(5, n)], of elevations and azimuths [rad] and the solid angle of
+#: the pixels that they belong to [sr, (n,)].
 Sights = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
-"""Four components of the radiance [W m-2 sr-1] and the variance of glint [(5, n)], of elevations and azimuths [rad] and the solid angle of
-the pixels that they belong to [sr, (n,)]."""
 
 
 def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:

@@ -20,33 +20,19 @@ from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.prepare.air_contrast import AirContrast, air_contrast
 from seaglint.studies.prepare.sensor_model import platform_rates, sensor_model
 
-MEAN_PIXELS = (24, 12)
-"""Grid of the mean map from which the scene's mean radiance is taken for a noise budget."""
+MEAN_PIXELS = (24, 12)  #: Grid of the mean map from which the scene's mean radiance is taken for a noise budget.
 
 
 @dataclass(frozen=True)
 class SensorDescription:
-    """Figures of merit of a scenario's sensor.
+    """Figures of merit of a scenario's sensor."""
 
-    Attributes
-    ----------
-    seed : int
-        Seed of the fixed pattern and the noise.
-    sheet : SensorDataSheet
-        Figures of merit, with the noise budget for the mean of the scene.
-    scenario : JsonObject
-        Scenario as one table.
-    from_netd : dict of float
-        Key of the detector that follows from the stated NETD, with its value; empty where none does.
-    air : AirContrast or None
-        Air over the water, and what it leaves of a contrast; None where the air's temperature is not known.
-    """
-
-    seed: int
-    sheet: SensorDataSheet
-    scenario: JsonObject
+    seed: int  #: Seed of the fixed pattern and the noise.
+    sheet: SensorDataSheet  #: Figures of merit, with the noise budget for the mean of the scene.
+    scenario: JsonObject  #: Scenario as one table.
+    #: Key of the detector that follows from the stated NETD, with its value; empty where none does.
     from_netd: dict[str, float] = field(default_factory=dict)
-    air: AirContrast | None = None
+    air: AirContrast | None = None  #: Air over the water, and what it leaves of a contrast; None where the air's temperature is not known.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text, as ``seaglint sensor --json`` prints them."""

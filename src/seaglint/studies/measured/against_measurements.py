@@ -18,8 +18,8 @@ from seaglint.studies.measured.shipped import shipped
 from seaglint.studies.measured.spectra_against import modtran_path_rows, modtran_sky_rows, scene_rows
 from seaglint.studies.measured.spectroscopies import chosen_spectroscopies
 
+#: Tables of the package whose sources are reported.
 TABLES: Final = ("aeri", "his", "iris", "modtran_sky", "modtran_path", "rrtmgp_paths", "rrtmgp_skies", "cdip_spectrum", "cdip_bands")
-"""Tables of the package whose sources are reported."""
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ TITLE: Final = "CDIP buoy 067, San Nicolas Island 2022"
 
 _AZIMUTHS: Final = 360
 
-_STEPS: Final = 64
-"""Wavenumbers of a band over which directions are averaged."""
+_STEPS: Final = 64  #: Wavenumbers of a band over which directions are averaged.
 
 _ENERGY: Final = "Drawn from the buoy's spectrum, whose bands are not those of the displacements."
 _DIRECTION: Final = "Displacements are along magnetic axes; 11.7 deg of declination is added."

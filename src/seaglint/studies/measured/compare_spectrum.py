@@ -34,82 +34,51 @@ from seaglint.studies.measured.measured_row import band_difference
 from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES
 from seaglint.studies.prepare import prepare
 
-OURS_CM: Final = 20.0
-"""Resolution of LOWTRAN7's channels [cm-1]."""
+OURS_CM: Final = 20.0  #: Resolution of LOWTRAN7's channels [cm-1].
 
-FINE_SHARE: Final = 0.9
-"""Resolution, in parts of ours, below which a spectrum is averaged [1]."""
+FINE_SHARE: Final = 0.9  #: Resolution, in parts of ours, below which a spectrum is averaged [1].
 
-COARSEST_SHARE: Final = 0.5
-"""Largest part of a spectrum that one of its samples may average over [1]."""
+COARSEST_SHARE: Final = 0.5  #: Largest part of a spectrum that one of its samples may average over [1].
 
-SUNNY_UM: Final = 5.5
-"""Wavelength above which sunlight is left out [um]."""
+SUNNY_UM: Final = 5.5  #: Wavelength above which sunlight is left out [um].
 
+#: Most parts of a spectrum in which mirrored and scattered sunlight is summed; inside a part it has the shape of direct sunlight.
 BLOCKS: Final = 24
-"""Most parts of a spectrum in which mirrored and scattered sunlight is summed; inside a part it has the shape of direct sunlight."""
 
+#: Bands of the table, where the spectrum covers them [um].
 USUAL_BANDS: Final = (
     *((1.5, 1.8), (2.0, 2.4), (3.0, 5.0), (3.5, 4.1), (4.4, 5.0), (5.5, 7.5)),
     *((8.0, 9.2), (9.2, 10.0), (10.0, 12.0), (8.0, 12.0), (13.0, 14.0)),
 )
-"""Bands of the table, where the spectrum covers them [um]."""
 
 
 @dataclass(frozen=True)
 class ComparedBand:
-    """A band of a compared spectrum.
+    """A band of a compared spectrum."""
 
-    Attributes
-    ----------
-    band_um : (float, float)
-        Its wavelengths [um].
-    ours_k, measured_k : float
-        Apparent temperatures [K].
-    difference_k, difference_percent : float
-        Ours less measured: of the temperatures [K], of the band radiances [%].
-    rms_k : float
-        Root of the mean square difference of the samples' brightness temperatures [K].
-    """
-
-    band_um: tuple[float, float]
+    band_um: tuple[float, float]  #: Its wavelengths [um].
+    #: ``ours_k``, ``measured_k``: Apparent temperatures [K].
     ours_k: float
     measured_k: float
+    #: ``difference_k``, ``difference_percent``: Ours less measured: of the temperatures [K], of the band radiances [%].
     difference_k: float
     difference_percent: float
-    rms_k: float
+    rms_k: float  #: Root of the mean square difference of the samples' brightness temperatures [K].
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumComparison:
-    """Measured spectrum beside that of a scenario.
+    """Measured spectrum beside that of a scenario."""
 
-    Attributes
-    ----------
-    wavenumber_cm : ndarray
-        Samples of the comparison [cm-1, (n,)].
-    measured, ours : ndarray
-        Radiances at the resolution of the comparison [W m-2 sr-1 per cm-1, (n,)].
-    resolution_cm : float
-        That resolution, full width at half maximum [cm-1].
-    elevation_deg : float
-        Direction looked at [deg]; negative towards the sea.
-    bands : tuple of ComparedBand
-        Numbers by band.
-    notes : tuple of str
-        What was averaged, left out or assumed.
-    name : str
-        Name of the spectrum.
-    """
-
-    wavenumber_cm: FloatArray
+    wavenumber_cm: FloatArray  #: Samples of the comparison [cm-1, (n,)].
+    #: ``measured``, ``ours``: Radiances at the resolution of the comparison [W m-2 sr-1 per cm-1, (n,)].
     measured: FloatArray
     ours: FloatArray
-    resolution_cm: float
-    elevation_deg: float
-    bands: tuple[ComparedBand, ...]
-    notes: tuple[str, ...]
-    name: str
+    resolution_cm: float  #: That resolution, full width at half maximum [cm-1].
+    elevation_deg: float  #: Direction looked at [deg]; negative towards the sea.
+    bands: tuple[ComparedBand, ...]  #: Numbers by band.
+    notes: tuple[str, ...]  #: What was averaged, left out or assumed.
+    name: str  #: Name of the spectrum.
 
     def beside(self) -> SpectraBeside:
         """Return brightness temperatures for a picture."""
@@ -136,11 +105,9 @@ class SpectrumComparison:
         return out
 
 
-THERMAL_CM: Final = 1800.0
-"""Wavenumber below which sunlight counts for nothing [cm-1]."""
+THERMAL_CM: Final = 1800.0  #: Wavenumber below which sunlight counts for nothing [cm-1].
 
-BELIEVABLE_K: Final = (60.0, 360.0)
-"""Temperatures of sky and sea [K]."""
+BELIEVABLE_K: Final = (60.0, 360.0)  #: Temperatures of sky and sea [K].
 
 
 def compare_spectrum(

@@ -13,41 +13,22 @@ from seaglint.optics.band import Band, apparent_temperature
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredRow:
-    """Measured number, or that of another model, beside ours.
+    """Measured number, or that of another model, beside ours."""
 
-    Attributes
-    ----------
-    case, quantity : str
-        What was measured, and the band or property.
-    spectroscopy : str
-        Absorption of ours; empty for waves.
-    unit : str
-        Unit of both numbers.
-    ours, measured : float
-        Both numbers.
-    difference_percent : float
-        Ours less measured, of band radiance where the unit is K [%].
-    difference_k : float or None
-        The same as temperatures [K]; None where there are none.
-    rms : float or None
-        Root of the mean square difference over 20 cm-1 channels [K], or over paths or skies [unit]; None for single numbers.
-    uncertainty : str
-        Uncertainty of the measurement.
-    reason : str
-        A sentence on what is left.
-    """
-
+    #: ``case``, ``quantity``: What was measured, and the band or property.
     case: str
     quantity: str
-    spectroscopy: str
-    unit: str
+    spectroscopy: str  #: Absorption of ours; empty for waves.
+    unit: str  #: Unit of both numbers.
+    #: ``ours``, ``measured``: Both numbers.
     ours: float
     measured: float
-    difference_percent: float
-    difference_k: float | None = None
+    difference_percent: float  #: Ours less measured, of band radiance where the unit is K [%].
+    difference_k: float | None = None  #: The same as temperatures [K]; None where there are none.
+    #: Root of the mean square difference over 20 cm-1 channels [K], or over paths or skies [unit]; None for single numbers.
     rms: float | None = None
-    uncertainty: str = ""
-    reason: str = ""
+    uncertainty: str = ""  #: Uncertainty of the measurement.
+    reason: str = ""  #: A sentence on what is left.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text; None for numbers that do not exist."""
@@ -56,22 +37,13 @@ class MeasuredRow:
 
 @dataclass(frozen=True)
 class BandDifference:
-    """Two spectra in a band: apparent temperatures, difference of radiance, and of the channels.
+    """Two spectra in a band: apparent temperatures, difference of radiance, and of the channels."""
 
-    Attributes
-    ----------
-    ours, measured : float
-        Apparent temperatures [K]; NaN for a band that has no light.
-    percent : float
-        Difference of band radiance, ours less measured [%].
-    rms : float
-        Root of the mean square difference of brightness temperature over the samples in the band [K].
-    """
-
+    #: ``ours``, ``measured``: Apparent temperatures [K]; NaN for a band that has no light.
     ours: float
     measured: float
-    percent: float
-    rms: float
+    percent: float  #: Difference of band radiance, ours less measured [%].
+    rms: float  #: Root of the mean square difference of brightness temperature over the samples in the band [K].
 
     @property
     def kelvin(self) -> float:

@@ -22,15 +22,15 @@ from seaglint.studies.measured.shipped import shipped
 from seaglint.studies.measured.spectra_against import NO_HAZE
 from seaglint.studies.measured.spectroscopies import sums_with, with_gas, without_gases
 
+#: Bands of RRTMGP that are compared [cm-1].
 BANDS_CM: Final = (
     *((700, 820), (820, 980), (980, 1080), (1080, 1180), (1180, 1390)),
     *((1800, 2080), (2080, 2250), (2250, 2390), (2390, 2680), (2680, 3250)),
 )
-"""Bands of RRTMGP that are compared [cm-1]."""
 
-NEVER: Final = ("NO", "SO2", "NO2", "NH3", "HNO3")
-"""Gases that RRTMGP does not have."""
+NEVER: Final = ("NO", "SO2", "NO2", "NH3", "HNO3")  #: Gases that RRTMGP does not have.
 
+#: Further gases that it does not have in a band.
 ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
     (820, 980): ("O3",),
     (1800, 2080): ("O3", "CO", "N2O"),
@@ -38,19 +38,16 @@ ABSENT: Final[dict[tuple[int, int], tuple[str, ...]]] = {
     (2390, 2680): ("O3", "CH4"),
     (2680, 3250): ("O3",),
 }
-"""Further gases that it does not have in a band."""
 
+#: Gases that it has in a band above :data:`TOP_HPA` only, where paths of the band are not compared.
 BELOW: Final[dict[tuple[int, int], tuple[str, ...]]] = {(2080, 2250): ("O3",)}
-"""Gases that it has in a band above :data:`TOP_HPA` only, where paths of the band are not compared."""
 
+#: Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared.
 LOWER_CM: Final = ((820, 980), (1800, 2080), (2080, 2250), (2390, 2680))
-"""Bands in which RRTMGP leaves out the gases of the lower air above :data:`TOP_HPA`: paths there are not compared."""
 
-TOP_HPA: Final = 100.0
-"""Pressure above which RRTMGP has other gases [hPa]: 99.5, where its troposphere ends."""
+TOP_HPA: Final = 100.0  #: Pressure above which RRTMGP has other gases [hPa]: 99.5, where its troposphere ends.
 
-NEAR: Final = 60
-"""Paths of 400-1030 hPa in the table; the others are of 5-400 hPa."""
+NEAR: Final = 60  #: Paths of 400-1030 hPa in the table; the others are of 5-400 hPa.
 
 MODELS: Final = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical")
 

@@ -26,40 +26,23 @@ from seaglint.studies.measured.spectroscopies import sums_with, with_gas
 
 NO_HAZE: Final = HazeWeather("none")
 
-BandRange = tuple[float, float]
-"""Shortest and longest wavelength of a band [um]."""
+BandRange = tuple[float, float]  #: Shortest and longest wavelength of a band [um].
 
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredScene:
-    """Scene of which a spectrum was measured.
+    """Scene of which a spectrum was measured."""
 
-    Attributes
-    ----------
-    name, title : str
-        Name of its tables, and words for it.
-    model : str
-        Model atmosphere above the sounding, and for its gases.
-    co2_ppm : float
-        Carbon dioxide of its year.
-    bands_um : dict
-        Uncertainty of the measurement by band [um].
-    reasons : dict
-        Sentence on what is left, by spectroscopy.
-    height : float or None
-        Height from which the sea is looked at [m]; None for the zenith sky seen from the sounding's lowest level.
-    skin : float
-        Temperature of the sea's skin [K].
-    """
-
+    #: ``name``, ``title``: Name of its tables, and words for it.
     name: str
     title: str
-    model: str
-    co2_ppm: float
-    bands_um: dict[BandRange, str]
-    reasons: dict[str, str]
+    model: str  #: Model atmosphere above the sounding, and for its gases.
+    co2_ppm: float  #: Carbon dioxide of its year.
+    bands_um: dict[BandRange, str]  #: Uncertainty of the measurement by band [um].
+    reasons: dict[str, str]  #: Sentence on what is left, by spectroscopy.
+    #: Height from which the sea is looked at [m]; None for the zenith sky seen from the sounding's lowest level.
     height: float | None = None
-    skin: float = 0.0
+    skin: float = 0.0  #: Temperature of the sea's skin [K].
 
     def profile(self) -> AirProfile:
         """Return the air of the scene."""
@@ -83,6 +66,7 @@ class MeasuredScene:
 _AERI = "1 % of radiance"
 _IRIS = "2 K (lowest air extrapolated)"
 
+#: Scenes with a sounding: AERI (Knuteson et al. 2004), HIS, IRIS-D.
 SCENES: Final = (
     MeasuredScene(
         name="aeri",
@@ -122,18 +106,16 @@ SCENES: Final = (
         skin=301.2,
     ),
 )
-"""Scenes with a sounding: AERI (Knuteson et al. 2004), HIS, IRIS-D."""
 
+#: Bands in which MODTRAN 4's zenith is compared [um].
 SKY_BANDS: Final[dict[BandRange, str]] = {(3.6, 4.0): "a model", (4.0, 4.4): "a model", (8.2, 9.2): "a model", (10.0, 11.6): "a model"}
-"""Bands in which MODTRAN 4's zenith is compared [um]."""
 
 MODEL_REASONS: Final = {
     "lowtran7": "LOWTRAN7's water continuum by air is many times today's at 3.7-4.2 um; MODTRAN 4 has lines of 1996 and CKD 2.",
     "lblrtm": "MODTRAN 4 has lines of 1996 and the continuum CKD 2; measurements at 3.7-4.2 um lie above MT_CKD's.",
 }
 
-PATH_BANDS: Final = ((3.5, 4.15), (3.5, 5.0), (8.0, 12.0), (10.0, 12.0))
-"""Bands in which MODTRAN 4's path is compared [um]."""
+PATH_BANDS: Final = ((3.5, 4.15), (3.5, 5.0), (8.0, 12.0), (10.0, 12.0))  #: Bands in which MODTRAN 4's path is compared [um].
 
 
 def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredRow], list[SpectraBeside]]:

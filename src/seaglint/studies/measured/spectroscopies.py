@@ -14,8 +14,8 @@ from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: Numbers fitted to today's line-by-line models, and LOWTRAN7's own.
 SPECTROSCOPIES: Final[tuple[Spectroscopy, ...]] = get_args(Spectroscopy)
-"""Numbers fitted to today's line-by-line models, and LOWTRAN7's own."""
 
 
 def chosen_spectroscopies(name: str) -> tuple[Spectroscopy, ...]:

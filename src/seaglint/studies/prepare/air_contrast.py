@@ -25,44 +25,26 @@ if TYPE_CHECKING:
     from seaglint.air.protocol import Atmosphere
     from seaglint.scenario.model import Scenario
 
-RANGES: Final = (2_000.0, 5_000.0, 10_000.0)
-"""Ranges of which the contrast is stated before a range is searched [m]."""
+RANGES: Final = (2_000.0, 5_000.0, 10_000.0)  #: Ranges of which the contrast is stated before a range is searched [m].
 
-BEYOND: Final = 5_000.0
-"""Range where there is no object and the middle of the picture sees no sea [m]."""
+BEYOND: Final = 5_000.0  #: Range where there is no object and the middle of the picture sees no sea [m].
 
-_STEP: Final = 0.5
-"""Half of the temperature difference whose contrast is taken [K]."""
+_STEP: Final = 0.5  #: Half of the temperature difference whose contrast is taken [K].
 
 
 @dataclass(frozen=True)
 class AirContrast:
-    """Air over the water, and what it leaves of a contrast.
+    """Air over the water, and what it leaves of a contrast."""
 
-    Attributes
-    ----------
-    air_k : float
-        Temperature of the air at 10 m [K].
-    water_k : float
-        Temperature of the water [K].
-    air_minus_water_k : float
-        Their difference [K].
-    ranges_m : tuple of float
-        Distances along the sea [m].
-    contrast_left : tuple of float
-        Share of the in-band contrast between two bodies of about the water's temperature that the air leaves there [1].
-    place : str
-        What is at those distances; empty where they were given.
-    air_stated, water_stated : bool
-        Whether the scenario states the temperature of the air (``air_minus_sea_k``, a sounding, an isothermal air), and of the water.
-    """
-
-    air_k: float
-    water_k: float
-    air_minus_water_k: float
-    ranges_m: tuple[float, ...]
+    air_k: float  #: Temperature of the air at 10 m [K].
+    water_k: float  #: Temperature of the water [K].
+    air_minus_water_k: float  #: Their difference [K].
+    ranges_m: tuple[float, ...]  #: Distances along the sea [m].
+    #: Share of the in-band contrast between two bodies of about the water's temperature that the air leaves there [1].
     contrast_left: tuple[float, ...]
-    place: str
+    place: str  #: What is at those distances; empty where they were given.
+    #: ``air_stated``, ``water_stated``: Whether the scenario states the temperature of the air (``air_minus_sea_k``, a sounding, an
+    #: isothermal air), and of the water.
     air_stated: bool
     water_stated: bool
 

@@ -24,13 +24,11 @@ if TYPE_CHECKING:
 
 PATH_NODES: Final = 64
 SKY_NODES: Final = 48
-DIP_NODES: Final = 24
-"""Nodes along the paths, of sky and Sun from the horizontal up, and of the sky from there down to the sea horizon."""
+DIP_NODES: Final = 24  #: Nodes along the paths, of sky and Sun from the horizontal up, and of the sky from there down to the sea horizon.
 
 _AZIMUTH: Final = "azimuth_from_sun_deg"
 
-HIGHEST_CREST: Final = 30.0
-"""Paths reach to where the sensor sees waves of this height stand above the horizon [m]."""
+HIGHEST_CREST: Final = 30.0  #: Paths reach to where the sensor sees waves of this height stand above the horizon [m].
 
 
 def export_air(scenario: Scenario) -> xr.Dataset:

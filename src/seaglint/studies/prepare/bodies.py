@@ -29,11 +29,9 @@ from seaglint.scenario.records.objects import Object, ObjectKeyframe
 from seaglint.sea.field import WaveField
 from seaglint.studies.prepare import prepare
 
-MOST_CHECKED = 33
-"""Times at which objects are held against each other."""
+MOST_CHECKED = 33  #: Times at which objects are held against each other.
 
-OVERLAP = 1e-6
-"""Share of the smaller of two solids that they may have in common: what touches does not overlap."""
+OVERLAP = 1e-6  #: Share of the smaller of two solids that they may have in common: what touches does not overlap.
 
 Parts = list[Solid | GasPlume | PointSource]
 # Temperature [K] and emissivity of what says nothing itself.

@@ -18,26 +18,22 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.refraction import bends_by_profile
 from seaglint.studies.prepare.sensor_model import sensor_model
 
-BYTES_PER_PIXEL = 80
-"""Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
+BYTES_PER_PIXEL = 80  #: Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written.
 
+#: Bytes per pixel of a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16).
 BYTES_PER_RESAMPLED_PIXEL = 1000
-"""Bytes per pixel of a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
 
+#: Images that a detector sees: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners.
 BYTES_PER_SENSED_PIXEL = 60
-"""Images that a detector sees: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners."""
 
-BYTES_PER_LATTICE_POINT = 200
-"""Amplitudes, transforms and surface of one wave tile."""
+BYTES_PER_LATTICE_POINT = 200  #: Amplitudes, transforms and surface of one wave tile.
 
-BYTES_PER_MEAN_PIXEL = 90
-"""Maps of a mean: seven of doubles, and what is written."""
+BYTES_PER_MEAN_PIXEL = 90  #: Maps of a mean: seven of doubles, and what is written.
 
+#: Components and variance along one line of sight of a mean map, by its mode. 34 to 73 and 118 measured, with all of refraction.
 BYTES_PER_MEAN_SIGHT = {"spectral": 70, "article": 130}
-"""Components and variance along one line of sight of a mean map, by its mode. 34 to 73 and 118 measured, with all of refraction."""
 
-BASE = 250 << 20
-"""Program, atmosphere and tables of facets."""
+BASE = 250 << 20  #: Program, atmosphere and tables of facets.
 
 
 def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel | None = None) -> int:

@@ -33,18 +33,17 @@ DeckFormat = Literal["tape5", "tape5-lowtran7", "modtran6-json"]
 
 NAME: Final = "lines"
 
+#: Name of the deck of each format.
 DECKS: Final[dict[DeckFormat, str]] = {"tape5": f"{NAME}.tp5", "tape5-lowtran7": "TAPE5", "modtran6-json": f"{NAME}-input.json"}
-"""Name of the deck of each format."""
 
+#: Names under which the results of each are looked for.
 OUTPUTS: Final[dict[DeckFormat, tuple[str, ...]]] = {
     "tape5": (f"{NAME}.tp7", "tape7", f"{NAME}.7sc", "tape7.scn"),
     "tape5-lowtran7": ("TAPE7", "tape7"),
     "modtran6-json": (f"{NAME}.json", f"{NAME}.csv"),
 }
-"""Names under which the results of each are looked for."""
 
-REFRACTION_CM: Final = 2665.0
-"""Wavenumber of the refractivity by which lines of sight are laid [cm-1]: infrared air is the same to 1e-4."""
+REFRACTION_CM: Final = 2665.0  #: Wavenumber of the refractivity by which lines of sight are laid [cm-1]: infrared air is the same to 1e-4.
 
 
 @dataclass(frozen=True)
@@ -53,8 +52,7 @@ class Decks:
 
     deck: Path
     cases: int
-    solar_zenith_deg: float | None
-    """Zenith angle of the Sun whose scattered light the cases include [deg]; None without."""
+    solar_zenith_deg: float | None  #: Zenith angle of the Sun whose scattered light the cases include [deg]; None without.
 
 
 def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered: bool = True, overwrite: bool = False) -> Decks:

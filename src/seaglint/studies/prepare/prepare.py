@@ -43,11 +43,9 @@ from seaglint.studies.prepare.slope_laws import slopes
 from seaglint.studies.prepare.sounding_air import program_sounding
 from seaglint.studies.prepare.wave_spectra import Waves, waves
 
-RESOLVED_SHARE = 0.8
-"""Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
+RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest.
 
-ANGLES = ("azimuth", "elevation", "roll")
-"""Angles of the sensor, by the names of its keys without their unit."""
+ANGLES = ("azimuth", "elevation", "roll")  #: Angles of the sensor, by the names of its keys without their unit.
 
 
 @dataclass(frozen=True)
@@ -55,10 +53,8 @@ class PreparedSea:
     """Resolved waves, and the decisions behind them."""
 
     waves: WaveField | None
-    report: JsonObject
-    """For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances."""
-    reason: str = ""
-    """Reason why no waves are resolved although the scenario requests them."""
+    report: JsonObject  #: For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances.
+    reason: str = ""  #: Reason why no waves are resolved although the scenario requests them.
 
 
 def band(scenario: Scenario) -> Band:

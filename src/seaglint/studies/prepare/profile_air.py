@@ -32,11 +32,9 @@ from seaglint.studies.prepare.sounding_air import report_sounding, scenario_soun
 
 _log = logging.getLogger(__name__)
 
-OWN_OF_THE_PROFILE: Final = OwnGases()
-"""Gases that are those of the profile."""
+OWN_OF_THE_PROFILE: Final = OwnGases()  #: Gases that are those of the profile.
 
-INFRARED_CM: Final = 2500.0
-"""Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um."""
+INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um.
 
 if TYPE_CHECKING:
     from seaglint.air.profile.profile_scattering import Scatterers

@@ -13,8 +13,7 @@ from seaglint.imaging.bending import Bending
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
 
-AIR_AT: Final = 10.0
-"""Height of the air whose temperature stands for the lowest air [m]."""
+AIR_AT: Final = 10.0  #: Height of the air whose temperature stands for the lowest air [m].
 
 
 def bends_by_profile(scenario: Scenario) -> bool:

@@ -29,17 +29,13 @@ from seaglint.studies.prepare.slope_laws import slopes
 if TYPE_CHECKING:
     import xarray as xr
 
-KINDS: Final = (".ply", ".nc")
-"""Endings of the files that are written."""
+KINDS: Final = (".ply", ".nc")  #: Endings of the files that are written.
 
-DEFAULT_EXTENT: Final = 256.0
-"""Side of the patch [m] where nothing is said and the spacing allows."""
+DEFAULT_EXTENT: Final = 256.0  #: Side of the patch [m] where nothing is said and the spacing allows.
 
-DEFAULT_POINTS: Final = 1024
-"""Most points a side where no extent is given."""
+DEFAULT_POINTS: Final = 1024  #: Most points a side where no extent is given.
 
-_BYTES_PER_POINT: Final = 12 + 80
-"""Height and slopes in single precision, and the copies of labelling and compressing them."""
+_BYTES_PER_POINT: Final = 12 + 80  #: Height and slopes in single precision, and the copies of labelling and compressing them.
 
 _BLOCK: Final = 1 << 18
 

@@ -28,8 +28,7 @@ from seaglint.scenario.records.sensor_detector import PhotonDetector
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.slope_laws import slopes
 
-RATED_FRAMES: Final = 65
-"""Largest number of frames at which the platform's movement is evaluated for figures of merit."""
+RATED_FRAMES: Final = 65  #: Largest number of frames at which the platform's movement is evaluated for figures of merit.
 
 
 def require_sensor(scenario: Scenario) -> None:

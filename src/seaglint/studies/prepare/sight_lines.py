@@ -21,8 +21,7 @@ from seaglint.studies.prepare import prepare
 if TYPE_CHECKING:
     import xarray as xr
 
-SPECTRAL_UNIT = "W m-2 sr-1 per cm-1"
-"""Unit of spectral radiance."""
+SPECTRAL_UNIT = "W m-2 sr-1 per cm-1"  #: Unit of spectral radiance.
 
 
 def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike = 0.0) -> xr.Dataset:

@@ -22,8 +22,7 @@ from seaglint.studies.prepare.wave_spectra import has_wind_sea, spectrum
 
 log = logging.getLogger(__name__)
 
-FEW_SLOPES: Final = 0.6
-"""Slope variance of a spectrum over that of Cox and Munk's fit below which short waves are missing."""
+FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Munk's fit below which short waves are missing.
 
 
 def slopes(scenario: Scenario) -> SlopeStatistics:

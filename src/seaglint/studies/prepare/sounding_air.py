@@ -23,17 +23,14 @@ if TYPE_CHECKING:
     from seaglint.files.lowtran.deck import ProfileLevel
     from seaglint.files.soundings.sounding import Sounding
 
+#: Zenith angle of the sky by which the effect of continued water vapour is shown [deg]: low sky, as slopes of waves mirror it.
 SKY_DEG: Final = 78.0
-"""Zenith angle of the sky by which the effect of continued water vapour is shown [deg]: low sky, as slopes of waves mirror it."""
 
-MOST_LEVELS: Final = 2000
-"""Levels of the profiles by which the effect is shown."""
+MOST_LEVELS: Final = 2000  #: Levels of the profiles by which the effect is shown.
 
-LEAST_EFFECT: Final = 0.1
-"""Difference of the sky below which only that is reported [K]."""
+LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which only that is reported [K].
 
-ALMOST_NONE: Final = 1e-6
-"""Factor of the water vapour that is taken away [1]; none at all has no logarithm."""
+ALMOST_NONE: Final = 1e-6  #: Factor of the water vapour that is taken away [1]; none at all has no logarithm.
 
 
 def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere, scenario: Scenario) -> Sounding:

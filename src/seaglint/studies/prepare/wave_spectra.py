@@ -29,8 +29,8 @@ class Waves:
     """A spectrum, None for a sea without waves, and where what was read is from."""
 
     spectrum: DirectionalSpectrum | None
+    #: For the provenance, one for every file: format, time, place, and how far they are from those wanted.
     sources: tuple[JsonObject, ...] = ()
-    """For the provenance, one for every file: format, time, place, and how far they are from those wanted."""
 
 
 def waves(scenario: Scenario) -> Waves:

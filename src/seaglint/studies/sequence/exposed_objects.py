@@ -49,20 +49,16 @@ from seaglint.objects.drawing.sample_sums import (
 from seaglint.studies.sequence.exposure_plan import Drawing, ExposurePlan
 from seaglint.studies.sequence.scene_objects import SceneObjects
 
-BOXES_ACROSS: Final = 24
-"""Least number of boxes of light across an object."""
+BOXES_ACROSS: Final = 24  #: Least number of boxes of light across an object.
 
-LARGE: Final = 128.0
-"""Size from which an object is drawn in the fine pixels of the sea's picture [pixels]."""
+LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels of the sea's picture [pixels].
 
-IN_STEP: Final = 0.05
-"""Way of an object within which rows or columns of a picture count as of one instant [pixels]."""
+IN_STEP: Final = 0.05  #: Way of an object within which rows or columns of a picture count as of one instant [pixels].
 
-SUMMED: Final = [SEEN, DRY_INSIDE, DRY_SEEN]
-"""Sums that are averaged over the instants of an exposure."""
+SUMMED: Final = [SEEN, DRY_INSIDE, DRY_SEEN]  #: Sums that are averaged over the instants of an exposure.
 
+#: Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline.
 TOUCHED: Final = 1e-3
-"""Coverage of a pixel, relative to the largest, above which an object touches it: boxes of light reach a little beyond its outline."""
 
 _NO_PIXELS: Final = np.zeros(0, np.int64)
 _NO_LIGHT: Final = np.zeros((0, 0))

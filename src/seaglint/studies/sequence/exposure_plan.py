@@ -17,23 +17,17 @@ from seaglint.instrument.scan import ScanPattern
 from seaglint.objects.drawing.draw import Drawer
 from seaglint.objects.drawing.image_path import BEHIND, SHORT, ImagePath, Streak, View, middle_of, place_in_image, stages
 
-SEGMENT: Final = 0.25
-"""Longest way of an object between two pairs of instants [pixels]."""
+SEGMENT: Final = 0.25  #: Longest way of an object between two pairs of instants [pixels].
 
-MOST_INSTANTS: Final = 8192
-"""Largest number of instants of an exposure: 1000 pixels of way in the picture."""
+MOST_INSTANTS: Final = 8192  #: Largest number of instants of an exposure: 1000 pixels of way in the picture.
 
-APART: Final = 0.25
-"""Way between two instants at which bodies that cross each other or the picture's edge are drawn [pixels]."""
+APART: Final = 0.25  #: Way between two instants at which bodies that cross each other or the picture's edge are drawn [pixels].
 
-MOST_MEETINGS: Final = 128
-"""Largest number of these instants in an exposure."""
+MOST_MEETINGS: Final = 128  #: Largest number of these instants in an exposure.
 
-CROSSINGS: Final = 64
-"""Number of parts of a readout among which the one that passes a body is sought."""
+CROSSINGS: Final = 64  #: Number of parts of a readout among which the one that passes a body is sought.
 
-_GAUSS: Final = 0.5 / math.sqrt(3.0)
-"""Places of a pair of instants about the middle of its segment."""
+_GAUSS: Final = 0.5 / math.sqrt(3.0)  #: Places of a pair of instants about the middle of its segment.
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,27 +48,13 @@ class Drawing:
 
 @dataclass(frozen=True, eq=False)
 class ExposurePlan:
-    """Exposures of a camera over objects.
+    """Exposures of a camera over objects."""
 
-    Attributes
-    ----------
-    drawer : Drawer
-        The objects.
-    view : View
-        Camera of the detector's pixels.
-    model : SensorModel
-        The sensor.
-    scan : ScanPattern
-        When rows and columns are taken.
-    margin : int
-        Pixels beyond the picture from which blur comes into it.
-    """
-
-    drawer: Drawer
-    view: View
-    model: SensorModel
-    scan: ScanPattern
-    margin: int
+    drawer: Drawer  #: The objects.
+    view: View  #: Camera of the detector's pixels.
+    model: SensorModel  #: The sensor.
+    scan: ScanPattern  #: When rows and columns are taken.
+    margin: int  #: Pixels beyond the picture from which blur comes into it.
     _seen_fast: set[str] = field(default_factory=set, repr=False)
 
     @property

@@ -24,8 +24,7 @@ from seaglint.studies.sequence.out_of_view import report_out_of_view
 if TYPE_CHECKING:
     import xarray as xr
 
-SIDES = ("left", "top", "width", "height")
-"""Numbers of a box, in COCO's order [px]."""
+SIDES = ("left", "top", "width", "height")  #: Numbers of a box, in COCO's order [px].
 
 
 def frame_datasets(

@@ -15,11 +15,9 @@ from seaglint.instrument.optics import cos4_falloff
 from seaglint.instrument.picture_windows import PictureWindow
 from seaglint.objects.drawing.image_path import Streak
 
-Numbers = dict[str, FloatArray]
-"""Numbers of all objects by the names of their columns [(objects,)]."""
+Numbers = dict[str, FloatArray]  #: Numbers of all objects by the names of their columns [(objects,)].
 
-LEAST_SUM = 1e-3
-"""Least sum of an object's light over the sum of its amounts for which it has a middle [1]."""
+LEAST_SUM = 1e-3  #: Least sum of an object's light over the sum of its amounts for which it has a middle [1].
 
 
 def motion_numbers(

@@ -27,46 +27,31 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.bodies import unchecked_bodies
 from seaglint.studies.prepare.refraction import bends_by_profile
 
-MOST_LOOKS: Final = 4000
-"""Places of objects at times that are looked at; of more, frames are left out."""
+MOST_LOOKS: Final = 4000  #: Places of objects at times that are looked at; of more, frames are left out.
 
-MOST_LINES: Final = 3
-"""Objects that have a line each; more are summed up in one."""
+MOST_LINES: Final = 3  #: Objects that have a line each; more are summed up in one.
 
+#: Angle by which refraction of a profile may raise or lower an object [rad]: more than in any mirage of a whole ship.
 BENT: Final = math.radians(1.0)
-"""Angle by which refraction of a profile may raise or lower an object [rad]: more than in any mirage of a whole ship."""
 
-ROCKED: Final = math.radians(20.0)
-"""Angle by which a floating sensor may be turned from its place on a flat sea [rad]."""
+ROCKED: Final = math.radians(20.0)  #: Angle by which a floating sensor may be turned from its place on a flat sea [rad].
 
+#: Height by which waves may lift a floating object [m]: a part for swell, and one that grows with the square of the wind [s2 m-1].
 HEAVED: Final = (1.0, 0.03)
-"""Height by which waves may lift a floating object [m]: a part for swell, and one that grows with the square of the wind [s2 m-1]."""
 
 
 @dataclass(frozen=True)
 class OutOfView:
-    """Object that no frame shows, where it comes nearest to the view.
+    """Object that no frame shows, where it comes nearest to the view."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the object.
-    azimuth, elevation : float
-        Direction from the sensor [deg].
-    range : float
-        Distance along the sea [m].
-    seen_to : float or None
-        Distance up to which its highest point stands above the horizon [m]; None where it is beside the picture.
-    time : float or None
-        Time of all this [s]; None where neither object nor sensor moves.
-    """
-
-    name: str
+    name: str  #: Name of the object.
+    #: ``azimuth``, ``elevation``: Direction from the sensor [deg].
     azimuth: float
     elevation: float
-    range: float
+    range: float  #: Distance along the sea [m].
+    #: Distance up to which its highest point stands above the horizon [m]; None where it is beside the picture.
     seen_to: float | None = None
-    time: float | None = None
+    time: float | None = None  #: Time of all this [s]; None where neither object nor sensor moves.
 
     @property
     def place(self) -> str:

@@ -46,8 +46,7 @@ from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.studies.sequence.spread import over
 
-NON_FINITE_SHARE = 1e-3
-"""Share of a frame's pixels that may be without a number; more are an error."""
+NON_FINITE_SHARE = 1e-3  #: Share of a frame's pixels that may be without a number; more are an error.
 
 
 def render(
@@ -137,29 +136,14 @@ class MovingSun:
 
 @dataclass(frozen=True, eq=False)
 class Sequence:
-    """Everything that is made before the first frame; make it with :func:`prepare_sequence`.
+    """Everything that is made before the first frame; make it with :func:`prepare_sequence`."""
 
-    Attributes
-    ----------
-    scene : Scene
-        Sea, air, Sun and camera, at the start.
-    track : Track
-        Where the sensor is and how it is turned.
-    layout : Layout
-        What the store holds.
-    sun : MovingSun, optional
-        Scenes for later positions of the Sun; None where it stands.
-    objects : SceneObjects, optional
-        What stands or flies in the scene.
-    counted : callable, optional
-        How a detector of photons counts the light of objects (:meth:`seaglint.instrument.photons.Photons.counted`).
-    """
-
-    scene: Scene
-    track: Track
-    layout: Layout
-    sun: MovingSun | None = None
-    objects: SceneObjects | None = None
+    scene: Scene  #: Sea, air, Sun and camera, at the start.
+    track: Track  #: Where the sensor is and how it is turned.
+    layout: Layout  #: What the store holds.
+    sun: MovingSun | None = None  #: Scenes for later positions of the Sun; None where it stands.
+    objects: SceneObjects | None = None  #: What stands or flies in the scene.
+    #: How a detector of photons counts the light of objects (:meth:`seaglint.instrument.photons.Photons.counted`).
     counted: Counting | None = None
 
     def at(self, time: float) -> Layers:

@@ -27,8 +27,7 @@ from seaglint.objects.drawing.truth import labels, numbers_of, size_classes
 from seaglint.scenario.model import Scenario
 from seaglint.sea.field import WaveField
 
-BodiesOf = Callable[[WaveField | None], tuple[Body, ...]]
-"""Bodies over a realisation of the sea: those that float follow it."""
+BodiesOf = Callable[[WaveField | None], tuple[Body, ...]]  #: Bodies over a realisation of the sea: those that float follow it.
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,15 +39,12 @@ from seaglint.studies.sequence.spread import over
 if TYPE_CHECKING:
     import xarray as xr
 
-Fine = Callable[[int], NDArray[np.float32]]
-"""Radiance of a frame, finer than the pixels [W m-2 sr-1, (rows, columns)]."""
+Fine = Callable[[int], NDArray[np.float32]]  #: Radiance of a frame, finer than the pixels [W m-2 sr-1, (rows, columns)].
 
-Rates = Callable[[int], tuple[float, float]]
-"""Movement of the line of sight in a frame, along and across rows [rad s-1]."""
+Rates = Callable[[int], tuple[float, float]]  #: Movement of the line of sight in a frame, along and across rows [rad s-1].
 
 
-Added = Callable[[int], NDArray[np.float32] | None]
-"""Radiance that is added on the pixels of a frame [W m-2 sr-1, (rows, columns)]."""
+Added = Callable[[int], NDArray[np.float32] | None]  #: Radiance that is added on the pixels of a frame [W m-2 sr-1, (rows, columns)].
 
 
 def nothing(number: int) -> None:
@@ -62,33 +59,15 @@ def still(number: int) -> tuple[float, float]:
 
 @dataclass(frozen=True, eq=False)
 class SensedFrames:
-    """Frames of a sensor, each a function of its number.
+    """Frames of a sensor, each a function of its number."""
 
-    Attributes
-    ----------
-    model : SensorModel
-        The sensor.
-    fine : callable
-        ``fine(number)`` is the radiance of a frame.
-    oversampling : int
-        Fine pixels along a pixel's side.
-    first : int
-        Number of the earliest frame that there is: before it a thermal detector has seen the same.
-    rates : callable
-        ``rates(number)`` is the movement of the line of sight by the platform.
-    added : callable
-        ``added(number)`` is what is added on the pixels; None where nothing is.
-    drawn : bool
-        Whether the pictures were drawn by this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`).
-    """
-
-    model: SensorModel
-    fine: Fine
-    oversampling: int
-    first: int = 0
-    rates: Rates = still
-    added: Added = nothing
-    drawn: bool = False
+    model: SensorModel  #: The sensor.
+    fine: Fine  #: ``fine(number)`` is the radiance of a frame.
+    oversampling: int  #: Fine pixels along a pixel's side.
+    first: int = 0  #: Number of the earliest frame that there is: before it a thermal detector has seen the same.
+    rates: Rates = still  #: ``rates(number)`` is the movement of the line of sight by the platform.
+    added: Added = nothing  #: ``added(number)`` is what is added on the pixels; None where nothing is.
+    drawn: bool = False  #: Whether the pictures were drawn by this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`).
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
     def exposure(self, number: int) -> Exposure:

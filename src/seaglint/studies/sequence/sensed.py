@@ -38,8 +38,8 @@ from seaglint.studies.sequence.scene_objects import Drawn
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
 from seaglint.studies.sequence.spread import over
 
+#: Instants at which a picture with a rolling shutter is drawn: rows take that next to their own, at most a sixteenth of the reading off.
 ROLLING_PARTS: Final = 8
-"""Instants at which a picture with a rolling shutter is drawn: rows take that next to their own, at most a sixteenth of the reading off."""
 
 
 def render(
@@ -101,27 +101,13 @@ def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class SensedSequence:
-    """Everything that is made before the first frame; make it with :func:`prepare_sensed`.
+    """Everything that is made before the first frame; make it with :func:`prepare_sensed`."""
 
-    Attributes
-    ----------
-    fine : Sequence
-        The scene, drawn finer than the detector's pixels.
-    sensed : SensedFrames
-        The sensor on it.
-    scan : ScanPattern
-        When columns and rows are taken.
-    layout : Layout
-        What the store holds.
-    fine_scenario : Scenario
-        The scenario that is drawn: more pixels, and no sensor.
-    """
-
-    fine: Sequence
-    sensed: SensedFrames
-    scan: ScanPattern
-    layout: Layout
-    fine_scenario: Scenario
+    fine: Sequence  #: The scene, drawn finer than the detector's pixels.
+    sensed: SensedFrames  #: The sensor on it.
+    scan: ScanPattern  #: When columns and rows are taken.
+    layout: Layout  #: What the store holds.
+    fine_scenario: Scenario  #: The scenario that is drawn: more pixels, and no sensor.
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """Return the stored arrays of a frame, by variable."""

@@ -13,8 +13,8 @@ from seaglint.files.store.filling import Spread, UnitTask, require_version, unit
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.shards import Frame, UnitFailure, UnitRecord
 
+#: What is made before the first frame, from small settings; a function of a module, which workers find by its name.
 Prepare = Callable[[Any], tuple[Layout, Frame]]
-"""What is made before the first frame, from small settings; a function of a module, which workers find by its name."""
 
 
 @dataclass(frozen=True)

@@ -21,19 +21,12 @@ class NamedArray:
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """Result of one case.
+    """Result of one case."""
 
-    Attributes
-    ----------
-    variables, coordinates : dict of NamedArray
-        Arrays by name.
-    attributes : dict
-        Attributes of the whole.
-    """
-
+    #: ``variables``, ``coordinates``: Arrays by name.
     variables: dict[str, NamedArray]
     coordinates: dict[str, NamedArray] = field(default_factory=dict)
-    attributes: Attributes = field(default_factory=dict)
+    attributes: Attributes = field(default_factory=dict)  #: Attributes of the whole.
 
     @property
     def size(self) -> int:

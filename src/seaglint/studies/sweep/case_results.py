@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from seaglint.studies.sweep.view_angles import ViewAngles
 
 
-Compute = Callable[[Scenario], CaseResult]
-"""Function that computes the result of a scenario."""
+Compute = Callable[[Scenario], CaseResult]  #: Function that computes the result of a scenario.
 
 
 def computer(what: str | Callable[[Scenario], Any], at: ViewAngles | None) -> Compute:

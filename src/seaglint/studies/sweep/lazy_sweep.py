@@ -16,8 +16,7 @@ from seaglint.studies.sweep.case_arrays import CaseResult
 from seaglint.studies.sweep.case_results import computer
 from seaglint.studies.sweep.sweep_case import CaseFailure, SweepSettings, compute_case, require_places, require_shape
 
-Shapes = tuple[tuple[str, tuple[int, ...], str], ...]
-"""Names of arrays, with the shape and the type of those of one case."""
+Shapes = tuple[tuple[str, tuple[int, ...], str], ...]  #: Names of arrays, with the shape and the type of those of one case.
 
 
 def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResult]) -> tuple[CaseResult, dict[str, Any]]:

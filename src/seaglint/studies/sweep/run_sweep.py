@@ -38,11 +38,9 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_BAND: Final = ("band_wavelength_um", "band_response")
-"""Attributes that hold for the whole dataset where all cases have the same."""
+_BAND: Final = ("band_wavelength_um", "band_response")  #: Attributes that hold for the whole dataset where all cases have the same.
 
-_MOST_NAMED: Final = 3
-"""Failures that are named in an attribute or a message."""
+_MOST_NAMED: Final = 3  #: Failures that are named in an attribute or a message.
 
 
 def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tuple[int, Outcome]]]:

@@ -16,11 +16,9 @@ from seaglint.scenario.records.atmosphere_table import FileAtmosphere
 from seaglint.scenario.sun import SunPosition
 from seaglint.studies.prepare import prepare
 
-MOST_KEPT: Final = 64
-"""Views kept at a time: some 5 MB each."""
+MOST_KEPT: Final = 64  #: Views kept at a time: some 5 MB each.
 
-_SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}
-"""Tables that a view without its Sun depends on."""
+_SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
 
 _KEPT: Final[OrderedDict[str, SharedView]] = OrderedDict()
 _LOCK: Final = threading.Lock()
@@ -28,15 +26,9 @@ _LOCK: Final = threading.Lock()
 
 @dataclass(eq=False)
 class SharedView:
-    """View of a sea, and its lines of sight prepared so far.
+    """View of a sea, and its lines of sight prepared so far."""
 
-    Attributes
-    ----------
-    view : SeaView
-        View with the Sun of the scenario that was the first.
-    """
-
-    view: SeaView
+    view: SeaView  #: View with the Sun of the scenario that was the first.
     _surface: SeaSurface | None = None
     _lines: dict[Any, SeaLines] = field(default_factory=dict)
 

@@ -20,30 +20,19 @@ from seaglint.scenario.setting import set_key
 from seaglint.scenario.text.write import differing
 from seaglint.studies.sweep.swept_keys import SweptKey, swept_keys
 
+#: Keys that most of the preparation depends on, in the order in which cases change them, the slowest first.
 _OF_THE_AIR: Final = ("band", "atmosphere", "place", "time", "wind.speed_m_s", "wind", "sensor.height_m", "sea.temperature_k")
-"""Keys that most of the preparation depends on, in the order in which cases change them, the slowest first."""
 
-MOST_CHECKED: Final = 5000
-"""Number of values of all keys up to which they are checked beforehand: a second for each thousand."""
+MOST_CHECKED: Final = 5000  #: Number of values of all keys up to which they are checked beforehand: a second for each thousand.
 
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """Scenario and swept keys of a sweep. Make it with :meth:`of`.
+    """Scenario and swept keys of a sweep. Make it with :meth:`of`."""
 
-    Attributes
-    ----------
-    base : dict
-        Tables of the scenario.
-    folder : Path, optional
-        Folder from which relative paths count.
-    keys : tuple of SweptKey
-        Swept keys, in the order of the dimensions.
-    """
-
-    base: TomlTables
-    folder: Path | None
-    keys: tuple[SweptKey, ...]
+    base: TomlTables  #: Tables of the scenario.
+    folder: Path | None  #: Folder from which relative paths count.
+    keys: tuple[SweptKey, ...]  #: Swept keys, in the order of the dimensions.
 
     @classmethod
     def of(cls, source: Scenario | str | Path | Mapping[str, Any], vary: Mapping[str, Any]) -> SweepPlan:

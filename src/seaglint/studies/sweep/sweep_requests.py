@@ -11,13 +11,11 @@ from typing import Annotated, Any, Final, Literal, get_args
 from seaglint.base.parameters import Parameter
 from seaglint.studies.reading_requests import WorkRequest
 
-Quantity = Literal["mean", "image", "sensor", "atmosphere", "likelihood"]
-"""Quantity that a sweep computes for each case."""
+Quantity = Literal["mean", "image", "sensor", "atmosphere", "likelihood"]  #: Quantity that a sweep computes for each case.
 
 QUANTITIES: Final[tuple[str, ...]] = get_args(Quantity)
 
-MOST_CASES: Final = 100_000
-"""Cases of a sweep at most, unless more are allowed."""
+MOST_CASES: Final = 100_000  #: Cases of a sweep at most, unless more are allowed.
 
 
 @dataclass(frozen=True)

@@ -20,32 +20,19 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.records.quantity import convert
 from seaglint.scenario.setting import set_key
 
-NAME: Final = "sweep"
-"""Name of the scenario in messages about a single key."""
+NAME: Final = "sweep"  #: Name of the scenario in messages about a single key.
 
 _BAND: Final = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*-\s*(\d+\.?\d*|\.\d+)\s*")
 
 
 @dataclass(frozen=True, eq=False)
 class SweptKey:
-    """One key with all its values. Make it with :func:`swept_key`.
+    """One key with all its values. Make it with :func:`swept_key`."""
 
-    Attributes
-    ----------
-    name : str
-        Dotted name, which is that of the dimension.
-    values : tuple
-        Values as a scenario file has them.
-    coordinate : ndarray
-        Numbers in the unit of the key, dates, or texts [(values,)].
-    attributes : dict of str
-        ``units`` and ``long_name`` of the coordinate.
-    """
-
-    name: str
-    values: tuple[Any, ...]
-    coordinate: NDArray[Any]
-    attributes: dict[str, str]
+    name: str  #: Dotted name, which is that of the dimension.
+    values: tuple[Any, ...]  #: Values as a scenario file has them.
+    coordinate: NDArray[Any]  #: Numbers in the unit of the key, dates, or texts [(values,)].
+    attributes: dict[str, str]  #: ``units`` and ``long_name`` of the coordinate.
 
     def said(self, place: int) -> str:
         """Return the assignment of one value, for messages."""
@@ -196,8 +183,8 @@ def label(name: str, value: Any) -> str:
             return str(value)
 
 
+#: Units of keys as UDUNITS writes them, where it writes them otherwise.
 _UDUNITS: Final = {"m/s": "m s-1", "deg": "degree", "1/km": "km-1", "%": "percent", "": "1"}
-"""Units of keys as UDUNITS writes them, where it writes them otherwise."""
 
 
 def _attributes(key: Key | None, coordinate: NDArray[Any]) -> dict[str, str]:

@@ -18,28 +18,21 @@ from seaglint.studies.sweep.swept_keys import plain_values
 ZENITH: Final = "view_zenith_deg"
 AZIMUTH: Final = "view_azimuth_deg"
 
+#: Attributes of the coordinates.
 ATTRIBUTES: Final = {
     ZENITH: {"units": "degree", "long_name": "zenith angle, at the sea, of the direction to the sensor; 0 is straight down"},
     AZIMUTH: {"units": "degree", "long_name": "azimuth of the line of sight at the sensor, clockwise from north"},
 }
-"""Attributes of the coordinates."""
 
 _RANGES: Final = {ZENITH: (0.0, 90.0), AZIMUTH: (-360.0, 360.0)}
 
 
 @dataclass(frozen=True)
 class ViewAngles:
-    """Angles of lines of sight to the sea. Make them with :meth:`of`.
+    """Angles of lines of sight to the sea. Make them with :meth:`of`."""
 
-    Attributes
-    ----------
-    zenith_deg : tuple of float
-        Zenith angles, at the sea, of the direction to the sensor [deg].
-    azimuth_deg : tuple of float, optional
-        Azimuths of the lines of sight, clockwise from north [deg]; the sensor's own where there are none.
-    """
-
-    zenith_deg: tuple[float, ...]
+    zenith_deg: tuple[float, ...]  #: Zenith angles, at the sea, of the direction to the sensor [deg].
+    #: Azimuths of the lines of sight, clockwise from north [deg]; the sensor's own where there are none.
     azimuth_deg: tuple[float, ...] | None = None
 
     @classmethod

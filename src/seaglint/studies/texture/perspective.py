@@ -23,8 +23,7 @@ from seaglint.studies.texture.texture_sequences import BYTES_PER_PIXEL, latent_m
 from seaglint.textures.placement import Footprints, PeriodicField, fluctuation
 from seaglint.textures.synthesis import latent
 
-SAME_RATE: Final = 0.01
-"""Relative difference of frame rates that is none."""
+SAME_RATE: Final = 0.01  #: Relative difference of frame rates that is none.
 
 
 def place(

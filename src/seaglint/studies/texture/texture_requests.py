@@ -11,8 +11,7 @@ from typing import Annotated, Literal
 from seaglint.base.parameters import Parameter, documented
 from seaglint.studies.reading_requests import Overwrite
 
-Seed = Annotated[int, Parameter("of the random numbers: the same seed gives the same bytes", least=0)]
-"""Seed of fits and samples."""
+Seed = Annotated[int, Parameter("of the random numbers: the same seed gives the same bytes", least=0)]  #: Seed of fits and samples.
 
 
 @documented()

@@ -39,37 +39,26 @@ if TYPE_CHECKING:
 Frames = NDArray[np.float32]
 Kind = Literal["autobinomial", "gauss-markov"]
 
-MOST_VALUES: Final = 3_000_000
-"""Pixels of a sequence that a texture is fitted to: parameters are then known to a part in a thousand."""
+MOST_VALUES: Final = 3_000_000  #: Pixels of a sequence that a texture is fitted to: parameters are then known to a part in a thousand.
 
-STILL: Final = 8
-"""Frames from which on correlations in time are fitted."""
+STILL: Final = 8  #: Frames from which on correlations in time are fitted.
 
-AVERAGED: Final = 8
-"""Part of a side over which the local contrast is averaged before its slow change is taken off."""
+AVERAGED: Final = 8  #: Part of a side over which the local contrast is averaged before its slow change is taken off.
 
-NOMINAL_RATE: Final = 25.0
-"""Frame rate of a sample whose data had none [Hz]."""
+NOMINAL_RATE: Final = 25.0  #: Frame rate of a sample whose data had none [Hz].
 
-BYTES_PER_PIXEL: Final = 13
-"""Memory that a sample takes at most: field, its transform and the noise."""
+BYTES_PER_PIXEL: Final = 13  #: Memory that a sample takes at most: field, its transform and the noise.
 
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Fit of half of the data judged by the other half.
+    """Fit of half of the data judged by the other half."""
 
-    Attributes
-    ----------
-    log_pseudo_likelihood, independent_pixels : float or None
-        Logarithm of the pseudo-likelihood per pixel of the half that the fit has not seen, and that of independent pixels.
-    reason : str or None
-        Why there is none.
-    """
-
+    #: ``log_pseudo_likelihood``, ``independent_pixels``: Logarithm of the pseudo-likelihood per pixel of the half that the fit has not
+    #: seen, and that of independent pixels.
     log_pseudo_likelihood: float | None
     independent_pixels: float | None
-    reason: str | None = None
+    reason: str | None = None  #: Why there is none.
 
     @property
     def note(self) -> str | None:

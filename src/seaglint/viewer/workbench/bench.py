@@ -26,8 +26,7 @@ from seaglint.viewer.workbench.small_pictures import Job, Painter, PreviewPictur
 from seaglint.viewer.workbench.style import CSS
 from seaglint.viewer.workbench.sun_card import Daylight
 
-DEBOUNCE: Final = 0.2
-"""Time without a change after which the scenario is read [s]."""
+DEBOUNCE: Final = 0.2  #: Time without a change after which the scenario is read [s].
 
 _TITLES: Final[dict[Job, str]] = {"mean": "Mean map", "frame": "First frame"}
 

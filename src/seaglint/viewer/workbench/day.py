@@ -11,8 +11,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.scenario.text.compass import SUN
 
-STEP: Final = 10
-"""Time between two points of the course [min]."""
+STEP: Final = 10  #: Time between two points of the course [min].
 
 _WIDTH, _HEIGHT, _LEFT, _TOP = 420.0, 150.0, 34.0, 8.0
 

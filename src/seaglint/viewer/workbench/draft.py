@@ -20,11 +20,9 @@ from seaglint.scenario.text.write import differing, toml_text, toml_value
 from seaglint.viewer.workbench.fields import Field, file_keys
 from seaglint.viewer.workbench.fields import Path as Keys
 
-MOST_TEXT: Final = 20_000
-"""Largest number of characters of one field."""
+MOST_TEXT: Final = 20_000  #: Largest number of characters of one field.
 
-_WORDS: Final = frozenset({"spline", "straight", "north-atlantic"})
-"""Values of keys for files that do not name a file."""
+_WORDS: Final = frozenset({"spline", "straight", "north-atlantic"})  #: Values of keys for files that do not name a file.
 
 
 class Draft:

@@ -19,24 +19,15 @@ Path = tuple[str | int, ...]  # where a key stands in the file: names of tables 
 
 @dataclass(frozen=True)
 class Field:
-    """Field of one key.
-
-    Attributes
-    ----------
-    kind : str
-        ``number`` (with a unit as text), ``text``, ``file``, ``list`` and ``tables`` (of numbers, of tables, written as in the file),
-        ``switch`` or ``choice``.
-    default : object
-        Value where none is given; None without a default.
-    choices : tuple
-        Values of a choice; for a list, the allowed items.
-    """
+    """Field of one key."""
 
     name: str
+    #: ``number`` (with a unit as text), ``text``, ``file``, ``list`` and ``tables`` (of numbers, of tables, written as in the file),
+    #: ``switch`` or ``choice``.
     kind: Kind
     hint: str = ""
-    default: Any = None
-    choices: tuple[Any, ...] = ()
+    default: Any = None  #: Value where none is given; None without a default.
+    choices: tuple[Any, ...] = ()  #: Values of a choice; for a list, the allowed items.
     required: bool = False
 
     @property
@@ -49,25 +40,15 @@ class Field:
 
 @dataclass(frozen=True)
 class Group:
-    """Group of one table, or of a list of tables.
-
-    Attributes
-    ----------
-    tag : str
-        Key that chooses between ``variants``; empty where there is one variant only, by the name ``""``.
-    optional : bool
-        Flag: the whole table may be omitted and is by default.
-    many : bool
-        Flag: the file has a list of such tables.
-    """
+    """Group of one table, or of a list of tables."""
 
     name: str
     hint: str
     variants: Mapping[str, tuple[Field | Group, ...]]
-    tag: str = ""
+    tag: str = ""  #: Key that chooses between ``variants``; empty where there is one variant only, by the name ``""``.
     default_tag: str = ""
-    optional: bool = False
-    many: bool = False
+    optional: bool = False  #: Flag: the whole table may be omitted and is by default.
+    many: bool = False  #: Flag: the file has a list of such tables.
     hints: Mapping[str, str] = field(default_factory=dict)
 
     def entries(self, tag: str = "") -> tuple[Field | Group, ...]:
@@ -75,8 +56,7 @@ class Group:
         return self.variants.get(tag or self.default_tag, next(iter(self.variants.values())))
 
 
-_DEEPEST: Final = 4
-"""Depth of nested tables that become groups; deeper ones are typed as in the file."""
+_DEEPEST: Final = 4  #: Depth of nested tables that become groups; deeper ones are typed as in the file.
 
 
 @cache

@@ -13,8 +13,7 @@ from seaglint.viewer.workbench.draft import Draft, dotted, keys_of, text_of
 from seaglint.viewer.workbench.fields import Field, Group, form
 from seaglint.viewer.workbench.fields import Path as Keys
 
-_OPEN = ("sun", "sensor", "wind")
-"""Groups that are open at first."""
+_OPEN = ("sun", "sensor", "wind")  #: Groups that are open at first.
 
 
 class Form:

@@ -17,8 +17,7 @@ from seaglint.scenario.text.compass import SUN, VIEW
 from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.bodies import bodies
 
-_TIMES: Final = 41
-"""Number of points along a way."""
+_TIMES: Final = 41  #: Number of points along a way.
 
 _SIZE, _RADIUS = 420.0, 186.0
 
@@ -27,27 +26,13 @@ _COLOURS: Final = ("#e4572e", "#a06cd5", "#2e9e9e", "#d1495b", "#7a9e3f", "#c77d
 
 @dataclass(frozen=True, eq=False)
 class PlanView:
-    """Places east and north of the sensor's start [m] and directions [deg].
+    """Places east and north of the sensor's start [m] and directions [deg]."""
 
-    Attributes
-    ----------
-    ways : dict of str to ndarray, shape (times, 2)
-        Ways of the objects, by name, over the time of the frames.
-    own : ndarray, shape (times, 2)
-        The sensor's way.
-    horizon : float
-        Range of the horizon [m].
-    nearest : float
-        Range of the nearest sea in view [m]; NaN where no sea is.
-    azimuth : float
-        Azimuth of the view's centre at the start [deg].
-    """
-
-    ways: dict[str, FloatArray]
-    own: FloatArray
-    horizon: float
-    nearest: float
-    azimuth: float
+    ways: dict[str, FloatArray]  #: Ways of the objects, by name, over the time of the frames. Shape (times, 2).
+    own: FloatArray  #: The sensor's way. Shape (times, 2).
+    horizon: float  #: Range of the horizon [m].
+    nearest: float  #: Range of the nearest sea in view [m]; NaN where no sea is.
+    azimuth: float  #: Azimuth of the view's centre at the start [deg].
     width: float
     sun: SunPosition
 

@@ -12,8 +12,8 @@ from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Pain
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
+#: Callback that takes a picture, the reason why there is none, or None where one is begun.
 Show = Callable[[Job, "PreviewPicture | str | None"], None]
-"""Callback that takes a picture, the reason why there is none, or None where one is begun."""
 
 
 class Redraw:

@@ -21,34 +21,23 @@ from seaglint.scenario.model import Scenario
 
 Job = Literal["mean", "frame"]
 
-MOST_PIXELS: Final = 160 * 80
-"""Largest number of pixels of a small picture; most of the time goes into tables that do not depend on it."""
+MOST_PIXELS: Final = 160 * 80  #: Largest number of pixels of a small picture; most of the time goes into tables that do not depend on it.
 
 _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "apparent_temperature": False}
 
 
 @dataclass(frozen=True, eq=False)
 class PreviewPicture:
-    """Radiance [W m-2 sr-1] and apparent temperature [K] of a small picture, (rows, columns) from the top.
-
-    Attributes
-    ----------
-    azimuth, elevation : ndarray or None
-        Edges of the picture [deg] where it is a grid of them; None for others, which count pixels.
-    pixels : (int, int)
-        Width and height of the whole picture.
-    seconds : float
-        Time of the computation [s].
-    depression : ndarray or None
-        Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to that of the picture.
-    """
+    """Radiance [W m-2 sr-1] and apparent temperature [K] of a small picture, (rows, columns) from the top."""
 
     radiance: NDArray[np.float32]
     temperature: NDArray[np.float32]
+    #: ``azimuth``, ``elevation``: Edges of the picture [deg] where it is a grid of them; None for others, which count pixels.
     azimuth: tuple[float, float] | None
     elevation: tuple[float, float] | None
-    pixels: tuple[int, int]
-    seconds: float
+    pixels: tuple[int, int]  #: Width and height of the whole picture.
+    seconds: float  #: Time of the computation [s].
+    #: Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to that of the picture.
     depression: NDArray[np.float64] | None = None
 
 

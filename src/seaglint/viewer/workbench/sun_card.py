@@ -15,8 +15,8 @@ from seaglint.viewer.workbench.day import Day, clock, day_of, day_svg
 from seaglint.viewer.workbench.draft import Draft
 from seaglint.viewer.workbench.fields import Path as Keys
 
+#: Place and time at which the slider begins: off the coast of Virginia, in the season of the article.
 _BEGIN = ("2026-06-21T17:30:00Z", 36.8, -75.9)
-"""Place and time at which the slider begins: off the coast of Virginia, in the season of the article."""
 
 
 class Daylight:
