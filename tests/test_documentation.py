@@ -44,7 +44,7 @@ RUN_LONG = [
 MOST_BYTES = 2_000_000
 """Of a page with its pictures."""
 NAME = re.compile(r"\bseaglint(?:\.[A-Za-z_][A-Za-z_0-9]*)+")
-FILE = re.compile(r"(?<![\w/.])(?:tests|tools|examples|docs|src)/[\w./-]+\.(?:py|toml|md|csv|png)\b")
+FILE = re.compile(r"(?<![\w/.])(?:tests|tools|benchmarks|examples|docs|src)/[\w./-]+\.(?:py|toml|md|csv|png)\b")
 
 FOREIGN = re.compile(
     r"\bseaglint\[[a-z]"
@@ -57,7 +57,7 @@ WRITTEN = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")),
     *sorted(
         path
-        for folder in ("docs", "src", "examples", "tools")
+        for folder in ("docs", "src", "examples", "tools", "benchmarks")
         for path in (ROOT / folder).rglob("*")
         if path.suffix in (".md", ".py", ".toml", ".rst", ".txt", ".js", ".html") and "_build" not in path.parts
     ),

@@ -37,7 +37,7 @@ def test_a_script_is_short_and_told(name: str) -> None:
 @pytest.mark.parametrize("name", names())
 def test_its_picture_is_small_and_shown(name: str) -> None:
     pictures = [path for path in IMAGES.glob(f"{name}.*") if path.suffix in (".png", ".jpg")]
-    assert len(pictures) == 1, f"run python tools/make_gallery.py {name}"
+    assert len(pictures) == 1, f"run python docs/figures/make_gallery.py {name}"
     assert pictures[0].stat().st_size < MOST_BYTES
     assert (IMAGES / "small" / f"{name}.jpg").stat().st_size < 40_000
     pages = [page for page, text in PAGES.items() if f"(../images/gallery/{pictures[0].name})" in text and f"({name}.py)" in text]

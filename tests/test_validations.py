@@ -35,7 +35,7 @@ line-length = 100
 [tool.pytest.ini_options]
 testpaths = ["tests"]
 addopts = "-q -p xdist.plugin --import-mode=importlib"
-pythonpath = ["tests/helpers", "tools", "{ROOT / "tests" / "helpers"}", "{ROOT / "tools"}"]
+pythonpath = ["tests/helpers", "docs/figures", "{ROOT / "tests" / "helpers"}", "{ROOT / "tools"}"]
 markers = ["validation: long"]
 """
 
@@ -85,7 +85,7 @@ HOUSE = {
     "src/seaglint/imaging/camera.py": "from seaglint.sea import waves\n\n\ndef look() -> float:\n    return waves.height()\n",
     "src/seaglint/cli/__init__.py": "",
     "src/seaglint/cli/show.py": "def show() -> float:\n    from seaglint.imaging.camera import look\n\n    return look()\n",
-    "tools/marcher.py": "def march() -> None: ...\n",
+    "docs/figures/marcher.py": "def march() -> None: ...\n",
     "tests/helpers/scenes.py": "from marcher import march\n",
     "tests/sea/test_waves.py": "def test_height() -> None: ...\n",
     "tests/air/test_sky.py": "import scenes\n\n\ndef test_blue() -> None: ...\n",
@@ -163,7 +163,7 @@ CHANGES: dict[str, tuple[str, str, str, set[str], dict[str, int]]] = {
     "highest room": ("src/seaglint/cli/show.py", "return look()", "return 2.0 * look()", {"cli"}, {"tests/test_documentation.py": 1}),
     "data": ("src/seaglint/sea/data/table.csv", "1,2", "1,3", {"sea"}, ABOVE_SEA),
     "tests of a room": ("tests/imaging/test_camera.py", "...", "assert True", {"imaging"}, {}),
-    "tool behind a helper": ("tools/marcher.py", "...", "return None", {"tests/air/test_sky.py"}, {}),
+    "figure's script behind a helper": ("docs/figures/marcher.py", "...", "return None", {"tests/air/test_sky.py"}, {}),
     "helper": ("tests/helpers/scenes.py", "from marcher import march", "march = 1", {"tests/air/test_sky.py"}, {}),
     "page": ("docs/validation.md", "before", "well before", {"tests/test_documentation.py"}, {}),
     "lint": ("pyproject.toml", "line-length = 100", "line-length = 120", set(), {}),
@@ -221,7 +221,8 @@ def test_the_house_is_read_as_it_stands() -> None:
     assert 0 < steps["imaging"] <= steps["cli"]
     assert "optics" not in steps
     assert house.test_files_above({"seaglint.sea.slopes.cox_munk"})["tests/radiance/test_mean.py"] == 1
-    assert "tests/imaging/test_ray_marcher.py" in house.users("tools/ray_marcher.py")
+    assert "tests/imaging/test_ray_marcher.py" in house.users("docs/figures/ray_marcher.py") & house.users("benchmarks/mitsuba_scene.py")
+    assert "tests/test_validations.py" in house.users("tools/touched_rooms.py")
 
 
 @pytest.mark.parametrize("file", sorted({file for files in touched_rooms.ELSEWHERE.values() for file in files}))

@@ -104,7 +104,8 @@ class Copy:
             shutil.copy2(ROOT / name, self.tree / name)
         self.source = self.tree / SOURCE.relative_to(ROOT)
         self.tests = [p for p in (self.tree / "tests").rglob("test_*.py") if p.stem != "test_architecture"]
-        files = {p.stem: p for part in ("tests", "tools") for p in (self.tree / part).rglob("*.py")} | {str(p): p for p in self.tests}
+        scripts = ("tests", "tools", "benchmarks", "docs/figures")
+        files = {p.stem: p for part in scripts for p in (self.tree / part).rglob("*.py")} | {str(p): p for p in self.tests}
         parts = {p: p.relative_to(self.tree / "src").with_suffix("").parts for p in self.source.rglob("*.py")}
         files |= {".".join(names).removesuffix(".__init__"): path for path, names in parts.items()}
         self.importers: dict[Path, set[Path]] = {path: set() for path in files.values()}

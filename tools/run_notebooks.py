@@ -21,6 +21,7 @@ from typing import Any
 
 from PIL import Image
 
+sys.path.append(str(Path(__file__).resolve().parents[1] / "docs" / "figures"))
 from make_gallery import IMAGES, keep
 
 ROOT = Path(__file__).resolve().parents[1]

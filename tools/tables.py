@@ -267,5 +267,5 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(ROOT / "tools"))
+    sys.path.append(str(ROOT / "docs" / "figures"))
     sys.exit(main())

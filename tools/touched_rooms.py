@@ -27,6 +27,8 @@ from seaglint.base.syntax import syntax_text
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "src/seaglint"
 RECORD = "docs/data/last_validation.toml"
+SCRIPTS = ("tests/helpers", "tools", "benchmarks", "docs/figures")
+"""Folders of modules that tests import, besides the package."""
 EVERYTHING = ("tests/conftest.py", f"{PACKAGE}/__init__.py")
 """Files on which every test hangs, as it does on what ``pyproject.toml`` says of packages and of pytest."""
 PAGES = ("tests/test_documentation.py",)
@@ -228,10 +230,14 @@ class House:
         """Python files of the tests, from the repository's folder."""
         return [path.relative_to(self.root).as_posix() for path in sorted((self.root / "tests").rglob("*.py"))]
 
+    @cached_property
+    def scripts(self) -> list[Path]:
+        """Helpers of tests, tools, benchmarks and scripts of figures."""
+        return [path for folder in SCRIPTS for path in sorted((self.root / folder).glob("*.py"))]
+
     def users(self, helper: str) -> set[str]:
-        """Files of tests that import a helper or a tool, by way of others where need be."""
-        helpers = [*(self.root / "tests" / "helpers").glob("*.py"), *(self.root / "tools").glob("*.py")]
-        others = {path.relative_to(self.root).as_posix() for path in helpers}
+        """Files of tests that import a helper or a script, by way of others where need be."""
+        others = {path.relative_to(self.root).as_posix() for path in self.scripts}
         texts = {file: (self.root / file).read_text(encoding="utf-8") for file in {*self.tests, *others}}
         names, result = [PurePosixPath(helper).stem], set()
         while names:
@@ -243,10 +249,9 @@ class House:
 
     @cached_property
     def tests_import(self) -> dict[str, set[str]]:
-        """Modules of the package, helpers and tools that each file of tests, helper and tool imports."""
-        helpers = [*(self.root / "tests" / "helpers").glob("*.py"), *(self.root / "tools").glob("*.py")]
-        known = {*self.modules, *(path.stem for path in helpers)}
-        files = {**{path.stem: path for path in helpers}, **{file: self.root / file for file in self.tests}}
+        """Modules of the package, helpers and scripts that each file of tests, helper and script imports."""
+        known = {*self.modules, *(path.stem for path in self.scripts)}
+        files = {**{path.stem: path for path in self.scripts}, **{file: self.root / file for file in self.tests}}
         return {name: modules_imported(ast.parse(path.read_text(encoding="utf-8")), known) for name, path in files.items()}
 
     def test_files_above(self, changed: Iterable[str]) -> dict[str, int]:
@@ -350,7 +355,7 @@ def judged_by(file: str, house: House) -> list[str]:
     path = PurePosixPath(file)
     if file.startswith(f"{PACKAGE}/"):
         return [room_of_source(file)] if len(path.parts) > 3 or path.suffix == ".py" else []
-    if path.parent in (PurePosixPath("tests/helpers"), PurePosixPath("tools")):
+    if str(path.parent) in SCRIPTS:
         return sorted(house.users(file))
     if path.parts[0] == "tests":
         return [room_of_tests(file, house.rooms)]

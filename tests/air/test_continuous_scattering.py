@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from converged_scattering import converged
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
@@ -18,9 +16,6 @@ from seaglint.air.scattering.lowtran_ray import MOLECULES, WORK_ROWS, trace
 from seaglint.air.scattering.scattered_line import KINDS, _empty_line, local_zenith, sun_seen
 from seaglint.air.scattering.scattering_laws import SpectralLaws, scattering_angle
 from seaglint.files.lowtran.deck import MODELS
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tools"))
-from converged_scattering import converged
 
 WITHIN = 0.02  # the worst of 180 random lines is 1.2 % off
 

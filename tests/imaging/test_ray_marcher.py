@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from render_scenes import camera, one_tile, sea_view, shown, swept_scene
 
-from bench.comparison import agreement
-from bench.mitsuba_sea import MitsubaMissingError, load_mitsuba
-from bench.scene import facets_left, renderer, scene
+from mitsuba_comparison import agreement
+from mitsuba_scene import facets_left, renderer, scene
+from mitsuba_sea import MitsubaMissingError, load_mitsuba
 from ray_marcher import Sea, evenly_sampled, facets_of, first_hit, mean_radiance, sea_of, visible_slopes
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import horizon_depression, surface_range, view_zenith

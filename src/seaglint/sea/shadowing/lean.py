@@ -11,7 +11,7 @@ mean slope across the view is shifted by
 with :math:`h(x) = x^{0.62} (1 - x)`, :math:`\sigma_1` the rms slope along the view, :math:`E(x)` the excess of the mean slope of the
 longer waves over their share of the facet's slope, in rms slopes, and :math:`E_{1/2}` the excess at half of the variance by the law of
 nested bands (:mod:`seaglint.sea.shadowing.nested`) times :data:`LEAN`. The shape is that of brute force over isotropic seas, the factor
-fits glint under oblique wind (``tools/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
+fits glint under oblique wind (``docs/figures/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
 """
 
 from __future__ import annotations

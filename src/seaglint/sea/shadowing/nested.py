@@ -142,7 +142,7 @@ def bands_of(mss: float) -> float:
     Fitted to brute force in the vertical plane of the Sun, on Gaussian seas with the shape of Elfouhaily's spectrum down to 1 cm and the
     slope variances of Cox and Munk: depressions of 0.5-10 deg, Suns 1-30 deg high. Seen and lit, of what brute force has: within 15 % at
     2-7 m/s, at 3 and 12 m/s within 12 % above a tenth of Smith's law, 35 % below, as ``low_sun.csv`` and
-    ``tools/hidden_facets.py`` tell. Rougher seas carry more of their slopes in ripples, apart in scale from the waves.
+    ``docs/figures/hidden_facets.py`` tell. Rougher seas carry more of their slopes in ripples, apart in scale from the waves.
 
     >>> round(bands_of(0.0286), 1)
     4.1
@@ -170,7 +170,7 @@ def bands_of_facets(share: float, bands: float) -> float:
 
     Fitted in the vertical plane of the Sun: seas as for :func:`bands_of` with waves down to 0.25-30 m as geometry and facets on them,
     against all waves as geometry. Seen and lit, views of 0.5-7 deg, Suns 1-15 deg high: 5-25 % rms of what brute force has, the largest
-    differences with both at 1 deg or below; within 20 % from 3 and 5 deg on. ``tools/hidden_facets.py`` makes the table anew.
+    differences with both at 1 deg or below; within 20 % from 3 and 5 deg on. ``docs/figures/hidden_facets.py`` makes the table anew.
 
     >>> round(bands_of_facets(0.66, 4.8), 1)
     1.9

@@ -2,7 +2,7 @@
 
 The article does not describe the scene of its recording. Ours is that of its Fig. 4 (sensor at 100 m, 5 m/s of wind from 45 degrees
 beside the Sun), seen at the depressions of its Fig. 5 (1.5 to 6 degrees) with the Sun 30 degrees high and waves down to half a metre.
-The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` says how.
+The rates depend on wind, Sun and range; ``docs/figures/false_alarm_table.py`` says how.
 
 The article's pictures are those of a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
 Correlation times need one: blur joins a glint with those beside it, and lets it last longer. So the same frames are counted twice, as

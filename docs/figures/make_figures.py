@@ -1,0 +1,119 @@
+"""Draw the pictures of the README and the documentation into docs/images, from examples/demo.toml, as the commands do.
+
+    python docs/figures/make_figures.py
+
+``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
+``fig2.png`` to ``fig4.png``, ``fig10.png``, ``fig12.png`` (some minutes) and ``measured.png`` those of ``seaglint reproduce``,
+``near_horizon.png`` that of
+``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four seconds (which take some
+minutes to render). Names after the script draw only these: ``make_figures.py fig2 fig3``.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pictures import slim
+
+if TYPE_CHECKING:
+    from seaglint.analysis import Analysis
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENARIO = ROOT / "examples" / "demo.toml"
+IMAGES = ROOT / "docs" / "images"
+CLUTTER = ("regions", "rates", "exceedances", "slices", "histograms")
+
+
+def seaglint(*arguments: str | Path) -> None:
+    """Run the command line."""
+    subprocess.run([sys.executable, "-m", "seaglint.cli.app", *map(str, arguments)], check=True)
+
+
+def render(folder: Path) -> Path:
+    """First frame of the demo."""
+    run = folder / "run.zarr"
+    seaglint("render", SCENARIO, "-o", run, "--frames", "0:1", "--preview")
+    return run.with_suffix(".png")
+
+
+def mean(folder: Path) -> Path:
+    """Mean map of the demo."""
+    seaglint("mean", SCENARIO, "-o", folder / "mean.nc", "--preview")
+    return folder / "mean.png"
+
+
+def figure(name: str, folder: Path) -> Path:
+    """A figure of the article."""
+    seaglint("reproduce", name, "-o", folder)
+    return folder / f"{name}.png"
+
+
+@cache
+def demo_analysis(folder: Path) -> Analysis:
+    """Clutter of the demo, rendered once."""
+    from seaglint.analysis import analyze
+    from seaglint.files.recording import open_recording
+
+    run = folder / "clutter.zarr"
+    if not run.exists():
+        seaglint("render", SCENARIO, "-o", run)
+    return analyze(open_recording(run))
+
+
+def near_horizon(folder: Path) -> Path:
+    """Ratio of resolved waves to the mean model, from the table of ``docs/figures/near_horizon_table.py``."""
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    rows = np.genfromtxt(ROOT / "docs" / "data" / "near_horizon.csv", delimiter=",", names=True)
+    picture = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = picture.subplots()
+    for zenith in np.unique(rows["solar_zenith_deg"]):
+        row = rows[rows["solar_zenith_deg"] == zenith]
+        axes.errorbar(row["depression_deg"], row["glint_ratio"], row["glint_standard_error"], marker="o", ms=3, label=f"Sun at {zenith:g}°")
+    axes.plot(row["depression_deg"], row["bound"], "k--", label="bound 1 + Λ")
+    axes.axhline(1.0, color="0.7", lw=0.8)
+    axes.set(xscale="log", ylim=(0.0, 2.0), xlabel="depression [deg]", ylabel="glint of resolved waves / mean model [1]")
+    axes.set_xticks(row["depression_deg"], [f"{d:g}" for d in row["depression_deg"]], minor=False)
+    axes.set_xticks([], minor=True)
+    axes.legend(fontsize=8)
+    path = folder / "near_horizon.png"
+    picture.savefig(path, dpi=110, metadata={"Software": None})
+    return path
+
+
+def clutter(name: str, folder: Path) -> Path:
+    """A picture of the report."""
+    from seaglint.plot.clutter import PICTURES
+    from seaglint.plot.new_figure import png
+
+    output = folder / f"clutter_{name}.png"
+    output.write_bytes(png(PICTURES[name].draw(demo_analysis(folder))))
+    return output
+
+
+def main(names: list[str]) -> None:
+    """Draw those named, or all."""
+    pictures = {"demo": render, "mean": mean, "near_horizon": near_horizon} | {
+        name: partial(figure, name) for name in ("fig2", "fig3", "fig4", "fig10", "fig12", "measured")
+    }
+    pictures |= {f"clutter_{name}": partial(clutter, name) for name in CLUTTER}
+    if unknown := set(names) - set(pictures):
+        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")
+    IMAGES.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names or pictures:
+            shutil.copy(pictures[name](Path(folder)), IMAGES / f"{name}.png")
+            slim(IMAGES / f"{name}.png")
+    for picture in sorted(IMAGES.glob("*.png")):
+        print(f"{picture.relative_to(ROOT)}  {picture.stat().st_size / 1e3:.0f} kB")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,92 @@
+"""Draw a frame of examples/harbour.toml with its labels, and a ship's shadow on the glint, into docs/images.
+
+python docs/figures/object_figures.py
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from seaglint.base.brightness import scale_limits
+from seaglint.base.schema import VARIABLES
+from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
+
+ROOT = Path(__file__).resolve().parents[2]
+IMAGES = ROOT / "docs" / "images"
+SHADOW: dict[str, Any] = {
+    "seed": 5,
+    "sun": {"zenith_deg": 76.0, "azimuth_deg": 180.0},
+    "wind": {"speed_m_s": 7.0, "from_deg": 215.0},
+    "sensor": {
+        "height_m": 200.0,
+        "azimuth_deg": 180.0,
+        "elevation_deg": -6.8,
+        "fov_deg": [16.0, 6.0],
+        "pixels": [640, 240],
+        "frames": 1,
+    },
+    "sea": {"shortest_wave_m": 3.0},
+    "render": {"lines_per_column": 2, "variance_error": 0.1, "tile_size": 256, "object_shadows": True},
+    "objects": [{"name": "ship", "preset": "container-ship", "east_m": 0.0, "north_m": -1500.0, "heading_deg": 90.0}],
+}
+
+
+def boxes(run: Sequence, time: float) -> tuple[np.ndarray, list[tuple[str, float, float, float, float]]]:
+    """Radiance of an instant, and name, left, top, width and height of every object in view [pixels]."""
+    drawn = run.drawn(time)
+    assert run.objects is not None
+    truth = run.objects.truth(drawn.sights, drawn.sea, run.scene_at(time), (run.scene.pixels, run.track.at(time).attitude))
+    sides = [truth[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")]
+    found = [(name, *(float(side[n]) for side in sides)) for n, name in enumerate(run.objects.names)]
+    return drawn.layers.radiance, [box for box in found if np.isfinite(box[1])]
+
+
+def harbour() -> Figure:
+    """A frame and the bounding boxes of what is in it."""
+    run = prepare_sequence(load_scenario(ROOT / "examples" / "harbour.toml"))
+    image, found = boxes(run, 0.0)
+    figure = Figure(figsize=(11.0, 3.9), layout="constrained")
+    axes = figure.subplots()
+    low, high = scale_limits(image[: image.shape[0] * 5 // 6])
+    shown = axes.imshow(image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
+    for name, left, top, width, height in found:
+        axes.add_patch(Rectangle((left - 1.5, top - 1.5), width + 2.0, height + 2.0, fill=False, ec="tab:orange", lw=0.8))
+        axes.text(left + width + 2.0, top - 2.5, name, color="tab:orange", fontsize=7, va="bottom", ha="left")
+    figure.colorbar(shown, ax=axes, extend="both", pad=0.01).set_label(f"in-band radiance [{VARIABLES['radiance'].symbol}]")
+    axes.set(xlabel="column", ylabel="row")
+    return figure
+
+
+def shadow() -> Figure:
+    """A ship in the corridor of a low Sun, without and with its shadow."""
+    figure = Figure(figsize=(11.0, 2.9), layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    limits: tuple[float, float] | None = None
+    for axes, wanted in zip(panels, (False, True), strict=True):
+        settings = {**SHADOW, "render": {**SHADOW["render"], "object_shadows": wanted}}
+        image = prepare_sequence(parse_scenario(settings)).at(0.0).radiance
+        limits = limits or scale_limits(image)
+        shown = axes.imshow(image, cmap="gray", vmin=limits[0], vmax=limits[1], interpolation="nearest")
+        axes.set_title(f"render.object_shadows = {str(wanted).lower()}", fontsize=9)
+        axes.set_xlabel("column")
+    panels[0].set_ylabel("row")
+    figure.colorbar(shown, ax=panels, extend="both", pad=0.01).set_label(f"in-band radiance [{VARIABLES['radiance'].symbol}]")
+    return figure
+
+
+def main() -> None:
+    """Write both."""
+    for name, draw in (("objects_harbour", harbour), ("objects_shadow", shadow)):
+        path = IMAGES / f"{name}.png"
+        draw().savefig(path, dpi=110, metadata={"Software": None})
+        print(path.relative_to(ROOT))
+
+
+if __name__ == "__main__":
+    main()

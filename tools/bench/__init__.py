@@ -1,1 +1,0 @@
-"""Benchmarks: frame times, memory, a profile, and the same sea rendered by Mitsuba 3. Run them with ``./run bench``."""
