@@ -1,12 +1,13 @@
 """Draw the pictures of the README and the documentation into docs/images, from examples/demo.toml, as the commands do.
 
-    python docs/figures/make_figures.py
+    python docs/figures/make_figures.py              all of them
+    python docs/figures/make_figures.py fig2 fig3    some of them
 
 ``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
 ``fig2.png`` to ``fig4.png``, ``fig10.png``, ``fig12.png`` (some minutes) and ``measured.png`` those of ``seaglint reproduce``,
-``near_horizon.png`` that of
-``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four seconds (which take some
-minutes to render). Names after the script draw only these: ``make_figures.py fig2 fig3``.
+``near_horizon.png`` that of ``docs/data/near_horizon.csv``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four
+seconds (which take some minutes to render), ``likelihood_regions.png`` glint in three regions of the sea, ``dataset_examples.png`` the
+sheet of a data set of the first 18 scenes of ``examples/small-objects.toml`` (some minutes). Those above 300 kB are reduced to 256 colours.
 """
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pictures import slim
+from PIL import Image
 
 if TYPE_CHECKING:
     from seaglint.analysis import Analysis
@@ -28,6 +30,10 @@ ROOT = Path(__file__).resolve().parents[2]
 SCENARIO = ROOT / "examples" / "demo.toml"
 IMAGES = ROOT / "docs" / "images"
 CLUTTER = ("regions", "rates", "exceedances", "slices", "histograms")
+LARGE = 300_000
+"""Bytes above which a picture is reduced."""
+SCENES = 18
+"""Scenes of the sheet of a data set."""
 
 
 def seaglint(*arguments: str | Path) -> None:
@@ -98,11 +104,52 @@ def clutter(name: str, folder: Path) -> Path:
     return output
 
 
+def likelihood_regions(folder: Path) -> Path:
+    """Glint in three regions of the sea; prints the numbers."""
+    from seaglint.plot.likelihood_charts import write_regions
+    from seaglint.studies.likelihood.sea_regions import regions
+
+    found, output = regions(), folder / "likelihood_regions.png"
+    write_regions(found, output)
+    for name, columns in found.items():
+        print(name, *(f"{t:g}: {p:.4f}" for t, p in zip(columns["threshold"], columns["probability"], strict=True)))
+        print("  by month", *(f"{p:.4f}" for p in columns["by_month"]))
+    return output
+
+
+def dataset_examples(folder: Path) -> Path:
+    """Sheet of a data set; prints its card."""
+    from seaglint.scenario.ensemble_file import parse_ensemble
+    from seaglint.studies.ensemble.ensemble_dataset import EnsembleSource, ensemble_dataset
+    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+
+    raw = tomllib.loads((ROOT / "examples" / "small-objects.toml").read_text(encoding="utf-8"))
+    # The first of the same draws: points of Sobol are the same in any number, and one frame of a scene is on the sheet.
+    raw["ensemble"] |= {"scenes": SCENES, "frames": 1}
+    made = ensemble_dataset(EnsembleSource(parse_ensemble(raw), "small-objects", None), folder / "D", DatasetOptions.of("coco"))
+    print((made / "README.md").read_text(encoding="utf-8"))
+    return made / "examples.png"
+
+
+def slim(path: Path) -> None:
+    """Reduce a large PNG to 256 colours, without dithering, where that makes it smaller."""
+    if (before := path.stat().st_size) > LARGE:
+        reduced = Image.open(path).convert("RGB").quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+        reduced.save(path.with_suffix(".slim"), "PNG", optimize=True)
+        if path.with_suffix(".slim").stat().st_size < before:
+            path.with_suffix(".slim").replace(path)
+        else:
+            path.with_suffix(".slim").unlink()
+
+
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
-    pictures = {"demo": render, "mean": mean, "near_horizon": near_horizon} | {
-        name: partial(figure, name) for name in ("fig2", "fig3", "fig4", "fig10", "fig12", "measured")
-    }
+    others = (near_horizon, likelihood_regions, dataset_examples)
+    pictures = (
+        {"demo": render, "mean": mean}
+        | {draw.__name__: draw for draw in others}
+        | {name: partial(figure, name) for name in ("fig2", "fig3", "fig4", "fig10", "fig12", "measured")}
+    )
     pictures |= {f"clutter_{name}": partial(clutter, name) for name in CLUTTER}
     if unknown := set(names) - set(pictures):
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")

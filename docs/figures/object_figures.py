@@ -1,10 +1,14 @@
-"""Draw a frame of examples/harbour.toml with its labels, and a ship's shadow on the glint, into docs/images.
+"""Draw a frame of examples/harbour.toml with its labels, a ship's shadow on the glint and low boats behind waves into docs/images.
 
-python docs/figures/object_figures.py
+python docs/figures/object_figures.py                    all three
+python docs/figures/object_figures.py objects_harbour    some of objects_harbour, objects_shadow, low_ships
 """
 
 from __future__ import annotations
 
+import math
+import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +38,36 @@ SHADOW: dict[str, Any] = {
     "sea": {"shortest_wave_m": 3.0},
     "render": {"lines_per_column": 2, "variance_error": 0.1, "tile_size": 256, "object_shadows": True},
     "objects": [{"name": "ship", "preset": "container-ship", "east_m": 0.0, "north_m": -1500.0, "heading_deg": 90.0}],
+}
+
+
+RANGE = 3000.0
+"""Range of the low boats [m]."""
+HEIGHTS = (1.0, 2.0, 3.0)
+"""Heights of the boats over the mean sea [m], in turn from left to right."""
+
+BOATS = 12
+
+
+def boat(number: int) -> dict[str, Any]:
+    """A warm box of 8 m, lying on the mean sea across the line of sight."""
+    azimuth, high = math.radians(0.5 * (number - 0.5 * (BOATS - 1))), HEIGHTS[number % len(HEIGHTS)]
+    return {
+        "name": f"boat {number + 1}, {high:g} m",
+        "shape": {"kind": "box", "size_m": [8.0, 2.0, high]},
+        "temperature_k": 294.0,
+        "east_m": RANGE * math.sin(azimuth),
+        "north_m": RANGE * math.cos(azimuth),
+        "height_m": 0.5 * high,
+    }
+
+
+LOW_SHIPS: dict[str, Any] = {
+    "seed": 3,
+    "sun": {"zenith_deg": 60.0, "azimuth_deg": 120.0},
+    "wind": {"speed_m_s": 10.0, "from_deg": 20.0},
+    "sensor": {"height_m": 12.0, "azimuth_deg": 0.0, "elevation_deg": -0.24, "fov_deg": [6.4, 0.32], "pixels": [1280, 64]},
+    "objects": [boat(n) for n in range(BOATS)],
 }
 
 
@@ -80,13 +114,32 @@ def shadow() -> Figure:
     return figure
 
 
-def main() -> None:
-    """Write both."""
-    for name, draw in (("objects_harbour", harbour), ("objects_shadow", shadow)):
+def low_ships() -> Figure:
+    """Low boats behind waves at three instants, one above the other."""
+    run = prepare_sequence(parse_scenario(LOW_SHIPS))
+    figure = Figure(figsize=(11.0, 3.2), layout="constrained")
+    panels = figure.subplots(3, 1, sharex=True, sharey=True)
+    for axes, time in zip(panels, (0.0, 4.0, 8.0), strict=True):
+        image = run.drawn(time).layers.radiance
+        shown = axes.imshow(image, cmap="gray", vmin=1.24, vmax=1.54, interpolation="nearest", aspect="auto")
+        axes.set_ylabel(f"{time:g} s", fontsize=8)
+    panels[-1].set_xlabel("column")
+    figure.colorbar(shown, ax=panels, extend="both", pad=0.01).set_label(f"in-band radiance [{VARIABLES['radiance'].symbol}]", fontsize=8)
+    return figure
+
+
+PICTURES: dict[str, Callable[[], Figure]] = {"objects_harbour": harbour, "objects_shadow": shadow, "low_ships": low_ships}
+
+
+def main(names: list[str]) -> None:
+    """Write those named, or all."""
+    if unknown := set(names) - set(PICTURES):
+        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
+    for name in names or PICTURES:
         path = IMAGES / f"{name}.png"
-        draw().savefig(path, dpi=110, metadata={"Software": None})
+        PICTURES[name]().savefig(path, dpi=110, metadata={"Software": None})
         print(path.relative_to(ROOT))
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

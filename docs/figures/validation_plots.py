@@ -207,8 +207,7 @@ def sensor() -> Figure:
     from seaglint.instrument.detector import square_mtf
     from seaglint.instrument.figures_of_merit import mtf
     from seaglint.instrument.optics import SensorOptics, jitter_mtf, pupil_mtf, wavefront_mtf
-    from sensor_validation import ANGLE, PYBSM, camera
-    from slanted_edge import edge_mtf, slanted_edge
+    from sensor_validation import ANGLE, PYBSM, camera, edge_mtf, slanted_edge
 
     figure = Figure(figsize=(10, 5.4), layout="constrained")
     panels = pair(figure, 2)

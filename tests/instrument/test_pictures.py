@@ -13,7 +13,7 @@ from seaglint.instrument.figures_of_merit import mtf, point_response, point_shar
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
-from slanted_edge import edge_mtf, slanted_edge
+from sensor_validation import edge_mtf, slanted_edge
 
 ANGLE = 5.0
 SHARP = SensorOptics(0.1, 0.1)  # F/1: the blur is a third of a pixel
