@@ -3,7 +3,7 @@
     ./run tables --list [NAME ...]    what is older than its code
     ./run tables --check [NAME ...]   a few numbers of each of these computed again, or of those named whatever their age
     ./run tables [NAME ...]           make those named anew, or all (hours)
-    ./run tables --stamp NAME ...     put down that these are as the code of now makes them, where a tool's output was copied by hand
+    ./run tables --stamp NAME ...     put down that these are as the code of now makes them, where a script's output was copied by hand
 
 ``tools/tables.toml`` says for each table which command makes it, which files it fills and which rooms of the source its numbers hang on;
 ``docs/data/made.toml`` keeps the digest of these rooms at the time, the commit and the date. The digest takes statements of Python by what

@@ -1,4 +1,11 @@
-"""Commands of the program: their groups in ``seaglint --help``, and the modules that are imported when a command is asked for."""
+"""Commands of the program: their groups in ``seaglint --help``, and the modules that are imported when a command is asked for.
+
+Imports are deferred twice. The list of commands bears their summaries, so that a command's file is imported when the command is asked for.
+That file in turn imports at its head what options and help pages are made of, and studies, files and plots inside the functions that run:
+the libraries behind these (Numba, SciPy, xarray, zarr) take more than a second to import, for which ``--help``, completion and a mistyped
+option would wait. ``seaglint.api`` does the same for ``import seaglint``. In the rooms below, imports stand at the head of a file, but for
+what is optional or slow and not needed by every call.
+"""
 
 from __future__ import annotations
 
