@@ -64,7 +64,7 @@ _COLD: Final = "At 4.4-4.8 um ours has nitrogen, which RRTMGP leaves out there: 
 
 _SKY_REASONS: Final = {
     "lowtran7": "Water's continuum by air is too strong at 3.1-4.2 um, its self continuum by a fifth to a half at 8-9.6 um.",
-    "lblrtm": "RRTMGP's layers are plane and 50 m thick at the sea, ours are spherical and continuous; the rest is the difference of the paths.",
+    "lblrtm": "RRTMGP's layers are plane and 50 m thick at the sea, ours are spherical and continuous; the rest comes from the paths.",
 }
 
 _UNCERTAINTY: Final = "about 1 % (k-distribution)"
