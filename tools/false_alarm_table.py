@@ -112,7 +112,7 @@ def write_table1(rows: dict[str, ArticleRow]) -> None:
 
     def ends(key: str, which: str) -> str:
         found = rows[key].settings[which]
-        return "cannot be told" if found is None else " to ".join(f"{end:.2g}" for end in found)
+        return "not determined" if found is None else " to ".join(f"{end:.2g}" for end in found)
 
     head = ("article / as rendered / through the detector", "false-alarm rate", "95 % intervals", "times Gaussian", "correlation time [s]")
     body, blurs = [], []

@@ -313,7 +313,7 @@ def scenario(wind: float, draws: int) -> Iterator[str]:
 
 def beside_the_wind(wind: float, draws: int, sea: GaussianWaves, slopes: SlopeStatistics) -> Iterator[str]:
     """Rows of one wind; ``slopes`` as the law has them."""
-    yield "| wind, beside | view off the Sun | largest, rms difference | without lean |\n|---|---|---|---|"
+    yield "| wind, angle to the Sun | view off the Sun | largest, rms difference | without lean |\n|---|---|---|---|"
     for beside in (30.0, 50.0, 90.0):
         for off in (-10.0, -5.0, 0.0, 5.0, 10.0):
             looks = frequent(oblique_looks(beside, off, (1.0, 3.0, 7.0, 15.0), (5.0, 10.0, 15.0, 30.0)), sea)

@@ -279,7 +279,7 @@ def brief(rows: Sequence[Compared]) -> Iterator[str]:
     The contrast is one over the truth's regression on the renderer, where rays know it to 6 %.
     """
     downs = sorted({row.depression for row in rows})
-    yield "| wind, beside | Sun | " + " | ".join(f"{down:g}° down" for down in downs) + " |"
+    yield "| wind, angle to the Sun | Sun | " + " | ".join(f"{down:g}° down" for down in downs) + " |"
     yield "| --- | --- |" + " --- |" * len(downs)
     cases: dict[tuple[float, float, float], dict[float, Compared]] = {}
     for row in rows:

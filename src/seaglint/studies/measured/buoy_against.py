@@ -21,9 +21,9 @@ _AZIMUTHS: Final = 360
 
 _STEPS: Final = 64  #: Wavenumbers of a band over which directions are averaged.
 
-_ENERGY: Final = "Drawn from the buoy's spectrum, whose bands are not those of the displacements."
+_ENERGY: Final = "Waves are drawn from the buoy's spectrum, with other frequency bands than the displacements."
 _DIRECTION: Final = "Displacements are along magnetic axes; 11.7 deg of declination is added."
-_SLOPE: Final = "Of waves up to 0.58 Hz alone; glint rests on shorter ones, which no buoy sees."
+_SLOPE: Final = "Only waves up to 0.58 Hz are included; glint depends on shorter waves, which a buoy does not measure."
 
 
 def buoy_spectrum() -> MeasuredSpectrum:

@@ -52,7 +52,7 @@ NEAR: Final = 60  #: Paths of 400-1030 hPa in the table; the others are of 5-400
 MODELS: Final = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical")
 
 _REASONS: Final = {
-    "lowtran7": "Lines and continua are those of the 1980s: too opaque at 3.1-4.2 um, carbon dioxide at 12.2-14.3 um.",
+    "lowtran7": "Lines and continua date from the 1980s: too opaque at 3.1-4.2 um, carbon dioxide at 12.2-14.3 um.",
     "lblrtm": "One power of the amount for a gas and band cannot follow a line-by-line model from thin paths to thick ones.",
 }
 
@@ -61,7 +61,7 @@ _COLD: Final = "At 4.4-4.8 um ours has nitrogen, which RRTMGP leaves out there: 
 
 _SKY_REASONS: Final = {
     "lowtran7": "Water's continuum by air is too strong at 3.1-4.2 um, its self continuum by a fifth to a half at 8-9.6 um.",
-    "lblrtm": "RRTMGP's layers are plane and 50 m thick at the sea, ours are spherical and continuous; the rest is that of the paths.",
+    "lblrtm": "RRTMGP's layers are plane and 50 m thick at the sea, ours are spherical and continuous; the rest comes from the paths.",
 }
 
 _UNCERTAINTY: Final = "about 1 % (k-distribution)"
