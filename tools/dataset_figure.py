@@ -11,8 +11,7 @@ import tomllib
 from pathlib import Path
 
 from seaglint.scenario.ensemble_file import parse_ensemble
-from seaglint.studies.ensemble.ensemble_dataset import EnsembleSource, ensemble_dataset
-from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, EnsembleSource, ensemble_dataset
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = 18

@@ -17,9 +17,9 @@ left no number is told.
 
 Markdown goes to standard output: the law's share over that of brute force. ``--low-sun``: isotropic slopes, the Sun ahead, with the share
 of brute force over Smith's behind it. ``--oblique``: wind beside the Sun's azimuth, the view beside it too, with and without the lean of
-facets (:mod:`seaglint.sea.shadowing.lean`). ``--scenario``: the same over the sea of a scenario, Elfouhaily's waves down to where they
-have most of Cox and Munk's slopes and ripples that make up the rest. ``--facets``: waves down to a
-cut as geometry and the renderer's facets on them, a dash where no waves are so long.
+facets (:mod:`seaglint.sea.shadowing.facet_lean`). ``--scenario``: the same over the sea of a scenario, Elfouhaily's waves down to where
+they have most of Cox and Munk's slopes and ripples that make up the rest. ``--facets``: waves down to a cut as geometry and the renderer's
+facets on them, a dash where no waves are so long.
 """
 
 from __future__ import annotations

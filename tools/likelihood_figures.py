@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from seaglint.plot.likelihood_charts import write_regions
-from seaglint.studies.likelihood.sea_regions import regions
+from seaglint.plot.environment_charts import write_regions
+from seaglint.studies.likelihood.chance_map import regions
 
 
 def main(folder: Path) -> None:

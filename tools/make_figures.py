@@ -58,7 +58,7 @@ def figure(name: str, folder: Path) -> Path:
 def demo_analysis(folder: Path) -> Analysis:
     """Clutter of the demo, rendered once."""
     from seaglint.analysis import analyze
-    from seaglint.files.recording import open_recording
+    from seaglint.formats.recording import open_recording
 
     run = folder / "clutter.zarr"
     if not run.exists():
@@ -90,8 +90,8 @@ def near_horizon(folder: Path) -> Path:
 
 def clutter(name: str, folder: Path) -> Path:
     """A picture of the report."""
-    from seaglint.plot.clutter import PICTURES
-    from seaglint.plot.new_figure import png
+    from seaglint.plot.clutter_pictures import PICTURES
+    from seaglint.plot.figures_and_pages import png
 
     output = folder / f"clutter_{name}.png"
     output.write_bytes(png(PICTURES[name].draw(demo_analysis(folder))))

@@ -18,7 +18,7 @@ from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.sequence.image import image
+from seaglint.studies.sequence.labelled_frames import image
 
 OUTPUT = Path(__file__).parents[1] / "docs" / "images" / "mirages.png"
 

@@ -31,8 +31,8 @@ from seaglint.cluster import Job, LocalProcesses
 from seaglint.cluster.dask import DaskWorkers, client_of, connected, quiet
 from seaglint.cluster.job import Done
 from seaglint.cluster.remote import packed
-from seaglint.files.store.layout import Layout
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.layout import Layout
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "performance.md"
 

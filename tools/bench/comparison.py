@@ -22,10 +22,10 @@ from bench.mitsuba_sea import MitsubaSea, load_mitsuba
 from bench.scene import PIXELS, SUN_ZENITHS, compared_rows, renderer, rms_over_mean, scene
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import image
-from seaglint.imaging.swept import SweptScene
-from seaglint.sea.field import WaveField
+from seaglint.imaging.upright_scene import SweptScene
+from seaglint.sea.wave_field import WaveField
 
 WANTED = 0.015
 """Error at which times are compared [1]."""
