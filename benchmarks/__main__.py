@@ -133,7 +133,7 @@ def memory() -> list[str]:
 
 def profile() -> list[str]:
     """Where the time of a frame goes, and that of the preparation."""
-    from seaglint.imaging.swept import SweptScene
+    from seaglint.imaging.upright_scene import SweptScene
     from seaglint.scenario.load import parse_scenario
     from seaglint.studies.sequence.render_sequence import prepare_sequence
 

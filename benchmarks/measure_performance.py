@@ -108,7 +108,7 @@ def batch_seconds(rows: int = 10_000) -> float:
     """Whole process of ``seaglint evaluate atmosphere`` over random cases of all model atmospheres in one band."""
     import numpy as np
 
-    from seaglint.air.table.table_file import table_models
+    from seaglint.air.lowtran_table import table_models
 
     random = np.random.default_rng(1)
     height = np.exp(random.uniform(np.log(2.0), np.log(1e4), rows))
@@ -145,7 +145,7 @@ def sweeps_seconds(sweeps: int = 100) -> float:
 
 def loop_seconds() -> float:
     """Whole process of ``seaglint texture sample`` for 256 frames of 512 x 512 pixels, with neighbours in three frames."""
-    from seaglint.files.texture_file import StoredTexture, write_texture
+    from seaglint.store.texture_file import StoredTexture, write_texture
     from seaglint.textures.gauss_markov import GaussMarkov
     from seaglint.textures.gaussian_texture import GaussianTexture
     from seaglint.textures.marginals import Marginal

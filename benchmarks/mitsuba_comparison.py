@@ -22,10 +22,10 @@ from mitsuba_scene import PIXELS, SUN_ZENITHS, compared_rows, renderer, rms_over
 from mitsuba_sea import MitsubaSea, load_mitsuba
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import image
-from seaglint.imaging.swept import SweptScene
-from seaglint.sea.field import WaveField
+from seaglint.imaging.upright_scene import SweptScene
+from seaglint.sea.wave_field import WaveField
 
 WANTED = 0.015
 """Error at which times are compared [1]."""

@@ -16,15 +16,15 @@ from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.facet.facet_tables import facet_slopes
 from seaglint.facet.legs import FacetLaw
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.scene import Accuracy
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.tiles import Tile
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.wave_spectra import spectrum
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.waves_and_slopes import spectrum
 
 LENGTH = 1024.0
 POINTS = 1024
@@ -53,9 +53,9 @@ def scene(
     every_wave = spectrum(scenario)
     assert every_wave is not None
     waves = WaveField.create(every_wave, (Tile(length, points, 0.0, 0.0, 2.0 * np.pi * points / (SHORTEST_WAVE * length)),), 1)
-    view = prepare.view(scenario)
+    view = scenario_physics.view(scenario)
     # the ray tracers' facets do not lean
-    return replace(view, shadowing=replace(view.shadowing, lean=False)), prepare.camera(scenario), waves
+    return replace(view, shadowing=replace(view.shadowing, lean=False)), scenario_physics.camera(scenario), waves
 
 
 def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 2.0) -> SweptScene:

@@ -30,11 +30,11 @@ from numpy.typing import NDArray
 from mitsuba_scene import RANGE, facets_left
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Camera
 from seaglint.optics.fresnel import reflectance
-from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, NO_SHELTER, SLACK_ENDS, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
+from seaglint.sea.wave_field import WaveField
 
 INCIDENCE_NODES = 1025
 LIFT = 3e-4

@@ -31,8 +31,8 @@ from seaglint.cluster import Job, LocalProcesses
 from seaglint.cluster.dask import DaskWorkers, client_of, connected, quiet
 from seaglint.cluster.job import Done
 from seaglint.cluster.remote import packed
-from seaglint.files.store.layout import Layout
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.layout import Layout
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "performance.md"
 
@@ -101,7 +101,7 @@ def startup() -> Rows:
 
     first()
     wall, cpu = first()
-    rows.append(("kernels kept", f"{wall:.1f} s", f"{cpu:.1f} s"))
+    rows.append(("kernels stored", f"{wall:.1f} s", f"{cpu:.1f} s"))
     with tempfile.TemporaryDirectory() as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
         try:
@@ -211,11 +211,11 @@ def thousand(slots: tuple[int, int, int] = (1, 20, 50), rounds: int = 8) -> Rows
         (f"{slots[0] * slots[1]} Dask workers of {slots[2]} units at once, {number} units that sleep 1 s", "value"),
         ("units per second (1000 would be all that the workers can)", f"{rate:.0f}"),
         ("processor time of the scheduler for a unit", f"{1000 * per_unit:.2f} ms"),
-        ("processor time of the process that asks, for a unit", f"{1000 * asks:.2f} ms"),
+        ("processor time of the requesting process for a unit", f"{1000 * asks:.2f} ms"),
         ("scheduler busy, of one processor", f"{100 * busy / wall:.0f} %"),
         ("through the scheduler", f"{1e-3 * rate * (there + back):.0f} kB/s"),
         ("model: units per second at which the scheduler's processor is full", f"{1.0 / per_unit:.0f}"),
-        ("model: the same of the process that asks", f"{1.0 / asks:.0f}"),
+        ("model: units per second at which the requesting process is full", f"{1.0 / asks:.0f}"),
         ("model: 1000 workers, 1 s a frame, 640 x 512: written, before compression", f"{1e-6 * 1000 * frame:.0f} MB/s"),
     ]
 

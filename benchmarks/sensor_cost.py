@@ -9,7 +9,7 @@ import numba
 
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 PIXELS, FINER = 512, 3
 SENSOR = {

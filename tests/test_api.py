@@ -20,18 +20,16 @@ from seaglint.analysis import analyze as run_analysis
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.schema import LAYERS
-from seaglint.cli import dataset as dataset_command
+from seaglint.cli import ensemble as dataset_command
 from seaglint.cluster import Here
-from seaglint.files import export as export_formats
-from seaglint.files.recording import open_recording
+from seaglint.formats import export as export_formats
+from seaglint.formats.recording import open_recording
 from seaglint.optics.band import Band
-from seaglint.plot.video_formats import VIDEO_ENDINGS
-from seaglint.studies.analysis_requests import AnalysisRequest
-from seaglint.studies.detect.requests import DesignRequest, RecordingRequest, SceneRequest
+from seaglint.plot.video import VIDEO_ENDINGS
+from seaglint.studies.detect.detection_requests import DesignRequest, RecordingRequest, SceneRequest
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean
-from seaglint.studies.mean.mean_requests import MeanRequest
-from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
+from seaglint.studies.study_requests import AnalysisRequest, ExportRequest, MeanRequest, RenderRequest, SenseRequest
 
 RATE = 20.0
 SCENE = {

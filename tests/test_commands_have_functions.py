@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import seaglint as sg
-from seaglint.cli.commands import Commands
+from seaglint.cli.app import Commands
 
 TERMINAL = {"view", "doctor"}
 """Commands of a terminal alone, beside completion, which is an option of the program."""

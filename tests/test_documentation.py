@@ -107,7 +107,7 @@ def test_a_name_that_is_gone_is_found() -> None:
     assert not exists("seaglint.imaging.renderer.Renderer")
     assert not exists("seaglint.imaging.sweep.sweep.Frame")
     assert exists("seaglint.imaging.sweep.sweep.Rows")
-    assert exists("seaglint.imaging.swept.SweptScene.intervals")
+    assert exists("seaglint.imaging.upright_scene.SweptScene.intervals")
 
 
 def python_of(page: str, folder: Path) -> None:

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.lowtran_table import BatchAtmosphere
 from seaglint.air.protocol import require_height, require_range, wavenumber_grid
-from seaglint.air.table.batch import BatchAtmosphere
 from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.facet.emissivity import emissivity
-from seaglint.files.lowtran.deck import Aerosol
-from seaglint.files.lowtran.sample import lowtran_atmosphere
-from seaglint.imaging.swept import require_above
+from seaglint.formats.lowtran.deck import Aerosol
+from seaglint.formats.lowtran.lowtran_sample import lowtran_atmosphere
+from seaglint.imaging.upright_scene import require_above
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance

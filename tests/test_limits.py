@@ -9,19 +9,19 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from seaglint.air.table.table_file import models, read_table
+from seaglint.air.lowtran_table import models, read_table
 from seaglint.base import limits
 from seaglint.base.errors import DomainError, ScenarioError
-from seaglint.files.lowtran.deck import Aerosol
+from seaglint.formats.lowtran.deck import Aerosol
 from seaglint.imaging.camera.imager import Imager
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.records.sea_slopes import Slopes
+from seaglint.scenario.records.sea_tables import Slopes
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 from seaglint.sea.wind_profile import friction_velocity
-from seaglint.studies.prepare.memory import BYTES_PER_LATTICE_POINT, memory_needed
+from seaglint.studies.sequence.memory import BYTES_PER_LATTICE_POINT, memory_needed
 
 KINDS = {record.model_fields["kind"].default: record for record in get_args(get_args(Slopes)[0])}
 

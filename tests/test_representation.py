@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.files.detection_case import DetectionCase
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
-from seaglint.scenario.text.compass import compass
+from seaglint.scenario.text.display import compass
+from seaglint.store.detection_results import DetectionCase
 from seaglint.studies.detect.performance import Performance
 from seaglint.studies.detect.study import Study
 

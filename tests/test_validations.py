@@ -216,7 +216,7 @@ def test_the_house_is_read_as_it_stands() -> None:
     house = House(ROOT)
     assert {"base", "sea", "air", "imaging", "studies", "cli", "version"} <= house.rooms
     assert "__init__" not in house.rooms
-    steps = house.steps({"seaglint.sea.field"})
+    steps = house.steps({"seaglint.sea.wave_field"})
     assert steps["sea"] == 0
     assert 0 < steps["imaging"] <= steps["cli"]
     assert "optics" not in steps

@@ -40,11 +40,11 @@ from seaglint.air.coordinates import (
     straight_sea_cosine,
     straight_slant,
 )
+from seaglint.air.lowtran_table import Stencil
 from seaglint.air.profile.bent_ray import RefractingAir
 from seaglint.air.protocol import slant_range
-from seaglint.air.table.stencil import Stencil
-from seaglint.files.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
-from seaglint.files.lowtran.engine import FLAGS, LowtranSpectrum, engine, fortran_file, run
+from seaglint.formats.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
+from seaglint.formats.lowtran.engine import FLAGS, LowtranSpectrum, engine, fortran_file, run
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION
 
 DATA = Path(__file__).parents[1] / "src" / "seaglint" / "air" / "data"

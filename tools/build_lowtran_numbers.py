@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from build_atmosphere import DATA, compress
-from seaglint.air.profile.lowtran_numbers import FILE
+from seaglint.air.profile.air_profile import FILE
 from seaglint.air.scattering.scattering_laws import NO_BAND, continuum_coefficients
-from seaglint.files.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
-from seaglint.files.lowtran.engine import FLAGS, HOOK, engine, fortran_file, run, run_tables
-from seaglint.files.lowtran.laws_of_run import PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, dump
+from seaglint.formats.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
+from seaglint.formats.lowtran.engine import FLAGS, HOOK, engine, fortran_file, run, run_tables
+from seaglint.formats.lowtran.lowtran_sample import PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, dump
 
 CHANNELS = (680, 14290)
 """Wavenumbers of the file [cm-1]: 0.7-14.7 um."""

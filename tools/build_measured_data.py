@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.optics.triangular import triangular_average
+from seaglint.optics.band import triangular_average
 from seaglint.sea.dispersion import wavenumber
 
 OUT = Path(__file__).resolve().parents[1] / "src" / "seaglint" / "studies" / "data"

@@ -33,9 +33,9 @@ from pathlib import Path
 import numpy as np
 from scipy.special import betainc, gammainc
 
-from seaglint.climate.derived import model_atmosphere
+from seaglint.climate.weather_columns import model_atmosphere
 from seaglint.climate.weather_table import WeatherTable
-from seaglint.files.weather.weather_file import shipped, write_weather
+from seaglint.formats.weather.weather_file import shipped, write_weather
 
 WIND_MEAN_M_S = (11.5, 11.0, 10.5, 9.0, 8.0, 7.5, 7.0, 7.0, 8.5, 9.5, 10.5, 11.0)
 """Mean wind at 10 m, January to December; an estimate, see above."""

@@ -30,9 +30,8 @@ from scipy.optimize import least_squares
 
 from rrtmgp_gases import WATER, Array, Rrtmgp, dry_molecules
 from seaglint.air.profile.absorber_densities import LOWTRAN_SCALED, cold_share
-from seaglint.air.profile.air_profile import STANDARD_PRESSURE, ZERO_CELSIUS, saturation_density
-from seaglint.air.profile.band_numbers import CONTINUA, GASES, SELF_KELVIN
-from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.air.profile.air_profile import STANDARD_PRESSURE, ZERO_CELSIUS, lowtran_numbers, saturation_density
+from seaglint.air.profile.band_laws import BAND_GASES, CONTINUUM_TERMS, SELF_KELVIN
 from seaglint.optics.blackbody import planck_wavenumber
 
 OUTPUT: Final = Path(__file__).parents[1] / "src/seaglint/air/data/lblrtm_bands.csv"
@@ -203,7 +202,7 @@ class Band:
         self.lower, self.higher = gas.held(self.place, upper=False), gas.held(self.place, upper=True)
         self.shape, self.start, self.contrast, self.column = {}, {}, {}, {}
         inside = keep[(nu[keep] < edges[1])]
-        for row, name in enumerate(GASES):
+        for row, name in enumerate(BAND_GASES):
             columns = held["band_column"][row, keep]
             if name.lower() in (self.lower | self.higher) and (columns > 0).any():
                 column = int(np.bincount(held["band_column"][row, inside]).argmax()) or int(columns.max())
@@ -216,7 +215,7 @@ class Band:
                     self.start[term], self.contrast[term] = (column, power), power * more
                     self.u[term] = self.u[name]
         self.linear = {}
-        for name, rows in ((name, CONTINUA[term]) for name, term in LINEAR.items()):
+        for name, rows in ((name, CONTINUUM_TERMS[term]) for name, term in LINEAR.items()):
             source = {"self": "h2o_self", "cold": "h2o_self", "air": "h2o_frgn", "N2": "n2", "O2": "o2"}[name]
             if source in self.lower and any(held["continuum"][row, keep].any() for row in rows):
                 self.linear[name] = held["continuum"][rows, :][:, keep]

@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "helpers"))
 
 from lowtran_lines import differences, draw, of_program, ours
 
-from seaglint.files.lowtran.engine import engine, run_all
+from seaglint.formats.lowtran.engine import engine, run_all
 
 OUTPUT = Path(__file__).parents[1] / "tests" / "air" / "lowtran7_lines.csv"
 

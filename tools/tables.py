@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Any
 
 from data_folders import name_folders
-from seaglint.base.syntax import syntax_text
+from seaglint.base.kernel_cache import syntax_text
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = Path("src") / "seaglint"

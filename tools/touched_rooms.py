@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 
-from seaglint.base.syntax import syntax_text
+from seaglint.base.kernel_cache import syntax_text
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "src/seaglint"

@@ -33,7 +33,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from seaglint.base.user_cache import cache_folder
+from seaglint.base.machine import cache_folder
 from touched_rooms import RECORD, ROOT, House, NotGitError, described, git, room_of_tests, touched
 
 PAGE = "docs/validation.md"

@@ -27,7 +27,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.sequence.image import image
+from seaglint.studies.sequence.labelled_frames import image
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 

@@ -23,10 +23,9 @@ from seaglint.detection.design import by_windows
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
-from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import DetectionRange
-from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_ranges
+from seaglint.plot.detection_report import draw_characteristic, draw_chips, draw_map, draw_ranges
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.detection_results import DetectionRange, Parts
 from seaglint.studies.detect.designer import Design, design, rate_threshold
 from seaglint.studies.detect.injected import Strength, point_shape
 from seaglint.studies.detect.performance import DetectionOptions, detect

@@ -24,9 +24,8 @@ from seaglint.base.errors import SeaglintError
 from seaglint.detection.named_detectors import NAMES
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
-from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import DetectionRange
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.detection_results import DetectionRange, Parts
 from seaglint.studies.detect.designer import Design
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import RangeOptions, detection_range, with_detector

@@ -17,11 +17,9 @@ from seaglint.base.errors import SeaglintError
 from seaglint.detection.named_detectors import NAMES
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
-from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import TriedDetector
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.detect.designer import Design
-from seaglint.studies.detect.detector_choice import SMALLEST, TRIED, best_of
+from seaglint.store.detection_results import Parts, TriedDetector
+from seaglint.studies.detect.designer import SMALLEST, TRIED, Design, best_of
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import ALIKE, RangeOptions, first_estimate, tried_at
 from seaglint.studies.detect.rendered_seas import SceneOptions

@@ -15,17 +15,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from seaglint.analysis.run import ALWAYS
+from seaglint.analysis.analyze_recording import ALWAYS
 from seaglint.base.conventions import surface_range
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.facet.sea_view import SeaView
-from seaglint.files.tables.columns import write_columns
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.studies.article.article_row import ArticleRow
+from seaglint.formats.tables.table_text import write_columns
+from seaglint.imaging.camera.imager import Camera
+from seaglint.studies.article.headline import ArticleRow
 from seaglint.studies.article.table1 import BLURS_PX, corridor, scene, sequence, table1
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from validation_tables import PAGE, replace, table
 
@@ -40,7 +40,7 @@ Row = dict[str, float]
 
 def rates(wind: float, sun: float, frames: int) -> list[Row]:
     """Rates of one sea, a row for each band and threshold, far to near."""
-    run, camera = prepare_sequence(scene(wind, sun)), prepare.camera(scene(wind, sun))
+    run, camera = prepare_sequence(scene(wind, sun)), scenario_physics.camera(scene(wind, sun))
     mask, steep = corridor(run.scene.view, camera), steepness(run.scene.view, camera, sun)
     filtered = Laplacian().apply(sequence(run.scene, APART * np.arange(frames)))
     edges = np.linspace(0, camera.rows, BANDS + 1).astype(int)
@@ -112,7 +112,7 @@ def write_table1(rows: dict[str, ArticleRow]) -> None:
 
     def ends(key: str, which: str) -> str:
         found = rows[key].settings[which]
-        return "cannot be told" if found is None else " to ".join(f"{end:.2g}" for end in found)
+        return "not determined" if found is None else " to ".join(f"{end:.2g}" for end in found)
 
     head = ("article / as rendered / through the detector", "false-alarm rate", "95 % intervals", "times Gaussian", "correlation time [s]")
     body, blurs = [], []

@@ -17,9 +17,9 @@ left no number is told.
 
 Markdown goes to standard output: the law's share over that of brute force. ``--low-sun``: isotropic slopes, the Sun ahead, with the share
 of brute force over Smith's behind it. ``--oblique``: wind beside the Sun's azimuth, the view beside it too, with and without the lean of
-facets (:mod:`seaglint.sea.shadowing.lean`). ``--scenario``: the same over the sea of a scenario, Elfouhaily's waves down to where they
-have most of Cox and Munk's slopes and ripples that make up the rest. ``--facets``: waves down to a
-cut as geometry and the renderer's facets on them, a dash where no waves are so long.
+facets (:mod:`seaglint.sea.shadowing.facet_lean`). ``--scenario``: the same over the sea of a scenario, Elfouhaily's waves down to where
+they have most of Cox and Munk's slopes and ripples that make up the rest. ``--facets``: waves down to a cut as geometry and the renderer's
+facets on them, a dash where no waves are so long.
 """
 
 from __future__ import annotations
@@ -313,7 +313,7 @@ def scenario(wind: float, draws: int) -> Iterator[str]:
 
 def beside_the_wind(wind: float, draws: int, sea: GaussianWaves, slopes: SlopeStatistics) -> Iterator[str]:
     """Rows of one wind; ``slopes`` as the law has them."""
-    yield "| wind, beside | view off the Sun | largest, rms difference | without lean |\n|---|---|---|---|"
+    yield "| wind, angle to the Sun | view off the Sun | largest, rms difference | without lean |\n|---|---|---|---|"
     for beside in (30.0, 50.0, 90.0):
         for off in (-10.0, -5.0, 0.0, 5.0, 10.0):
             looks = frequent(oblique_looks(beside, off, (1.0, 3.0, 7.0, 15.0), (5.0, 10.0, 15.0, 30.0)), sea)

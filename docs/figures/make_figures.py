@@ -64,7 +64,7 @@ def figure(name: str, folder: Path) -> Path:
 def demo_analysis(folder: Path) -> Analysis:
     """Clutter of the demo, rendered once."""
     from seaglint.analysis import analyze
-    from seaglint.files.recording import open_recording
+    from seaglint.formats.recording import open_recording
 
     run = folder / "clutter.zarr"
     if not run.exists():
@@ -96,8 +96,8 @@ def near_horizon(folder: Path) -> Path:
 
 def clutter(name: str, folder: Path) -> Path:
     """A picture of the report."""
-    from seaglint.plot.clutter import PICTURES
-    from seaglint.plot.new_figure import png
+    from seaglint.plot.clutter_pictures import PICTURES
+    from seaglint.plot.figures_and_pages import png
 
     output = folder / f"clutter_{name}.png"
     output.write_bytes(png(PICTURES[name].draw(demo_analysis(folder))))
@@ -106,8 +106,8 @@ def clutter(name: str, folder: Path) -> Path:
 
 def likelihood_regions(folder: Path) -> Path:
     """Glint in three regions of the sea; prints the numbers."""
-    from seaglint.plot.likelihood_charts import write_regions
-    from seaglint.studies.likelihood.sea_regions import regions
+    from seaglint.plot.environment_charts import write_regions
+    from seaglint.studies.likelihood.chance_map import regions
 
     found, output = regions(), folder / "likelihood_regions.png"
     write_regions(found, output)
@@ -120,8 +120,7 @@ def likelihood_regions(folder: Path) -> Path:
 def dataset_examples(folder: Path) -> Path:
     """Sheet of a data set; prints its card."""
     from seaglint.scenario.ensemble_file import parse_ensemble
-    from seaglint.studies.ensemble.ensemble_dataset import EnsembleSource, ensemble_dataset
-    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+    from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, EnsembleSource, ensemble_dataset
 
     raw = tomllib.loads((ROOT / "examples" / "small-objects.toml").read_text(encoding="utf-8"))
     # The first of the same draws: points of Sobol are the same in any number, and one frame of a scene is on the sheet.

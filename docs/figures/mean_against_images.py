@@ -16,13 +16,12 @@ from dataclasses import replace
 import numpy as np
 
 from seaglint.facet.legs import BOTH
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.scene import image
-from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.scene import Accuracy, image
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 WINDS = (3.0, 7.0, 12.0)
 SUNS = (60.0, 75.0, 80.0, 85.0, 88.5)
@@ -44,8 +43,8 @@ def scene(wind: float, sun: float, seas: int) -> list[Row]:
             "render": {"subpixel_glint": "off"},
         }
     )
-    view = prepare.view(scenario)
-    sea = prepare.sea(scenario, view.slopes)
+    view = scenario_physics.view(scenario)
+    sea = scenario_physics.sea(scenario, view.slopes)
     out: list[Row] = []
     for azimuth in AZIMUTHS:
         for parts in (DEPRESSIONS[:5], DEPRESSIONS[5:]):

@@ -25,9 +25,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
-from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import Tile
+from seaglint.sea.wave_field import WaveField
 
 POINTS: Final = 1024
 """Points of every lattice along a side; a power of two."""

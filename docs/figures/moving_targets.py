@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from seaglint.base.brightness import scale_limits
 from seaglint.base.schema import VARIABLES
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.sequence.sensed import SensedSequence, prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import SensedSequence, prepare_sensed
 
 OUTPUT = Path(__file__).resolve().parents[2] / "docs" / "images" / "moving_targets.png"
 COLUMNS = 160

@@ -24,20 +24,19 @@ from seaglint.air.protocol import Atmosphere
 from seaglint.base.conventions import view_zenith
 from seaglint.facet.legs import BOTH, NESTED
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.scene import image
-from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.scene import Accuracy, image
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.radiance.mean_radiance import mean_radiance
-from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.smith import smith_lambda, smith_nu
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles, resolve_limit
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build.profile_air import model_air
 
 WIND = 10.0
 DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)

@@ -22,7 +22,7 @@ from seaglint.optics.band import apparent_temperature
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 SENSOR_HEIGHT = 20.0
 SUN_HEIGHT_DEG = 14.0
@@ -57,7 +57,7 @@ THINGS = (
 
 def view_of() -> SeaView:
     """Sensor, sea and air; the Sun stands behind what is looked at."""
-    return prepare.view(
+    return scenario_physics.view(
         parse_scenario(
             {
                 "sun": {"zenith_deg": 90.0 - SUN_HEIGHT_DEG, "azimuth_deg": 0.0},

@@ -15,13 +15,12 @@ from matplotlib.figure import Figure
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.schema import VARIABLES
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.scene import image
-from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.scene import Accuracy, image
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 SCENE: dict[str, Any] = {
@@ -37,8 +36,8 @@ WIDTH, TOP, BOTTOM = 24.0, 0.75, 8.0
 def radiances(seas: int) -> tuple[FloatArray, FloatArray]:
     """Mean map and mean of images [W m-2 sr-1, (rows, columns)], columns of one degree and rows of a quarter."""
     scenario = parse_scenario(SCENE)
-    view = prepare.view(scenario)
-    waves = prepare.sea(scenario, view.slopes).waves
+    view = scenario_physics.view(scenario)
+    waves = scenario_physics.sea(scenario, view.slopes).waves
     rows, columns = round(4.0 * (BOTTOM - TOP)), round(WIDTH)
     middle = -math.radians(0.5 * (TOP + BOTTOM))
     fine = Camera(30.0, 0.0, middle, math.radians(WIDTH), math.radians(BOTTOM - TOP), columns, 6 * rows)

@@ -159,14 +159,14 @@ def scenario_keys() -> list[str]:
 
 def scenario_presets() -> list[str]:
     """Presets with where their numbers come from."""
-    from seaglint.scenario.presets.scene_presets import PRESETS
+    from seaglint.scenario.presets import PRESETS
 
     return markdown_table(("preset", "scene", "remarks"), [(f"`{k}`", p.title, " ".join(p.notes)) for k, p in PRESETS.items()])
 
 
 def object_presets() -> list[str]:
     """Objects of public dimensions with where their numbers come from."""
-    from seaglint.scenario.presets.object_presets import OBJECTS
+    from seaglint.scenario.presets import OBJECTS
 
     return markdown_table(("preset", "object", "sources"), [(f"`{k}`", p.title, "; ".join(p.sources)) for k, p in OBJECTS.items()])
 

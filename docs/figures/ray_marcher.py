@@ -23,9 +23,9 @@ from scipy.stats.qmc import Sobol
 
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.legs import SMITHS, FacetLaw
-from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
+from seaglint.sea.wave_field import WaveField
 
 SUN_RADIUS = 4.65e-3
 REFRACTION = 7.0 / 6.0

@@ -20,13 +20,13 @@ from matplotlib.figure import Figure
 
 import seaglint as sg
 from seaglint.base.conventions import FloatArray
-from seaglint.files.tables.cases import Cases
+from seaglint.formats.tables.input_tables import Cases
 from seaglint.optics.band import ApparentTemperature
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.mean.evaluate_cases import NamedBand, evaluate_scattered, parse_bands
-from seaglint.studies.prepare import prepare
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "images"
@@ -118,7 +118,7 @@ def panorama(lit: bool) -> Scenario:
 
 def of_model(scenario: Scenario, azimuth: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Radiance and glint of the mean model along the row [W m-2 sr-1]."""
-    found = mean_radiance(prepare.view(scenario), np.radians([-DEPRESSION]), np.radians(azimuth))
+    found = mean_radiance(scenario_physics.view(scenario), np.radians([-DEPRESSION]), np.radians(azimuth))
     return found.total[0], np.broadcast_to(found.sun, found.total.shape)[0]
 
 
@@ -187,7 +187,7 @@ def difference() -> None:
     corridor = (elevation < -0.3)[:, None] & (np.abs(aside) < 1.0)[None, :]
     beside = (elevation < -0.3)[:, None] & (np.abs(aside) > 7.0)[None, :]
     print("demo's first frame: radiance without, with [W m-2 sr-1]; apparent temperature [K]")
-    view = prepare.view(demo(True))
+    view = scenario_physics.view(demo(True))
     inverse = ApparentTemperature.create(view.band, view.atmosphere.wavenumber_cm)
     parts = {"mean": slice(None), "sky": sky, "sea within 1 deg": corridor, "sea beyond 7 deg": beside}
     for name, part in parts.items():
@@ -206,7 +206,7 @@ def background_of(lit: bool) -> FloatArray:
         "sea": {"temperature_k": 288.15, "water": "article", "slopes": {"kind": "cox-munk-isotropic"}},
     }
     azimuth = np.radians([0.0, 30.0, 90.0, 180.0])
-    view = prepare.view(parse_scenario(scenario | {"atmosphere": {"scattered_sunlight": lit}}))
+    view = scenario_physics.view(parse_scenario(scenario | {"atmosphere": {"scattered_sunlight": lit}}))
     inverse = ApparentTemperature.create(view.band, view.atmosphere.wavenumber_cm)
     seen = mean_radiance(view, np.radians([-2.29]), azimuth)
     return np.asarray(inverse(seen.total[0] - np.broadcast_to(seen.sun, seen.total.shape)[0]))

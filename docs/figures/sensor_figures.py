@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from seaglint.plot.sensor_figure import write_sensor_plot
+from seaglint.plot.sensor_and_spectra import write_sensor_plot
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.mean.sensor_figures import describe_sensor
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 IMAGES = Path(__file__).resolve().parents[2] / "docs" / "images"
 SCENE: dict[str, Any] = {

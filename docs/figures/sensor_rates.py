@@ -15,15 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from seaglint.analysis.run import ALWAYS
+from seaglint.analysis.analyze_recording import ALWAYS
 from seaglint.base.conventions import horizon_depression
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.article.table1 import corridor
-from seaglint.studies.prepare import prepare
-from seaglint.studies.sequence.sensed import binned, prepare_sensed
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.sequence.sensed_sequence import binned, prepare_sensed
 from validation_tables import PAGE, replace, table
 
 GUIDE = PAGE.parent / "guide" / "sensor.md"
@@ -58,7 +58,7 @@ def rows_of(name: str, optics: dict[str, float], frames: int) -> list[dict[str, 
     run, found = pictures(optics, frames)
     scenario = run.fine_scenario
     coarse = scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"pixels": (512, 256)})})
-    camera = prepare.camera(coarse)
+    camera = scenario_physics.camera(coarse)
     below = camera.elevations < -horizon_depression(camera.height) - 2.0 * camera.row_step
     regions = {"corridor": corridor(run.fine.scene.view, camera) & below[:, None], "sea": np.repeat(below[:, None], camera.columns, axis=1)}
     out = []

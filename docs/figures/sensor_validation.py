@@ -16,10 +16,9 @@ import numpy as np
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels, square_mtf
 from seaglint.instrument.figures_of_merit import figures, mtf, three_d
-from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.noise import DetectorNoise, three_d_noise
 from seaglint.instrument.optics import SensorOptics, jitter_mtf, pupil_mtf, wavefront_mtf
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.three_d import three_d_noise
 from seaglint.optics.band import Band
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -213,7 +213,7 @@ def sensor() -> Pairs:
 
 def textures() -> Pairs:
     """The measured picture without glint."""
-    from seaglint.files.recording import open_recording
+    from seaglint.formats.recording import open_recording
     from texture_table import MEASURED, held_out, judged, row
 
     if not os.environ.get("SEAGLINT_DATA_DIR"):
@@ -290,7 +290,7 @@ def against_lowtran7() -> Pairs:
 
 def against_scattered() -> Pairs:
     """Scattered sunlight of the reference cases."""
-    from seaglint.files.tables.cases import read_cases
+    from seaglint.formats.tables.input_tables import read_cases
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
     from validation_tables import folder
 

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.analysis.recording import Recording
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 from seaglint.plot.texture_report import draw_measures, draw_pictures
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import render
-from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.study_requests import FitRequest
 from seaglint.studies.texture.texture_sequences import STILL, Fitted, detrended, fit, frames_of, sample_like
 from seaglint.textures.gaussian_texture import fit_texture
 from seaglint.textures.quality import compare

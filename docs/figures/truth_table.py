@@ -24,19 +24,18 @@ from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, view_zenith
 from seaglint.facet.glint import GlintModel
 from seaglint.facet.legs import NESTED
-from seaglint.facet.local_sun import turn_at
 from seaglint.facet.sea_view import SeaView, sea_arc
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.scene import image
-from seaglint.imaging.swept import SweptScene
+from seaglint.facet.sunlight import turn_at
+from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.scene import Accuracy, image
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
 
 WINDS = (3.0, 7.0, 12.0)
 BESIDE = (0.0, 50.0)
@@ -279,7 +278,7 @@ def brief(rows: Sequence[Compared]) -> Iterator[str]:
     The contrast is one over the truth's regression on the renderer, where rays know it to 6 %.
     """
     downs = sorted({row.depression for row in rows})
-    yield "| wind, beside | Sun | " + " | ".join(f"{down:g}° down" for down in downs) + " |"
+    yield "| wind, angle to the Sun | Sun | " + " | ".join(f"{down:g}° down" for down in downs) + " |"
     yield "| --- | --- |" + " --- |" * len(downs)
     cases: dict[tuple[float, float, float], dict[float, Compared]] = {}
     for row in rows:

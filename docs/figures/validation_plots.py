@@ -55,7 +55,7 @@ def numbers(rows: list[dict[str, str]], column: str) -> np.ndarray:
 
 def take_air(reference: Path) -> None:
     """LOWTRAN7's slant paths beside the table's."""
-    from seaglint.air.table.table_file import models
+    from seaglint.air.lowtran_table import models
     from validation_tables import lowtran_case
 
     keys = ["atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg"]
@@ -73,7 +73,7 @@ def take_air(reference: Path) -> None:
 
 def take_scattered(reference: Path) -> None:
     """LOWTRAN7's scattered sunlight beside ours, 3.5-5 um."""
-    from seaglint.files.tables.cases import read_cases
+    from seaglint.formats.tables.input_tables import read_cases
     from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
     path = reference / "lowtran7_scattered.csv"

@@ -20,22 +20,21 @@ from pathlib import Path
 
 import numpy as np
 
-from seaglint.air.table.batch import BatchAtmosphere
-from seaglint.air.table.table_file import models
+from seaglint.air.lowtran_table import BatchAtmosphere, models
 from seaglint.facet.emissivity import emissivity
-from seaglint.files.tables.cases import read_cases
+from seaglint.formats.tables.input_tables import read_cases
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
-from seaglint.studies.measured.measured_row import MeasuredRow
-from seaglint.studies.prepare import prepare
+from seaglint.studies.measured.measured_numbers import MeasuredRow
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tools"))
@@ -252,7 +251,7 @@ def realisation(field: WaveField, time: float) -> tuple[float, float, float]:
 def buoy() -> Lines:
     """A week of spectra of buoy 41010 against the buoy's own summary."""
     from seaglint.base.errors import DataError
-    from seaglint.files.waves import WaveChoice, read_waves
+    from seaglint.formats.waves import WaveChoice, read_waves
 
     path = folder("SEAGLINT_DATA_DIR") / "waves" / "41010"
     summary = [line.split() for line in path.with_suffix(".spec").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
@@ -306,7 +305,7 @@ def departure(scene: dict[str, object], *, flat: bool = False) -> float:
         scenario = parse_scenario({**scene, "sensor": {"frames": 1, **pixels}})
         run = prepare_sequence(scenario)
         seen = run.at(0.0).radiance.astype(np.float64)
-        view, camera = prepare.view(scenario), prepare.camera(scenario)
+        view, camera = scenario_physics.view(scenario), scenario_physics.camera(scenario)
         if flat:
             expected = float(view.band.radiance(view.sea_temperature, view.atmosphere.wavenumber_cm))
         else:

@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike
 from ray_marcher import facets_of, sea_of, seen_over_model
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.legs import FacetLaw
-from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
 
 DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)
 SUN_ZENITHS = (60.0, 77.0, 80.0, 85.0)

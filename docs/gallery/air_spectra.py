@@ -7,7 +7,7 @@ import os
 
 import matplotlib.pyplot as plt
 
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 figure, axes = plt.subplots(figsize=(8.4, 4.4), layout="constrained")

@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import seaglint as sg
-from seaglint.scenario.presets.sensor_presets import with_sensor
-from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.scenario.presets import with_sensor
+from seaglint.studies.build.sensor_model import sensor_model
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 tables = with_sensor({}, "lwir-microbolometer-640")

@@ -9,7 +9,7 @@ import tempfile
 import matplotlib.pyplot as plt
 
 import seaglint as sg
-from seaglint.scenario.presets.sensor_presets import with_sensor
+from seaglint.scenario.presets import with_sensor
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 SCENE = {

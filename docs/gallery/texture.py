@@ -10,7 +10,7 @@ import numpy as np
 
 import seaglint as sg
 from seaglint.analysis import Recording
-from seaglint.studies.texture.texture_requests import FitRequest, SampleRequest
+from seaglint.studies.study_requests import FitRequest, SampleRequest
 from seaglint.studies.texture.texture_sequences import fit, loop
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"

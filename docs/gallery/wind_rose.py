@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from seaglint.plot.weather_figure import write_weather_plot
+from seaglint.plot.environment_charts import write_weather_plot
 from seaglint.studies.likelihood.weather_files import describe
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"

@@ -10,15 +10,14 @@ import csv
 import numpy as np
 import pytest
 
+from seaglint.air.lowtran_table import BatchAtmosphere, models
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.air.table.batch import BatchAtmosphere
-from seaglint.air.table.table_file import models
 from seaglint.base.conventions import horizon_depression
 from seaglint.optics.band import Band
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 QUANTITIES = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
 

@@ -41,7 +41,7 @@ def test_layers_give_what_the_program_gave():
 
 def test_layers_give_what_the_program_gives_now():
     """Twenty lines that are not in the file, run here."""
-    from seaglint.files.lowtran.engine import engine, run
+    from seaglint.formats.lowtran.engine import engine, run
 
     try:
         program = engine()

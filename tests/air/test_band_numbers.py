@@ -10,17 +10,14 @@ import pytest
 
 import fitted_bands
 from seaglint.air.profile.absorber_densities import cold_share
-from seaglint.air.profile.air_profile import GASES, model_profile
+from seaglint.air.profile.air_profile import GASES, lowtran_numbers, model_profile
 from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.band_laws import BandLaws
-from seaglint.air.profile.band_numbers import FIRST_COLUMN, band_numbers
+from seaglint.air.profile.band_laws import FIRST_COLUMN, BandLaws, OwnGases, band_numbers, ozone_column, with_gases
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
-from seaglint.air.profile.lowtran_numbers import lowtran_numbers
-from seaglint.air.profile.own_gases import OwnGases, ozone_column, with_gases
 from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare.prepare import atmosphere, band
+from seaglint.studies.build.scenario_physics import atmosphere, band
 
 ALL = np.arange(680.0, 14291.0, 5.0)
 NONE = HazeWeather("none")

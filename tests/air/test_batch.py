@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from seaglint.air.lowtran_table import BatchAtmosphere, Stencil, table_models, with_slopes
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
-from seaglint.air.table.batch import BatchAtmosphere
-from seaglint.air.table.stencil import Stencil, with_slopes
-from seaglint.air.table.table_file import table_models
 from seaglint.base.errors import DomainError
 from seaglint.optics.band import Band
 

@@ -8,14 +8,14 @@ import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import DEEPEST_LINE, slant_range
-from seaglint.air.sampled.sampled_air import PathSamples, SampledAtmosphere, SunSamples
-from seaglint.air.sky_spline import SkySamples
+from seaglint.air.sampled_air import PathSamples, SampledAtmosphere, SunSamples
+from seaglint.air.sun_and_sky import SkySamples
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 HEIGHT = 100.0
 

@@ -8,8 +8,8 @@ from seaglint.air.profile.air_profile import model_profile, saturation_density
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import BackendError
-from seaglint.files.lowtran.deck import MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
-from seaglint.files.lowtran.engine import engine, run
+from seaglint.formats.lowtran.deck import MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
+from seaglint.formats.lowtran.engine import engine, run
 from seaglint.optics.blackbody import planck_wavenumber
 
 CASES = 60

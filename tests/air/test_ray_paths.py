@@ -15,7 +15,7 @@ from seaglint.air.profile.marine_layer import with_marine_layer
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_depression, horizon_range, surface_range
-from seaglint.imaging.bending import Bending
+from seaglint.imaging.refraction import Bending
 
 BAR = 0.02e-3  # rad
 

@@ -9,8 +9,7 @@ from seaglint.air.profile.air_profile import model_profile, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.marine_layer import with_marine_layer
-from seaglint.air.profile.profile_atmosphere import ProfileAtmosphere
-from seaglint.air.profile.refined_nodes import LIMIT, MOST_TIMES, refined_nodes
+from seaglint.air.profile.profile_atmosphere import LIMIT, MOST_TIMES, ProfileAtmosphere, refined_nodes
 from seaglint.air.protocol import slant_range, wavenumber_grid
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.optics.blackbody import planck_wavenumber

@@ -5,8 +5,8 @@ import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import Atmosphere, slant_range
-from seaglint.air.sampled.sampled_air import PathSamples, SampledAtmosphere, SunSamples
-from seaglint.air.sky_spline import SkySamples, grazing_coordinate, grazing_share
+from seaglint.air.sampled_air import PathSamples, SampledAtmosphere, SunSamples
+from seaglint.air.sun_and_sky import SkySamples, grazing_coordinate, grazing_share
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DataError, DomainError
 from seaglint.optics.blackbody import planck_wavenumber

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from seaglint.air.isothermal import IsothermalAtmosphere
-from seaglint.air.profile.profile_scattering import model_scatterers
-from seaglint.air.profile.scattered_cases import scattered_cases, scatters_in
+from seaglint.air.profile.profile_scattering import model_scatterers, scattered_cases, scatters_in
 from seaglint.air.protocol import ClearAir, slant_range
 from seaglint.air.scattering.gas_bands import GasBands
 from seaglint.air.scattering.scattered_light import (
@@ -20,10 +19,10 @@ from seaglint.air.scattering.scattering_laws import AerosolLaws, AirLevels, Scat
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.errors import DomainError
-from seaglint.facet.local_sun import solar_zenith_at
 from seaglint.facet.sea_view import BandSum
+from seaglint.facet.sunlight import solar_zenith_at
 from seaglint.optics.band import Band
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 4.2)
 HIGHEST_KM = 100.0

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.files.tables.cases import read_cases
+from seaglint.formats.tables.input_tables import read_cases
 from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
 KEPT = Path(__file__).with_name("lowtran7_scattered_rows.csv")  # every seventh or so of the 300, drawn by chance

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from seaglint.air.scattering.scattered_file import SampledLight
+from seaglint.air.protocol import ScatteredSamples, ScatteredSky
 from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares
-from seaglint.air.scattering.scattered_samples import ScatteredSamples, ScatteredSky
-from seaglint.air.scattering.scattered_tables import ScatteredLight
+from seaglint.air.scattering.scattered_tables import SampledLight, ScatteredLight
 from seaglint.base.conventions import depression_of_range, horizon_depression, horizon_range
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 HEIGHT, BAND = 30.0, (3.5, 4.2)
 AZIMUTH = np.radians([0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 150.0, 180.0])

@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from seaglint.air.profile.air_profile import model_profile
-from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.gas_rays import GasRay, GasRays
+from seaglint.air.profile.air_sums import AirSums, GasRay, GasRays
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 BANDS = [(3.5, 4.15), (8.0, 12.0)]
 
@@ -44,7 +43,7 @@ def test_winds_of_one_air_differ():
 
 
 def test_the_oldest_rays_go_when_there_are_too_many(monkeypatch):
-    monkeypatch.setattr("seaglint.air.profile.gas_rays.MOST_BYTES", 3000)
+    monkeypatch.setattr("seaglint.air.profile.air_sums.MOST_BYTES", 3000)
     rays, made = GasRays(), []
 
     def make(number: int) -> GasRay:

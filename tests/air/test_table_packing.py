@@ -5,9 +5,8 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from seaglint.air.table import table_file
-from seaglint.air.table.batch import BatchAtmosphere
-from seaglint.air.table.table_file import models, read_table
+from seaglint.air import lowtran_table
+from seaglint.air.lowtran_table import BatchAtmosphere, models, read_table
 from seaglint.base.errors import DataError
 
 QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
@@ -22,8 +21,8 @@ def test_all_tables_together_stay_small():
 @pytest.mark.parametrize("region", ["mwir", "lwir"])
 def test_a_table_is_decoded_once_a_process(region, monkeypatch):
     decoded = []
-    original = table_file._decoded
-    monkeypatch.setattr(table_file, "_decoded", lambda table, name: decoded.append(name) or original(table, name))
+    original = lowtran_table._decoded
+    monkeypatch.setattr(lowtran_table, "_decoded", lambda table, name: decoded.append(name) or original(table, name))
     read_table.cache_clear()
     first = read_table("us-standard-1976", region)
     assert read_table("us-standard-1976", region) is first
@@ -42,7 +41,7 @@ def test_components_are_orthonormal_rows(name, region):
 def test_byte_planes_of_differences_decode(name):
     # Two winds, one node, one component, written by hand: 300 and 300 - 65537; step 0.5, component [0.25] as 8192 / 32768.
     planes = np.array([[300, -65537]], dtype="<i4").view(np.uint8).reshape(2, 4).T.reshape(4, 1, 2, 1)
-    decoded = table_file._decoded(
+    decoded = lowtran_table._decoded(
         {
             f"{name}_scores": planes,
             f"{name}_step": np.array(0.5),
@@ -57,8 +56,8 @@ def test_byte_planes_of_differences_decode(name):
 
 def test_a_band_reads_its_own_file_only(monkeypatch):
     read = []
-    original = table_file.read_table
-    monkeypatch.setattr(table_file, "read_table", lambda model, region: read.append((model, region)) or original(model, region))
+    original = lowtran_table.read_table
+    monkeypatch.setattr(lowtran_table, "read_table", lambda model, region: read.append((model, region)) or original(model, region))
     BatchAtmosphere.load("us-standard-1976", (8.0, 12.0))
     assert read == [("us-standard-1976", "lwir")]
 
@@ -72,7 +71,7 @@ def test_a_damaged_file_is_reported_in_one_line(tmp_path, monkeypatch):
     name = f"{models('lwir')[0]}_lwir.npz"
     content = resources.files("seaglint.air").joinpath("data", name).read_bytes()
     (tmp_path / name).write_bytes(content[: len(content) // 2])
-    monkeypatch.setattr(table_file, "_DATA", tmp_path)
+    monkeypatch.setattr(lowtran_table, "_DATA", tmp_path)
     read_table.cache_clear()
     with pytest.raises(DataError, match=r"is damaged .*install seaglint again"):
         read_table(name.removesuffix("_lwir.npz"), "lwir")

@@ -8,9 +8,9 @@ import pytest
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather, aerosols, wind_kinks
-from seaglint.air.profile.windy_air import WindyAir
+from seaglint.air.profile.profile_atmosphere import WindyAir
 from seaglint.air.protocol import slant_range, wavenumber_grid
-from seaglint.files.lowtran.deck import MODELS
+from seaglint.formats.lowtran.deck import MODELS
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from seaglint.analysis import AnalysisOptions, analyze, run
-from seaglint.analysis.recording import Recording
-from seaglint.analysis.survey import survey
+from seaglint.analysis import AnalysisOptions, analyze, analyze_recording
+from seaglint.analysis.recording import Recording, survey
 from seaglint.base.errors import DataError, DomainError
-from seaglint.clutter.goodness import goodness
-from seaglint.files.recording import open_recording
+from seaglint.clutter.fits import goodness
+from seaglint.formats.recording import open_recording
 
 RNG = np.random.default_rng(12)
 WHITE = RNG.normal(100.0, 5.0, (40, 96, 128)).astype(np.float32)
@@ -108,8 +107,8 @@ def test_wrong_families_are_told_apart() -> None:
 @quick
 def test_same_input_same_numbers_however_it_is_blocked(monkeypatch: pytest.MonkeyPatch) -> None:
     once = result(SMALL, AnalysisOptions(thresholds=(2.0,)))
-    whole = run.ahead
-    monkeypatch.setattr(run, "ahead", lambda recording, prepare: whole(recording, prepare, memory=3 * SMALL[0].nbytes))
+    whole = analyze_recording.ahead
+    monkeypatch.setattr(analyze_recording, "ahead", lambda recording, prepare: whole(recording, prepare, memory=3 * SMALL[0].nbytes))
     again = result(SMALL, AnalysisOptions(thresholds=(2.0,)))
     assert again["regions"]["all"]["false_alarms"] == once["regions"]["all"]["false_alarms"]
     assert again["regions"]["all"]["fits"] == once["regions"]["all"]["fits"]

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.base import kept_tables
-from seaglint.base.kept_tables import kept
+from seaglint.base import table_cache
+from seaglint.base.table_cache import kept
 from seaglint.sea.shadowing.nested import _ratios
 
 NUMBERS = np.array([[0.1, -0.0], [5e-324, np.inf]])
@@ -17,8 +17,8 @@ NUMBERS = np.array([[0.1, -0.0], [5e-324, np.inf]])
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch) -> Path:
-    monkeypatch.setattr(kept_tables._settings, "DISABLE_JIT", 0)
-    monkeypatch.setattr(kept_tables, "kernel_folder", lambda requested: tmp_path)
+    monkeypatch.setattr(table_cache._settings, "DISABLE_JIT", 0)
+    monkeypatch.setattr(table_cache, "kernel_folder", lambda requested: tmp_path)
     return tmp_path
 
 
@@ -62,17 +62,17 @@ def test_a_full_disk_leaves_nothing_behind(folder, table, calls, monkeypatch) ->
 
 
 def test_without_a_folder_or_compiler_nothing_is_kept(folder, table, calls, monkeypatch) -> None:
-    monkeypatch.setattr(kept_tables, "kernel_folder", lambda requested: None)
+    monkeypatch.setattr(table_cache, "kernel_folder", lambda requested: None)
     table(2)
-    monkeypatch.setattr(kept_tables, "kernel_folder", lambda requested: folder)
-    monkeypatch.setattr(kept_tables._settings, "DISABLE_JIT", 1)
+    monkeypatch.setattr(table_cache, "kernel_folder", lambda requested: folder)
+    monkeypatch.setattr(table_cache._settings, "DISABLE_JIT", 1)
     table(2)
     assert (calls, list(folder.iterdir())) == ([2, 2], [])
 
 
 def test_the_name_of_a_file_has_what_bits_depend_on(folder, table, monkeypatch) -> None:
     table(2)
-    monkeypatch.setattr(kept_tables, "processor", lambda: "another")
+    monkeypatch.setattr(table_cache, "processor", lambda: "another")
     table(2)
     monkeypatch.setattr(np, "__version__", "another")
     table(2)

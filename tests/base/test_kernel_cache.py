@@ -52,8 +52,8 @@ def package(tmp_path: Path) -> Path:
         "base/jit.py",
         "base/kernel_bodies.py",
         "base/kernel_cache.py",
-        "base/syntax.py",
-        "base/user_cache.py",
+        "base/kernel_cache.py",
+        "base/machine.py",
     ):
         shutil.copy(SOURCE / name, folder / name)
     for name, text in (("inner", INNER), ("outer", OUTER), ("base/constants", "ADDED = 1.0\n"), ("bystander", "x = 1\n")):

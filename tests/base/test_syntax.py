@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from seaglint.base.syntax import syntax_digest
+from seaglint.base.kernel_cache import syntax_digest
 
 SOURCE = b"""
 import math

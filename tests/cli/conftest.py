@@ -13,12 +13,12 @@ import pytest
 import xarray as xr
 
 from seaglint.cli.app import main
-from seaglint.files.provenance import band_attributes, provenance
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import write_sequence
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
-from seaglint.studies.article.article_row import ArticleRow
+from seaglint.store.layout import Layout
+from seaglint.store.provenance import band_attributes, provenance
+from seaglint.store.sequence_store import write_sequence
+from seaglint.studies.article.headline import ArticleRow
 
 
 @dataclass

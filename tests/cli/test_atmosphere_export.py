@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from seaglint.base.errors import DomainError
-from seaglint.files.air.air_file import read_atmosphere
+from seaglint.formats.air_file import read_atmosphere
 from seaglint.scenario.load import load_scenario
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.sequence.render_sequence import prepare_sequence

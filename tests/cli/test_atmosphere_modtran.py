@@ -11,11 +11,10 @@ import pytest
 import xarray as xr
 
 from seaglint.base.errors import BackendError
-from seaglint.files.lowtran import engine
-from seaglint.files.lowtran.deck import Aerosol, LowtranAir
-from seaglint.files.modtran.lines import ModtranCase
-from seaglint.files.modtran.reading import read_spectra
-from seaglint.files.modtran.tape5 import deck
+from seaglint.formats.lowtran import engine
+from seaglint.formats.lowtran.deck import Aerosol, LowtranAir
+from seaglint.formats.modtran.decks import ModtranCase, deck
+from seaglint.formats.modtran.modtran_air import read_spectra
 from seaglint.scenario.load import load_scenario
 from seaglint.studies.mean.mean_map import mean
 

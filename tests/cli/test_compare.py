@@ -7,7 +7,7 @@ import json
 
 import pytest
 
-from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES
+from seaglint.studies.measured.measured_numbers import SPECTROSCOPIES
 
 SPECTRUM = "# resolution_cm: 20\nwavelength_um,brightness_temperature_k\n8.5,262\n8.7,259\n8.9,257\n9.1,254\n"
 

@@ -16,10 +16,10 @@ import pytest
 from PIL import Image
 
 import seaglint as sg
-from seaglint.files.dataset.grey_picture import read_about
+from seaglint.formats.dataset.grey_pictures import read_about
 from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
 from seaglint.studies.ensemble.render_ensemble import draw
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.studies.detect.requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
+from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
 
 REQUESTS = {"recording": RecordingRequest, "scene": SceneRequest, "design": DesignRequest, "range": RangeRequest}
 OF_ONE = {
@@ -85,7 +85,7 @@ def test_a_recording_is_judged_by_its_own_clutter(seaglint, tmp_path: Path) -> N
 
 
 def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:
-    from seaglint.cli.terminal.records import READERS
+    from seaglint.cli.terminal.record_options import READERS
 
     assert READERS["pair"]("0.5,2", "--velocity") == (0.5, 2.0)
     assert RecordingRequest("clip.npy", velocity=(0.5, 2.0)).injected((1.0,)).velocity == (2.0, 0.5)

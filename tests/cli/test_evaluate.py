@@ -7,7 +7,7 @@ import stat
 import numpy as np
 import pytest
 
-from seaglint.air.table.table_file import table_models
+from seaglint.air.lowtran_table import table_models
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.progress import PATIENCE, ProgressMode, patient_progress
 from seaglint.studies.mean.evaluate_cases import evaluate_mean, groups_of, parse_bands
@@ -132,7 +132,7 @@ def test_emissivity_reaches_the_horizon_and_marks_winds_beyond_the_fit(seaglint,
 
 def test_mean_is_that_of_the_command_mean(cases):
     """Another way through the program: a map of one pixel, with directions from north and a wind that has one."""
-    from seaglint.files.tables.cases import read_cases
+    from seaglint.formats.tables.input_tables import read_cases
     from seaglint.scenario.load import parse_scenario
     from seaglint.studies.mean.mean_map import mean
 
@@ -160,7 +160,7 @@ def test_mean_is_that_of_the_command_mean(cases):
 
 def test_mean_with_a_wind_that_has_a_direction(cases):
     """Wind from 100 deg clockwise of the Sun, against a map; from across it gives another glint."""
-    from seaglint.files.tables.cases import read_cases
+    from seaglint.formats.tables.input_tables import read_cases
     from seaglint.scenario.load import parse_scenario
     from seaglint.studies.mean.mean_map import mean
 
@@ -189,7 +189,7 @@ def test_mean_with_a_wind_that_has_a_direction(cases):
 @pytest.mark.validation
 def test_slopes_of_a_row_are_those_of_the_scenarios_model(cases):
     """Gram and Charlier's series tells upwind from downwind, Gaussian slopes do not; one row has no direction."""
-    from seaglint.files.tables.cases import read_cases
+    from seaglint.formats.tables.input_tables import read_cases
     from seaglint.scenario.load import parse_scenario
     from seaglint.studies.mean.mean_map import mean
 

@@ -18,7 +18,7 @@ import typer
 from typer.main import get_command
 
 from seaglint.cli.app import app
-from seaglint.cli.terminal.examples import EXAMPLES
+from seaglint.cli.terminal.program import EXAMPLES
 
 ROOT = get_command(app)
 QUICK = ("init", "schema", "weather build", "weather info", "evaluate atmosphere", "evaluate emissivity", "ensemble")

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.files.store.store import open_sequence
+from seaglint.store.sequence_store import open_sequence
 
 ENDINGS = ["nc", "h5", "tif", "fits", "npy", "raw", "mp4", "gif"]
 
@@ -109,7 +109,7 @@ def test_other_kinds_and_unfinished_runs_are_refused(seaglint, pipeline, scenari
 def test_a_signal_leaves_nothing_under_the_final_name(run, number, code, ending):
     output = run.with_name(f"x.{ending}")
     slow = (  # once the file is begun, a frame waits for a line
-        "import signal, sys, pathlib, seaglint.files.export.stack as s; "
+        "import signal, sys, pathlib, seaglint.formats.export.stack as s; "
         "signal.signal(signal.SIGINT, signal.default_int_handler); "  # a shell may have started the suite with it ignored
         " read = s.Stack.__getitem__; begun = pathlib.Path(sys.argv.pop(1)); "
         "stop = lambda: begun.exists() and (print('begun', file=sys.stderr, flush=True), sys.stdin.readline()); "

@@ -9,26 +9,26 @@ import numpy as np
 import pytest
 
 from seaglint.scenario.load import load_scenario
-from seaglint.studies.article import fig12
+from seaglint.studies.article import figures_5_and_12
 
 ROOT = Path(__file__).parents[2]
 
 
 def test_the_example_is_the_scene():
     example = load_scenario(ROOT / "examples" / "approach.toml")
-    assert example.model_dump(exclude={"render"}) == fig12.scene().model_dump(exclude={"render"})
-    assert example.render == fig12.scene().render
+    assert example.model_dump(exclude={"render"}) == figures_5_and_12.scene().model_dump(exclude={"render"})
+    assert example.render == figures_5_and_12.scene().render
 
 
 def test_the_scene_is_of_the_articles_size():
-    found = fig12.scene()
+    found = figures_5_and_12.scene()
     assert (found.sensor.frames, found.sensor.pixels) == (100, (512, 512))
     assert 2.0 * 14.0 * np.tan(np.radians(0.5 * found.sensor.fov_deg[0])) == pytest.approx(3.5, abs=0.1)
 
 
 def test_both_bodies_close_before_a_sensor_that_moves():
-    ways = fig12.ways(fig12.scene(), range(fig12.FRAMES))
-    assert np.diff(ways.ahead["sensor"]) == pytest.approx(fig12.SPEED / fig12.FRAME_RATE)
+    ways = figures_5_and_12.ways(figures_5_and_12.scene(), range(figures_5_and_12.FRAMES))
+    assert np.diff(ways.ahead["sensor"]) == pytest.approx(figures_5_and_12.SPEED / figures_5_and_12.FRAME_RATE)
     gap = ways.ahead["attacking body"] - ways.ahead["defending body"]
     assert (np.diff(gap) < 0.0).all()
     assert gap[-1] < 0.05 * gap[0]

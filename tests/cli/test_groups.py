@@ -9,8 +9,7 @@ import sys
 import pytest
 from typer.main import get_command
 
-from seaglint.cli.app import app
-from seaglint.cli.commands import GROUPS
+from seaglint.cli.app import GROUPS, app
 
 ROOT = get_command(app)
 GROUPED = ("", *(name for name, command in ROOT.commands.items() if hasattr(command, "commands")))  # type: ignore[attr-defined]

@@ -10,9 +10,9 @@ import sys
 import pytest
 
 from seaglint.cli.app import main
-from seaglint.files.store import empty_store, store
-from seaglint.files.store.claim import lock_path
-from seaglint.files.store.shards import Shards
+from seaglint.store import location, sequence_store
+from seaglint.store.shards import Shards
+from seaglint.store.writers import lock_path
 
 
 def one_line(text: str) -> bool:
@@ -90,7 +90,7 @@ def test_a_full_disk_at_the_start_leaves_nothing_and_says_so(seaglint, pipeline,
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(empty_store, "_put", full)
+    monkeypatch.setattr(location, "_put", full)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert (answer.code, one_line(answer.err)) == (3, True)
     assert "nothing was written; make room" in answer.err
@@ -109,7 +109,7 @@ def test_a_full_disk_leaves_no_lock(seaglint, pipeline, scenario, tmp_path, monk
     monkeypatch.setattr(os, "write", full)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert (answer.code, "nothing was written" in answer.err) == (3, True)
-    assert not lock_path(store.partial_path(tmp_path / "run.zarr")).exists()
+    assert not lock_path(sequence_store.partial_path(tmp_path / "run.zarr")).exists()
 
 
 def test_half_written_chunks_of_a_killed_process_go(seaglint, pipeline, scenario, tmp_path, monkeypatch):
@@ -124,7 +124,7 @@ def test_half_written_chunks_of_a_killed_process_go(seaglint, pipeline, scenario
     monkeypatch.setattr(sys, "argv", ["seaglint", "render", str(scenario), "-o", str(tmp_path / "run.zarr")])
     with pytest.raises(RuntimeError):
         main()
-    left = store.partial_path(tmp_path / "run.zarr") / "radiance" / "c" / "1" / "0" / "0.abc.partial"
+    left = sequence_store.partial_path(tmp_path / "run.zarr") / "radiance" / "c" / "1" / "0" / "0.abc.partial"
     assert left.parent.is_dir()
     left.write_bytes(b"half")
     monkeypatch.setattr(Shards, "write", real)

@@ -14,10 +14,10 @@ import xarray as xr
 import seaglint as sg
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DataError, ScenarioError
-from seaglint.files.store.object_labels import Labels
+from seaglint.formats.object_labels import Labels
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.scenario.presets.object_presets import OBJECTS
+from seaglint.scenario.presets import OBJECTS
 
 CAMERA = {
     "optics": {"aperture_m": 0.005, "f_number": 2.0},

@@ -10,7 +10,7 @@ import tifffile
 import xarray as xr
 
 import seaglint as sg
-from seaglint.files.store.store import open_sequence
+from seaglint.store.sequence_store import open_sequence
 
 TOML = """
 [band]

@@ -13,9 +13,9 @@ import pytest
 import xarray as xr
 from xarray.namedarray import pycompat
 
-from seaglint.base.processor import processor
-from seaglint.cli.terminal.start import OBJECTS, collect_later, only_numpy
-from seaglint.files.netcdf import labelled, write_netcdf
+from seaglint.base.machine import processor
+from seaglint.cli.terminal.program import OBJECTS, collect_later, only_numpy
+from seaglint.store.netcdf import labelled, write_netcdf
 
 DEMO = Path(__file__).parents[2] / "examples" / "demo.toml"
 
@@ -50,7 +50,7 @@ def test_two_starts_in_one_process_end_as_one() -> None:
 
 def test_memory_is_searched_again_when_enough_was_made() -> None:
     code = (
-        "import gc; from seaglint.cli.terminal.start import *; before = gc.get_threshold(); collect_later()\n"
+        "import gc; from seaglint.cli.terminal.program import *; before = gc.get_threshold(); collect_later()\n"
         "kept = [[] for _ in range(OBJECTS + 10)]; print(gc.get_threshold() == before)"
     )
     assert python(code) == ["True"]
@@ -58,7 +58,7 @@ def test_memory_is_searched_again_when_enough_was_made() -> None:
 
 def test_arrays_of_numpy_are_indexed_and_written_without_other_libraries() -> None:
     code = (
-        "import sys; from seaglint.cli.terminal.start import only_numpy; only_numpy(); import numpy as np, xarray as xr\n"
+        "import sys; from seaglint.cli.terminal.program import only_numpy; only_numpy(); import numpy as np, xarray as xr\n"
         "data = xr.Dataset({'radiance': (('y', 'x'), np.ones((2, 3)))}, {'x': [1.0, 2.0, 4.0]})\n"
         "print(float(data.radiance.sel(x=2.0)[0].to_numpy()), *({'dask.array', 'pint', 'sparse'} & set(sys.modules)))"
     )

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.files.recording import open_recording
-from seaglint.files.texture_file import read_texture, write_texture
-from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.formats.recording import open_recording
+from seaglint.store.texture_file import read_texture, write_texture
+from seaglint.studies.study_requests import FitRequest
 from seaglint.studies.texture.texture_sequences import fit
 from seaglint.textures.gauss_markov import GaussMarkov
 from seaglint.textures.gaussian_texture import GaussianTexture
@@ -160,8 +160,8 @@ def test_a_texture_stands_in_for_a_rendered_sequence(seaglint, model, tmp_path, 
     """With a map whose mean and deviation are known: the sequence has them, and nothing moves above the horizon."""
     scenario = tmp_path / "my.toml"
     scenario.write_text("[sensor]\nfov_deg = [4, 2]\nelevation_deg = -0.8\npixels = [48, 24]\nframes = 12\nframe_rate_hz = 50\n")
-    from seaglint.files.provenance import band_attributes
     from seaglint.optics.band import Band
+    from seaglint.store.provenance import band_attributes
     from seaglint.studies.texture import perspective as texture_place
 
     def known(_: object) -> xr.Dataset:

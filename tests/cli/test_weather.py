@@ -10,7 +10,7 @@ import pytest
 import weather_files as made
 import xarray as xr
 
-from seaglint.files.weather.weather_file import read_weather
+from seaglint.formats.weather.weather_file import read_weather
 
 
 def test_era5_ships_and_buoys_become_one_table_and_nothing_is_dropped_unsaid(tmp_path, seaglint) -> None:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.climate.azimuths import azimuth_shares
-from seaglint.climate.looks import looks
+from seaglint.climate.exceeding_azimuths import azimuth_shares
+from seaglint.climate.glint_radiance import looks, seas
 from seaglint.climate.mirrored_sunlight import mirrored_light
-from seaglint.climate.seas import seas
 from seaglint.facet.legs import NESTED
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.slopes.cox_munk import cox_munk_gram_charlier
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 BAND = (3.5, 5.0)
 DEPRESSION = (0.02, 0.11)

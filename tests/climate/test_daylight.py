@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.climate.daylight import arc, hours_of_light
+from seaglint.climate.conditions import arc, hours_of_light
 from seaglint.climate.ephemeris import Ephemeris, year_span
 
 EVEN = (np.arange(65_536) + 0.5) / 65_536

@@ -7,10 +7,8 @@ import pytest
 from scipy.stats import chi2, ttest_1samp
 
 from seaglint.base.errors import DomainError
-from seaglint.climate.clouds import clear_line, illuminated
-from seaglint.climate.conditions import GeographicRegion, Times, _nearest, conditions, draw_pairs, months_of
-from seaglint.climate.draws import SamplingPlan, estimate
-from seaglint.climate.strata import strata
+from seaglint.climate.conditions import GeographicRegion, Times, _nearest, clear_line, conditions, draw_pairs, illuminated, months_of
+from seaglint.climate.draws import SamplingPlan, estimate, strata
 from seaglint.climate.weather_table import WeatherTable
 
 

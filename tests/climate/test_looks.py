@@ -7,11 +7,10 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from scipy.interpolate import RegularGridInterpolator
 
-from seaglint.air.table.table_file import BandTable
+from seaglint.air.lowtran_table import BandTable
 from seaglint.base.conventions import horizon_depression, view_zenith
 from seaglint.climate.draws import SamplingPlan
-from seaglint.climate.looks import Search, looks, sea_at
-from seaglint.climate.measures import DetectionCurve, detected, deviation, exceeded_by, passes
+from seaglint.climate.glint_radiance import DetectionCurve, Search, detected, deviation, exceeded_by, looks, passes, sea_at, seas
 from seaglint.climate.mirrored_sunlight import (
     MirroredLight,
     between_kernel,
@@ -23,7 +22,6 @@ from seaglint.climate.mirrored_sunlight import (
     place_in_pieces,
     view_elevations,
 )
-from seaglint.climate.seas import seas
 from seaglint.facet.legs import NESTED
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import Band
@@ -32,7 +30,7 @@ from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.sea.shadowing.nested import HIGHEST
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 BAND = (3.5, 5.0)
 DEPRESSION = (0.02, 0.11)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import build_north_atlantic as made
-from seaglint.files.weather.weather_file import read_weather, shipped
+from seaglint.formats.weather.weather_file import read_weather, shipped
 
 
 def test_the_file_is_what_the_tool_makes(tmp_path: Path) -> None:

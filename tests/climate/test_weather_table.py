@@ -7,10 +7,10 @@ import pytest
 from scipy.stats import chisquare, qmc
 
 from seaglint.base.errors import DomainError
-from seaglint.climate.derived import model_atmosphere, relative_humidity, significant_height, wind_from_components
-from seaglint.climate.select import GeographicBox, Polygon, Selection, select
-from seaglint.climate.smooth import bandwidths, smoothed
+from seaglint.climate.conditions import bandwidths, smoothed
 from seaglint.climate.table_summary import correlation, joint_density, month_means, wind_rose
+from seaglint.climate.weather_columns import model_atmosphere, relative_humidity, significant_height, wind_from_components
+from seaglint.climate.weather_selection import GeographicBox, Polygon, Selection, select
 from seaglint.climate.weather_table import WeatherTable
 
 

@@ -15,10 +15,9 @@ import toy_jobs
 
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cluster import Done, Failed, Job
-from seaglint.cluster.batch_queue import queued, read_settings
-from seaglint.cluster.dask import _DaskMapping, connected, judged
+from seaglint.cluster.dask import _DaskMapping, connected, judged, queued, read_settings
 from seaglint.cluster.job import ATTEMPTS
-from seaglint.cluster.machine import this_machine
+from seaglint.cluster.remote import this_machine
 
 distributed = pytest.importorskip("distributed")
 

@@ -14,10 +14,10 @@ import pytest
 from seaglint.cluster import LocalProcesses
 from seaglint.cluster.dask import connected
 from seaglint.cluster.job import outgoing
-from seaglint.files.recording import open_recording
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import finish_sequence
+from seaglint.formats.recording import open_recording
 from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.store.sequence_store import finish_sequence
+from seaglint.store.writers import Share
 from seaglint.studies.sequence.render_sequence import render
 from seaglint.studies.sequence.sense import Reopen, sense
 

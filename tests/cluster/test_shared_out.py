@@ -9,11 +9,11 @@ from typer.testing import CliRunner
 
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cli.app import app
-from seaglint.cli.terminal.workers import chosen
+from seaglint.cli.terminal.record_options import chosen
 from seaglint.cluster import Done, Failed, LocalProcesses
 from seaglint.cluster.job import record_of
-from seaglint.files.detection_parts import sea_path
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.detection_results import sea_path
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames
 from seaglint.studies.likelihood.chance_map import likelihood_map
 

@@ -5,8 +5,7 @@ from scipy.ndimage import gaussian_filter
 
 from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import effective_count, spatial_correlation
-from seaglint.clutter.fits import draw, fit
-from seaglint.clutter.goodness import distances, goodness
+from seaglint.clutter.fits import distances, draw, fit, goodness
 
 
 def test_distances_are_scipys():
@@ -79,7 +78,7 @@ def test_levels_of_many_values_are_those_of_as_many_drawn(monkeypatch: pytest.Mo
     sample = np.random.default_rng(19).gamma(3.0, 2.0, 3000)
     found = fit(sample, "gamma")
     whole = goodness(sample, found, seed=1)
-    monkeypatch.setattr("seaglint.clutter.goodness.MOST_INDEPENDENT", 250)
+    monkeypatch.setattr("seaglint.clutter.fits.MOST_INDEPENDENT", 250)
     few = goodness(sample, found, seed=2)
     assert 0.1 < min(whole.ks_p, whole.ad_p) < 0.9
     assert (few.ks, few.ad) == (whole.ks, whole.ad)

@@ -9,8 +9,7 @@ from scipy.ndimage import gaussian_filter
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.thresholds import standardise
 from seaglint.detection.interface import statistics
-from seaglint.detection.moving import FrameDifference, RegisteredIntegration
-from seaglint.detection.registration import displacement, moved
+from seaglint.detection.moving import FrameDifference, RegisteredIntegration, displacement, moved
 
 SPOT = gaussian_filter(np.pad([[1.0]], 4), 1.0)
 SPOT /= SPOT.max()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.detection.pointing import border_level, centroid, least_squares
 from seaglint.detection.spot import GaussianSpot
+from seaglint.detection.trials import border_level, centroid, least_squares
 
 
 def patches(spot: GaussianSpot, contrast: float, number: int, level: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,7 @@ import pytest
 from scipy.stats import binomtest
 
 from seaglint.clutter.false_alarms import RateCurve
-from seaglint.detection.roc import roc
-from seaglint.detection.scoring import Scores
+from seaglint.detection.scoring import Scores, roc
 
 
 def with_scores(score: np.ndarray) -> Scores:

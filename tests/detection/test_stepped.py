@@ -11,14 +11,12 @@ from scipy.stats import chi2, genpareto, norm, poisson, power_divergence
 from stored_frames import StoredFrames
 
 from seaglint.detection.background import Background, count_false_alarms
-from seaglint.detection.counting import Counting, poisson_quantile
-from seaglint.detection.sources import PlainFrames
+from seaglint.detection.sources import Counting, PlainFrames, poisson_quantile
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.stepped import Steps, fit_levels, steps_of, tail_above
+from seaglint.detection.stepped_tails import Steps, fit_levels, steps_of, tail_above
 from seaglint.detection.trials import InjectedObjects, run_trials
-from seaglint.studies.detect.chips import chips
-from seaglint.studies.detect.performance import DetectionOptions, detect
+from seaglint.studies.detect.performance import DetectionOptions, chips, detect
 
 
 def test_the_tail_of_counts_is_fitted_to_their_levels() -> None:

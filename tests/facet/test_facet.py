@@ -9,10 +9,9 @@ from seaglint.facet import solar_disc, thermal
 from seaglint.facet.facet_sunlight import FacetOptics, FacetTables, sun_factor
 from seaglint.facet.facet_tables import sun_terms
 from seaglint.facet.legs import SMITHS
-from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.path_basis import TOGETHER, fewest_terms, path_basis
 from seaglint.facet.roughness import Sight, line_of_sight, roughness_of
-from seaglint.facet.sunlight import sunlight
+from seaglint.facet.sunlight import sunlight, visible_sun
 from seaglint.facet.thermal import SlopeQuadrature, thermal_axes, thermal_sources, thermal_table
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance

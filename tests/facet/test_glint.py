@@ -7,7 +7,7 @@ from seaglint.base.errors import DomainError
 from seaglint.facet.emissivity import facet_nodes
 from seaglint.facet.glint import direction, glint
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.facet.local_sun import visible_sun
+from seaglint.facet.sunlight import visible_sun
 from seaglint.sea.shadowing.smith import visible_area
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick

@@ -7,7 +7,7 @@ from render_scenes import BAND, furnace, table_air
 from seaglint.facet.path_basis import path_basis
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 
 def _spectra(air, grid):

@@ -8,8 +8,8 @@ import xarray as xr
 
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DataError
-from seaglint.files.air.air_file import read_atmosphere
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.formats.air_file import read_atmosphere
+from seaglint.studies.build.profile_air import model_air
 
 HEIGHT = 30.0
 BAND = (3.9, 4.0)

@@ -12,7 +12,7 @@ import xarray as xr
 from wave_files import FREQUENCY, FROM, LATITUDE, LONGITUDE, TIMES
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.files.waves import WaveChoice, read_waves
+from seaglint.formats.waves import WaveChoice, read_waves
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
 THEN = WaveChoice(str(TIMES[1]), LATITUDE, LONGITUDE)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError, StorageError
-from seaglint.files.tables.cases import Column, read_cases, write_cases
+from seaglint.formats.tables.input_tables import Column, read_cases, write_cases
 
 
 @pytest.fixture

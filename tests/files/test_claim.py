@@ -13,19 +13,19 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError
-from seaglint.files.store import claim
-from seaglint.files.store.claim import exclusive, lock_path
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import open_sequence, partial_path, write_sequence
 from seaglint.optics.band import Band
+from seaglint.store import writers
+from seaglint.store.layout import Layout
+from seaglint.store.sequence_store import open_sequence, partial_path, write_sequence
+from seaglint.store.writers import exclusive, lock_path
 
 LAYOUT = Layout(np.arange(4.0), np.arange(3.0), range(4), 25.0, Band.rectangular(3.5, 5.0))
 
 OTHER = """
 import sys
 import numpy as np
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import write_sequence
+from seaglint.store.layout import Layout
+from seaglint.store.sequence_store import write_sequence
 from seaglint.optics.band import Band
 
 def frame(number):
@@ -94,7 +94,7 @@ def test_a_claim_ends_with_its_context_and_leaves_no_file(output):
 
 
 def test_without_locks_the_earlier_writer_stops(output, monkeypatch):
-    monkeypatch.setattr(claim, "_lock", lambda descriptor: True)
+    monkeypatch.setattr(writers, "_lock", lambda descriptor: True)
 
     def taken(number: int) -> np.ndarray:
         if number == 2:

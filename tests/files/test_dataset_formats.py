@@ -18,16 +18,15 @@ from small_scenes import COLUMNS, FRAMES, LINE, ROWS, entries, masks, values
 
 from seaglint.base.errors import DataError
 from seaglint.cluster import Here
-from seaglint.files.dataset import check
-from seaglint.files.dataset.convert import pieces
-from seaglint.files.dataset.grey_picture import read_about
-from seaglint.files.dataset.masks import compressed, decoded, expanded
-from seaglint.files.dataset.split import SPLITS, split_of
-from seaglint.files.store.object_labels import Label, run_lengths
-from seaglint.files.store.store import Interrupted
-from seaglint.scenario.records.dataset_table import Dataset
-from seaglint.studies.ensemble import scenes_to_dataset as module
-from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
+from seaglint.formats.dataset import dataset_writing
+from seaglint.formats.dataset.dataset_writing import pieces
+from seaglint.formats.dataset.grey_pictures import compressed, decoded, expanded, read_about
+from seaglint.formats.dataset.scene_records import SPLITS, split_of
+from seaglint.formats.object_labels import Label, run_lengths
+from seaglint.scenario.records.ensemble_tables import Dataset
+from seaglint.store.sequence_store import Interrupted
+from seaglint.studies.ensemble import ensemble_dataset as module
+from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, DatasetPlan, make_dataset
 
 PLAN = DatasetPlan("small", 3, Dataset(classes={"speck": "target"}), "[ensemble]\nscenes = 4\n")
 SCENES = 4
@@ -222,7 +221,7 @@ def test_sirst_masks_and_lists(stores, tmp_path):
 def test_zarr_keeps_the_stores(stores, tmp_path):
     folder = made(stores, tmp_path / "D", "zarr")
     assert digests(folder / "scenes" / "0001.zarr") == digests(Path(stores[True][1].store))
-    assert list(check.problems(folder)) == []
+    assert list(dataset_writing.problems(folder)) == []
 
 
 def test_a_data_set_taken_up_again_has_the_same_bytes(stores, tmp_path):
@@ -282,7 +281,7 @@ def test_a_data_set_killed_as_it_gets_its_name_is_not_made_again(stores, tmp_pat
     with pytest.raises(DataError, match=r"D.partial: was made with another ensemble.scenes"):
         make_dataset(tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\n"), DatasetOptions.of("coco"), lambda _: [], resume=True)
     again = make_dataset(tmp_path / "D", PLAN, DatasetOptions.of("coco"), lambda _: pytest.fail("rendered again"), resume=True)
-    assert not list(check.problems(again))
+    assert not list(dataset_writing.problems(again))
     assert [path.name for path in tmp_path.iterdir()] == ["D"]
 
 
@@ -391,20 +390,20 @@ def spoil_table(folder):
 )
 def test_what_is_spoilt_is_found(coco, tmp_path, spoil, told):
     folder = shutil.copytree(coco, tmp_path / "D")
-    assert list(check.problems(folder)) == []
+    assert list(dataset_writing.problems(folder)) == []
     spoil(folder)
     if "SHA256SUMS" not in told and "missing" not in told:
-        assert any("checksum" in line for line in check.problems(folder))
-        check.write_sums(folder)
-    assert any(told in line for line in check.problems(folder))
+        assert any("checksum" in line for line in dataset_writing.problems(folder))
+        dataset_writing.write_sums(folder)
+    assert any(told in line for line in dataset_writing.problems(folder))
 
 
 def test_sirst_masks_that_are_not_of_their_boxes_are_found(stores, tmp_path):
     folder = made(stores, tmp_path / "D", "sirst")
     path = folder / "masks" / f"{image_name(0, 0)}.png"
     Image.fromarray(np.roll(np.asarray(Image.open(path)), 9, axis=0)).save(path)
-    check.write_sums(folder)
-    found = list(check.problems(folder))
+    dataset_writing.write_sums(folder)
+    found = list(dataset_writing.problems(folder))
     assert any("has nothing in the box" in line for line in found)
     assert any("outside of the boxes" in line for line in found)
 

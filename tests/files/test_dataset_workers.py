@@ -11,11 +11,11 @@ from small_scenes import entries
 
 from seaglint.cluster import Here, Job
 from seaglint.cluster.job import outgoing
-from seaglint.files.dataset import check
-from seaglint.files.dataset.split import SPLITS
-from seaglint.files.store.store import Interrupted
-from seaglint.scenario.records.dataset_table import Dataset
-from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
+from seaglint.formats.dataset import dataset_writing
+from seaglint.formats.dataset.scene_records import SPLITS
+from seaglint.scenario.records.ensemble_tables import Dataset
+from seaglint.store.sequence_store import Interrupted
+from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, DatasetPlan, make_dataset
 
 PLAN = DatasetPlan("small", 3, Dataset(), "[ensemble]\nscenes = 4\n")
 
@@ -44,7 +44,7 @@ def test_a_relative_folder_is_found_by_workers_elsewhere(stores, tmp_path, monke
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
     make_dataset(Path("D"), PLAN, DatasetOptions.of("sirst"), lambda _: stores, workers=Elsewhere(tmp_path / "there"))
-    assert not list(check.problems(tmp_path / "D"))
+    assert not list(dataset_writing.problems(tmp_path / "D"))
     assert not any((tmp_path / "there").iterdir())
 
 

@@ -15,14 +15,13 @@ from PIL import Image
 
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.schema import VARIABLES
-from seaglint.files.export import tiff
-from seaglint.files.export.encoding import Counts
-from seaglint.files.export.stack import select
-from seaglint.files.export.stack_writing import write_stack
-from seaglint.files.recording import open_recording
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import open_sequence, write_sequence
+from seaglint.formats.export import file_formats
+from seaglint.formats.export.stack import Counts, select
+from seaglint.formats.recording import open_recording
 from seaglint.optics.band import Band
+from seaglint.plot.run_export import write_stack
+from seaglint.store.layout import Layout
+from seaglint.store.sequence_store import open_sequence, write_sequence
 
 RATE = 30.0
 AZIMUTH = np.linspace(100.0, 109.0, 10)
@@ -317,7 +316,7 @@ def test_a_stack_that_imagej_calibrated_is_read_in_its_units(tmp_path):
 
 
 def test_large_stacks_are_bigtiff(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(tiff, "_SMALL", 1000)
+    monkeypatch.setattr(file_formats, "_SMALL", 1000)
     write_stack(select(run), tmp_path / "x.tif")
     assert (tmp_path / "x.tif").read_bytes()[:4] == b"II+\x00"
     np.testing.assert_array_equal(read_back(tmp_path / "x.tif")[0], FRAMES)
@@ -398,8 +397,8 @@ def test_a_header_that_is_there_is_not_replaced(run, tmp_path):
 FULL = """
 import resource, signal, sys, numpy as np, xarray as xr
 from seaglint.base.errors import StorageError
-from seaglint.files.export.stack import select
-from seaglint.files.export.stack_writing import write_stack
+from seaglint.formats.export.stack import select
+from seaglint.plot.run_export import write_stack
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 sys.dont_write_bytecode = True  # Python would keep half of what it compiles, and fail at its next start
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))

@@ -15,10 +15,10 @@ import xarray as xr
 
 from seaglint.base.errors import DataError, StorageError
 from seaglint.base.schema import VARIABLES
-from seaglint.files.failures import storage_errors
-from seaglint.files.netcdf import write_netcdf
-from seaglint.files.provenance import band_attributes, provenance, stored_band
-from seaglint.files.tables.response import read_response
+from seaglint.formats.tables.spectra import read_response
+from seaglint.store.netcdf import write_netcdf
+from seaglint.store.outputs import storage_errors
+from seaglint.store.provenance import band_attributes, provenance, stored_band
 
 
 def dataset() -> xr.Dataset:
@@ -73,7 +73,7 @@ FULL = """
 import resource, sys
 import numpy as np, xarray as xr
 from seaglint.base.errors import StorageError
-from seaglint.files.netcdf import write_netcdf
+from seaglint.store.netcdf import write_netcdf
 noise = np.random.default_rng(1).random((300, 300))
 sys.dont_write_bytecode = True  # Python would keep half of what it compiles, and fail at its next start
 resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))

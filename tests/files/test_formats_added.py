@@ -9,17 +9,16 @@ import pytest
 import xarray as xr
 from small_scenes import entries
 
-import seaglint.files.dataset
-import seaglint.files.export
+import seaglint.formats.dataset
+import seaglint.formats.export
 from seaglint.base.errors import DataError
-from seaglint.files.dataset import check
-from seaglint.files.dataset.dataset_format import DatasetFormat
-from seaglint.files.dataset.split import SPLITS
-from seaglint.files.export.export_format import ExportFormat
-from seaglint.files.export.stack import select
-from seaglint.files.export.stack_writing import write_stack
-from seaglint.scenario.records.dataset_table import Dataset
-from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
+from seaglint.formats.dataset import dataset_writing
+from seaglint.formats.dataset.scene_records import SPLITS, DatasetFormat
+from seaglint.formats.export.file_formats import ExportFormat
+from seaglint.formats.export.stack import select
+from seaglint.plot.run_export import write_stack
+from seaglint.scenario.records.ensemble_tables import Dataset
+from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, DatasetPlan, make_dataset
 
 
 class Names(DatasetFormat):
@@ -53,8 +52,8 @@ class Sums(ExportFormat):
 
 @pytest.fixture
 def added(monkeypatch):
-    monkeypatch.setattr(seaglint.files.dataset, "FORMATS", (*seaglint.files.dataset.FORMATS, Names))
-    monkeypatch.setattr(seaglint.files.export, "FORMATS", (*seaglint.files.export.FORMATS, Sums))
+    monkeypatch.setattr(seaglint.formats.dataset, "FORMATS", (*seaglint.formats.dataset.FORMATS, Names))
+    monkeypatch.setattr(seaglint.formats.export, "FORMATS", (*seaglint.formats.export.FORMATS, Sums))
 
 
 def test_a_format_of_data_sets(added, tmp_path):
@@ -64,8 +63,8 @@ def test_a_format_of_data_sets(added, tmp_path):
     assert len((folder / "names.txt").read_text().split()) == len(list((folder / "images").glob("*.png")))
     assert Names.layout in (folder / "README.md").read_text()
     (folder / "names.txt").write_text("")
-    check.write_sums(folder)
-    assert list(check.problems(folder)) == ["names.txt: is empty"]
+    dataset_writing.write_sums(folder)
+    assert list(dataset_writing.problems(folder)) == ["names.txt: is empty"]
     with pytest.raises(DataError, match="zarr, names;"):
         DatasetOptions.of("voc")
 

@@ -29,22 +29,21 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from seaglint.base.errors import ScenarioError, SeaglintError
-from seaglint.files.air.air_file import read_atmosphere, write_atmosphere
-from seaglint.files.netcdf import write_netcdf
-from seaglint.files.provenance import band_attributes, provenance
-from seaglint.files.recording import open_recording
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import write_sequence
-from seaglint.files.tables.cases import read_cases
-from seaglint.files.tables.response import read_response
-from seaglint.files.tables.track import read_track
-from seaglint.files.waves import WaveChoice, read_waves
+from seaglint.formats.air_file import read_atmosphere, write_atmosphere
+from seaglint.formats.recording import open_recording
+from seaglint.formats.tables.input_tables import read_cases, read_track
+from seaglint.formats.tables.spectra import read_response
+from seaglint.formats.waves import WaveChoice, read_waves
 from seaglint.optics.band import Band
 from seaglint.scenario.keys import key_paths
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.text.template import template
-from seaglint.studies.contents.output_facts import describe, lines
-from seaglint.studies.prepare.air_export import export_air
+from seaglint.store.layout import Layout
+from seaglint.store.netcdf import write_netcdf
+from seaglint.store.provenance import band_attributes, provenance
+from seaglint.store.sequence_store import write_sequence
+from seaglint.studies.air_files import export_air
+from seaglint.studies.file_contents import describe, lines
 
 PATIENCE = 600.0
 """Seconds of the processor from which reading a small file counts as a hang: no machine is that slow."""

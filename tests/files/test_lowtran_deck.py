@@ -7,9 +7,9 @@ import pytest
 
 from seaglint.air.profile.air_profile import saturation_density
 from seaglint.base.errors import DataError, DomainError
-from seaglint.files.lowtran.deck import HAZES, MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
-from seaglint.files.lowtran.program_levels import program_levels
+from seaglint.formats.lowtran.deck import HAZES, MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.scenario.records.atmosphere_table import LowtranAtmosphere
+from seaglint.studies.build.profile_air import program_levels
 
 
 def columns(line, width):

@@ -16,14 +16,13 @@ from seaglint.air.scattering.scattered_tables import scattered_in
 from seaglint.air.scattering.scattering_laws import scattering_angle
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import BackendError, DomainError, StorageError
-from seaglint.base.user_cache import cache_folder
+from seaglint.base.machine import cache_folder
 from seaglint.facet.sea_view import BandSum
-from seaglint.files.lowtran import cache, engine, sample
-from seaglint.files.lowtran.deck import Aerosol, LowtranAir, LowtranCase, ProfileLevel
-from seaglint.files.lowtran.laws_of_run import live_air
-from seaglint.files.lowtran.program_levels import MODEL_LEVELS_KM
+from seaglint.formats.lowtran import engine, lowtran_sample
+from seaglint.formats.lowtran.deck import Aerosol, LowtranAir, LowtranCase, ProfileLevel
+from seaglint.formats.lowtran.lowtran_sample import live_air
 from seaglint.optics.band import Band
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import MODEL_LEVELS_KM, model_air
 
 BAND = (3.9, 4.1)
 SMALL = LowtranAir("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2435, 2565)
@@ -78,9 +77,9 @@ def test_single_runs_are_the_reference_runs(live, row):
 def test_between_the_nodes_it_is_lowtran7(live, height):
     """Paths, Sun and sky at random angles against runs of their own; 5e-4 is a quarter of the median error wanted, nodes leave 1e-5."""
     rng = np.random.default_rng(7)
-    found = sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, height, BAND)
+    found = lowtran_sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, height, BAND)
     weights = Band.rectangular(*BAND).weights(found.wavenumber_cm)
-    bends = sample._results([LowtranCase(SMALL, "path", height / 1e3, 180.0)], live, 60.0, None).refraction
+    bends = lowtran_sample._results([LowtranCase(SMALL, "path", height / 1e3, 180.0)], live, 60.0, None).refraction
     dip, ours = bends.dip(height), horizon_depression(height)
     for share in rng.uniform(0.0, 1.0, 4):
         depression = float(dip * (1.001 + (0.5 * np.pi / dip - 1.001) * share**6))
@@ -106,7 +105,7 @@ def test_cards_of_a_line_between_two_heights():
 
 def test_paths_to_points_above_the_sea_are_run_live(live):
     """Lines up, down and upright against runs by angle, whose arc LOWTRAN7 tells; level, short and grazing ones against the table."""
-    found = sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, 30.0, BAND)
+    found = lowtran_sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, 30.0, BAND)
     for zenith, end in ((88.0, 0.4), (91.0, 0.01), (0.0, 0.08), (180.0, 0.02)):
         run = engine.run(live.program, LowtranCase(SMALL, "path", 0.03, zenith, end))
         tau, path = found.path(30.0, run.arc_m, 1e3 * end)
@@ -121,7 +120,7 @@ def test_paths_to_points_above_the_sea_are_run_live(live):
 
 
 def test_the_table_is_the_same_atmosphere(live):
-    found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
+    found = lowtran_sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
     table = model_air("us-standard-1976", 7.0, BAND, spectroscopy="lowtran7")
     np.testing.assert_array_equal(found.wavenumber_cm, table.wavenumber_cm)
     arc = np.array([50.0, 3000.0, 15e3])
@@ -165,17 +164,17 @@ def test_haze_visibility_and_air_mass_act(live):
 
 def test_second_time_nothing_runs_and_a_damaged_entry_is_told_and_replaced(live, monkeypatch, caplog):
     cases = [LowtranCase(SMALL, "sky", 0.0, z) for z in (10.0, 20.0)]
-    first = sample._results(cases, live, 60.0, None)
-    (path,) = [cache.entry(cache.key_of(live.identity, *(case.deck() for case in cases)))]
+    first = lowtran_sample._results(cases, live, 60.0, None)
+    (path,) = [engine.entry(engine.key_of(live.identity, *(case.deck() for case in cases)))]
     with monkeypatch.context() as patch:
         patch.setattr(engine, "run_all", lambda *a, **k: pytest.fail("ran"))
-        np.testing.assert_array_equal(sample._results(cases, live, 60.0, None).emitted, first.emitted)
+        np.testing.assert_array_equal(lowtran_sample._results(cases, live, 60.0, None).emitted, first.emitted)
     content = path.read_bytes()
     for damage in (content[:-100], content[:200] + bytes([content[200] ^ 1]) + content[201:], b""):
         path.write_bytes(damage)
         caplog.clear()
         with caplog.at_level(logging.WARNING, "seaglint"):
-            np.testing.assert_array_equal(sample._results(cases, live, 60.0, None).emitted, first.emitted)
+            np.testing.assert_array_equal(lowtran_sample._results(cases, live, 60.0, None).emitted, first.emitted)
         (record,) = caplog.records
         assert path.name in record.getMessage()
         assert "\n" not in record.getMessage()
@@ -220,7 +219,7 @@ def test_a_failed_case_ends_the_others_and_keeps_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
     found = engine.Engine(script(tmp_path, "exit 1\n"), "fake")
     with pytest.raises(BackendError):
-        sample._results([LowtranCase(SMALL, "sky", 0.0, float(z)) for z in range(50)], found, HANG, None)
+        lowtran_sample._results([LowtranCase(SMALL, "sky", 0.0, float(z)) for z in range(50)], found, HANG, None)
     assert not (tmp_path / "cache").exists()
 
 
@@ -278,14 +277,14 @@ def test_a_cache_that_cannot_be_written_is_one_line(compiled, tmp_path, monkeypa
     with pytest.raises(StorageError):
         engine.engine()
     with caplog.at_level(logging.WARNING, "seaglint"):
-        cache.keep("key", {"a": np.zeros(2)})
+        engine.keep("key", {"a": np.zeros(2)})
     assert "was not kept" in caplog.records[-1].getMessage()
 
 
 @pytest.mark.parametrize(("height", "band", "told"), [(30.0, (3.0, 40.0), "band 3-40 um"), (1e-3, BAND, "sensor height = 0.001 m")])
 def test_what_lowtran7_does_not_cover_is_refused_before_it_runs(height, band, told):
     with pytest.raises(DomainError, match=told):
-        sample.lowtran_atmosphere("tropical", Aerosol(), height, band)
+        lowtran_sample.lowtran_atmosphere("tropical", Aerosol(), height, band)
 
 
 def test_the_cache_folder_follows_the_environment(monkeypatch, tmp_path):
@@ -343,7 +342,7 @@ def test_laws_of_a_run_give_its_scattered_sunlight(live, haze, line):
 
 
 def test_live_air_scatters_like_the_table(live):
-    found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
+    found = lowtran_sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
     table = model_air("us-standard-1976", 7.0, BAND, "lowtran", "lowtran7")
     over = BandSum.of(Band.rectangular(*BAND), table)
     ours, theirs = (scattered_in(air, over.grid, over.weights, 30.0, 1.2) for air in (found, table))

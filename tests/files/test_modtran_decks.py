@@ -6,12 +6,21 @@ import json
 import numpy as np
 import pytest
 
-from seaglint.air.table.table_file import BandTable
+from seaglint.air.lowtran_table import BandTable
 from seaglint.base.errors import DataError
-from seaglint.files.lowtran.deck import Aerosol, LowtranAir, ProfileLevel
-from seaglint.files.modtran.json_deck import json_deck
-from seaglint.files.modtran.lines import AZIMUTHS, DIP_NODES, PATH_NODES, SKY_NODES, Manifest, ModtranCase, needed_lines, read_manifest
-from seaglint.files.modtran.tape5 import deck
+from seaglint.formats.lowtran.deck import Aerosol, LowtranAir, ProfileLevel
+from seaglint.formats.modtran.decks import (
+    AZIMUTHS,
+    DIP_NODES,
+    PATH_NODES,
+    SKY_NODES,
+    Manifest,
+    ModtranCase,
+    deck,
+    json_deck,
+    needed_lines,
+    read_manifest,
+)
 
 AIR = LowtranAir("midlatitude-winter", Aerosol(wind=7.0, wind_24h=5.0), 2435, 2565)
 LINES = [

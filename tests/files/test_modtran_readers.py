@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError, SeaglintError
-from seaglint.files.air.air_file import read_atmosphere, write_atmosphere
-from seaglint.files.modtran.reading import read_air, read_spectra
-from seaglint.files.modtran.tape7 import fortran_number
+from seaglint.formats.air_file import read_atmosphere, write_atmosphere
+from seaglint.formats.modtran.modtran_air import read_air, read_spectra
+from seaglint.formats.modtran.output_files import fortran_number
 
 WRITERS = {
     "TAPE7": (made.lowtran7, 6e-3),

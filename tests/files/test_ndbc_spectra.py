@@ -12,7 +12,7 @@ import pytest
 from wave_files import FREQUENCY, FROM, POWER, energy
 
 from seaglint.base.errors import DataError
-from seaglint.files.waves import WaveChoice, read_waves
+from seaglint.formats.waves import WaveChoice, read_waves
 
 R1, R2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
 THEN = np.datetime64("1996-06-01T03:00")

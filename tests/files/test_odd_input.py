@@ -8,10 +8,9 @@ import pytest
 import xarray as xr
 
 from seaglint.base.errors import DataError, ScenarioError
-from seaglint.files.tables.cases import read_cases
-from seaglint.files.tables.response import read_response
-from seaglint.files.tables.table_text import plain_number, read_text_table
-from seaglint.files.tables.track import read_track
+from seaglint.formats.tables.input_tables import read_cases, read_track
+from seaglint.formats.tables.spectra import read_response
+from seaglint.formats.tables.table_text import plain_number, read_text_table
 from seaglint.scenario.load import load_scenario, parse_scenario
 
 
@@ -93,7 +92,7 @@ def test_cells_over_several_lines_are_told(tmp_path, read):
 
 
 def test_a_text_for_the_frame_rate_is_told(tmp_path):
-    from seaglint.studies.contents.output_facts import describe
+    from seaglint.studies.file_contents import describe
 
     path = tmp_path / "a.nc"
     xr.Dataset({"radiance": (("time", "y", "x"), [[[1.0, 2.0]]])}, {"frame": ("time", [0])}, {"frame_rate_hz": "fast"}).to_netcdf(

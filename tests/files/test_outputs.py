@@ -8,10 +8,10 @@ import pytest
 import xarray as xr
 
 from seaglint.base.errors import DataError
-from seaglint.files.netcdf import write_netcdf
-from seaglint.files.outputs import moved_when_whole, refuse_existing
-from seaglint.files.tables.cases import read_cases, write_cases
-from seaglint.files.tables.columns import write_columns
+from seaglint.formats.tables.input_tables import read_cases, write_cases
+from seaglint.formats.tables.table_text import write_columns
+from seaglint.store.netcdf import write_netcdf
+from seaglint.store.outputs import moved_when_whole, refuse_existing
 
 needs_fifo = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are a matter of Unix")
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError, StorageError
-from seaglint.files import ply
-from seaglint.files.ply import ply_bytes, write_ply
+from seaglint.formats import mesh
+from seaglint.formats.mesh import ply_bytes, write_ply
 
 TYPES = {"float": "<f4", "uchar": "u1", "int": "<i4"}
 
@@ -80,7 +80,7 @@ def test_a_mesh_needs_two_points_each_way(shape, tmp_path):
 
 
 def test_what_the_disk_cannot_hold_is_refused_with_its_size(tmp_path, monkeypatch):
-    monkeypatch.setattr(ply.shutil, "disk_usage", lambda path: type("Usage", (), {"free": 10})())
+    monkeypatch.setattr(mesh.shutil, "disk_usage", lambda path: type("Usage", (), {"free": 10})())
     with pytest.raises(StorageError, match="GB are free"):
         write_ply(tmp_path / "sea.ply", np.arange(3.0), np.arange(3.0), np.zeros((3, 3, 3), np.float32))
     assert list(tmp_path.iterdir()) == []

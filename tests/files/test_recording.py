@@ -10,7 +10,7 @@ import pytest
 
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
-from seaglint.files.recording import RawLayout, open_recording
+from seaglint.formats.recording import RawLayout, open_recording
 
 FRAMES, ROWS, COLUMNS = 12, 6, 9
 COUNTS = np.random.default_rng(4).integers(0, 4000, (FRAMES, ROWS, COLUMNS)).astype(np.uint16)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 
 RNG = np.random.default_rng(11)
 FRAMES = RNG.gamma(9.0, 30.0, (12, 32, 40)).astype(np.uint16)
@@ -227,8 +227,7 @@ def test_names_of_channels_are_shown(tmp_path: Path) -> None:
 
 
 def test_pixels_of_few_values_are_not_dead() -> None:
-    from seaglint.analysis.recording import Recording
-    from seaglint.analysis.survey import survey
+    from seaglint.analysis.recording import Recording, survey
 
     frames = FRAMES.astype(np.float32)
     frames[1:, 3, 4] = np.nan

@@ -9,7 +9,7 @@ import pytest
 from odd_recordings import MAKERS
 
 from seaglint.base.errors import DataError
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 
 FEW, MANY = 40, 500
 

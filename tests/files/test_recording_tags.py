@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from seaglint.analysis.recording import Recording
-from seaglint.analysis.survey import survey
+from seaglint.analysis.recording import Recording, survey
 from seaglint.base.errors import DataError
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 
 FRAMES = np.random.default_rng(7).gamma(9.0, 30.0, (4, 64, 96))
 

@@ -14,10 +14,10 @@ import zarr
 from toy_store import frame, layout, pixels
 
 from seaglint.base.errors import BackendError, DataError, StorageError
-from seaglint.files.store.location import Local, place_of
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import finish_sequence, open_sequence, write_sequence
-from seaglint.studies.contents.output_facts import describe
+from seaglint.store.location import Local, place_of
+from seaglint.store.sequence_store import finish_sequence, open_sequence, write_sequence
+from seaglint.store.writers import Share
+from seaglint.studies.file_contents import describe
 
 
 @pytest.fixture

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.files.export.stack import select
-from seaglint.files.export.stack_writing import write_stack
-from seaglint.files.netcdf import write_netcdf
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import open_sequence, write_sequence
+from seaglint.formats.export.stack import select
 from seaglint.optics.band import Band
+from seaglint.plot.run_export import write_stack
+from seaglint.store.layout import Layout
+from seaglint.store.netcdf import write_netcdf
+from seaglint.store.sequence_store import open_sequence, write_sequence
 
 FULL = 65535
 BITS = [12, 14, 16]

@@ -5,9 +5,9 @@ import pytest
 import xarray as xr
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.files.air.air_file import read_atmosphere, write_atmosphere
+from seaglint.formats.air_file import read_atmosphere, write_atmosphere
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 NU = np.arange(2430.0, 2571.0, 5.0)
 ARC = np.array([0.0, 200.0, 2000.0, 15000.0])
@@ -73,10 +73,10 @@ def test_another_sun_is_refused(tmp_path):
     path = write_atmosphere(scattered_columns(), tmp_path / "a.nc")
     for zenith in (76.0, 76.05, 95.0):  # one below the horizontal scatters nothing
         wanted = file_air_scenario(path, zenith)
-        assert prepare.atmosphere(wanted, prepare.band(wanted)).scattered is not None
+        assert scenario_physics.atmosphere(wanted, scenario_physics.band(wanted)).scattered is not None
     wanted = file_air_scenario(path, 70.0)
     with pytest.raises(DomainError, match=r"solar zenith = 70 deg: .*a\.nc holds scattered sunlight of a Sun at 76 deg only") as caught:
-        prepare.atmosphere(wanted, prepare.band(wanted))
+        scenario_physics.atmosphere(wanted, scenario_physics.band(wanted))
     assert caught.value.name == "solar_zenith"
 
 

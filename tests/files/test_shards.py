@@ -24,14 +24,13 @@ import zarr
 from toy_store import COLUMNS, ROWS, frame, layout, pixels
 
 from seaglint.base.errors import BackendError, DataError, StorageError
-from seaglint.base.processor import processor
+from seaglint.base.machine import processor
 from seaglint.cluster import LocalProcesses
-from seaglint.files.store.claim import exclusive
-from seaglint.files.store.filling import UnitTask, unit_maker
-from seaglint.files.store.shards import Shards, UnitFailure
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import Interrupted, finish_sequence, open_sequence, partial_path, write_sequence
-from seaglint.studies.sequence.spread import over
+from seaglint.store.missing_frames import UnitTask, unit_maker
+from seaglint.store.sequence_store import Interrupted, finish_sequence, open_sequence, partial_path, write_sequence
+from seaglint.store.shards import Shards, UnitFailure
+from seaglint.store.writers import Share, exclusive
+from seaglint.studies.sequence.sequence_work import over
 
 
 def files(store: Path) -> dict[str, str]:
@@ -287,11 +286,11 @@ def test_another_version_is_refused_and_another_processor_told(output, monkeypat
             unit_maker(task, layout(), frame)
     other = layout()
     other = replace(other, attributes={**other.attributes, "seaglint_version": "9.9"})
-    monkeypatch.setattr("seaglint.files.store.store.__version__", "9.9")
+    monkeypatch.setattr("seaglint.store.sequence_store.__version__", "9.9")
     with pytest.raises(DataError, match="go on with that version"):
         write_sequence(output, other, frame, share=Share(1, 2))
     monkeypatch.undo()
-    monkeypatch.setattr("seaglint.files.store.store.processor", lambda: "aarch64 other")
+    monkeypatch.setattr("seaglint.store.sequence_store.processor", lambda: "aarch64 other")
     with caplog.at_level(logging.WARNING, logger="seaglint"):
         write_sequence(output, layout(), frame, share=Share(1, 2))
     assert len([line for line in caplog.messages if "last bits" in line]) == 1

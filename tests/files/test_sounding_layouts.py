@@ -8,8 +8,8 @@ import xarray as xr
 from sounding_files import LAYOUTS, ascent, save
 
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.raw_sounding import others_left
-from seaglint.files.soundings.sounding import read_sounding
+from seaglint.formats.soundings.sounding import read_sounding
+from seaglint.formats.soundings.sounding_columns import others_left
 
 MODELS = ("tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976")
 

@@ -8,8 +8,7 @@ from seaglint.air.profile.air_profile import AirProfile, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.continuation import continuations, percent
-from seaglint.files.soundings.sounding import Sounding, read_sounding
+from seaglint.formats.soundings.sounding import Sounding, continuations, percent, read_sounding
 from seaglint.optics.band import Band, apparent_temperature
 
 NAMES = "height_m,pressure_hpa,temperature_k,relative_humidity_percent\n"
@@ -239,7 +238,7 @@ def test_levels_without_one_humidity_have_another_of_the_file(tmp_path):
 
 def test_the_share_of_vapour_below_the_first_humidity_is_reported(tmp_path):
     """It is most of the water where humidity begins high."""
-    from seaglint.files.soundings.continuation import continuations
+    from seaglint.formats.soundings.sounding import continuations
 
     truth = ascent("us-standard-1976", np.arange(5.0, 12e3, 100.0))
     lines = ["height_m,pressure_hpa,temperature_k,rh (%)"]
@@ -259,8 +258,7 @@ def test_the_share_of_vapour_below_the_first_humidity_is_reported(tmp_path):
 
 def test_humidity_aloft_joins_that_of_the_model_within_its_scale_height():
     """Half of the model's humidity where it ends: the factor 0.5 ** exp(-z / 2 km) above, in the troposphere."""
-    from seaglint.air.profile.air_profile import model_levels, saturation_density
-    from seaglint.air.profile.humidity_above import continued_humidity
+    from seaglint.air.profile.air_profile import continued_humidity, model_levels, saturation_density
 
     z = np.arange(0.0, 8001.0, 250.0)
     pressure, kelvin, vapour, _ = model_levels("us-standard-1976", z)

@@ -8,18 +8,16 @@ import pytest
 import xarray as xr
 from sounding_files import ascent, save
 
-from seaglint.air.profile.air_profile import GASES, model_levels, model_profile, sounding_profile
+from seaglint.air.profile.air_profile import GASES, model_levels, model_profile, ozone_dobson, sounding_profile
 from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
-from seaglint.air.profile.ozone_above import ozone_dobson
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.air_summary import summarise_air
-from seaglint.files.soundings.sounding import read_sounding
+from seaglint.formats.soundings.air_summary import summarise_air
+from seaglint.formats.soundings.sounding import read_sounding
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare.profile_air import profile_atmosphere
-from seaglint.studies.prepare.sounding_air import program_sounding
+from seaglint.studies.build.profile_air import profile_atmosphere, program_sounding
 
 OZONE = GASES.index("O3")
 MODEL = "midlatitude-summer"

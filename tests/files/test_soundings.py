@@ -10,9 +10,9 @@ from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.errors import DataError
-from seaglint.files.soundings.raw_sounding import RawSounding
-from seaglint.files.soundings.sounding import geometric_height, read_sounding
-from seaglint.files.soundings.sounding_checks import DRY_AIR, hydrostatic_thickness, virtual_temperature
+from seaglint.formats.soundings.sounding import geometric_height, read_sounding
+from seaglint.formats.soundings.sounding_checks import DRY_AIR, hydrostatic_thickness, virtual_temperature
+from seaglint.formats.soundings.sounding_columns import RawSounding
 
 HEAD = "height_m,pressure_hpa,temperature_k,relative_humidity_percent\n"
 Z = np.array([5.0, 120.0, 300.0, 640.0, 1010.0, 1560.0, 2200.0, 3150.0, 4350.0, 5900.0, 7600.0, 9700.0, 12_300.0, 16_600.0, 20_700.0])

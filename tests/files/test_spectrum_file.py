@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError
-from seaglint.files.tables.spectrum_file import read_spectrum, spectrum_of_columns
+from seaglint.formats.tables.spectra import read_spectrum, spectrum_of_columns
 from seaglint.optics.blackbody import planck_wavenumber
 
 NU = np.array([900.0, 1000.0, 1100.0])

@@ -15,12 +15,12 @@ import pytest
 import xarray as xr
 
 from seaglint.base.errors import DataError, StorageError
-from seaglint.files.provenance import provenance
-from seaglint.files.stopping import stop_on_signal
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.shards import Shards
-from seaglint.files.store.store import Interrupted, open_sequence, partial_path, write_sequence
 from seaglint.optics.band import Band
+from seaglint.store.layout import Layout
+from seaglint.store.outputs import stop_on_signal
+from seaglint.store.provenance import provenance
+from seaglint.store.sequence_store import Interrupted, open_sequence, partial_path, write_sequence
+from seaglint.store.shards import Shards
 
 ROWS, COLUMNS = 6, 9
 

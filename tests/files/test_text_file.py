@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from seaglint.base.errors import DataError
-from seaglint.files.tables.rows import read_rows, write_rows
-from seaglint.files.tables.table_text import csv_text
-from seaglint.files.text_file import read_json, read_text, write_json, write_text
+from seaglint.formats.tables.table_text import csv_text, read_rows, write_rows
+from seaglint.store.outputs import read_json, read_text, write_json, write_text
 
 
 @pytest.mark.parametrize("text", ["", "a\r\nb\n", "µm"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError
-from seaglint.files.tables.track import read_track
+from seaglint.formats.tables.input_tables import read_track
 
 
 def written(tmp_path, text):

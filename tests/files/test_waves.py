@@ -14,9 +14,9 @@ import xarray as xr
 from wave_files import FROM, LATITUDE, LONGITUDE, TIMES
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.files.waves import FORMATS, WaveChoice, read_waves
-from seaglint.files.waves.record_choice import distance_km
-from seaglint.scenario.records.sea_spectrum import SpectrumFile
+from seaglint.formats.waves import FORMATS, WaveChoice, read_waves
+from seaglint.formats.waves.wave_records import distance_km
+from seaglint.scenario.records.sea_tables import SpectrumFile
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 

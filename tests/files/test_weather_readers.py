@@ -12,14 +12,13 @@ import weather_files as made
 import xarray as xr
 
 from seaglint.base.errors import BackendError, DataError
-from seaglint.climate.select import GeographicBox, Selection
+from seaglint.climate.weather_selection import GeographicBox, Selection
 from seaglint.climate.weather_table import WeatherTable
-from seaglint.files.weather import era5_weather as era5
-from seaglint.files.weather import imma
-from seaglint.files.weather import ndbc_weather as ndbc
-from seaglint.files.weather.read_weather import WeatherReading, read_source
-from seaglint.files.weather.weather_file import read_weather, write_weather
-from seaglint.scenario.text.weather_map import parse_map
+from seaglint.formats.weather import era5_weather as era5
+from seaglint.formats.weather import marine_reports
+from seaglint.formats.weather import marine_reports as ndbc
+from seaglint.formats.weather.weather_file import WeatherReading, read_source, read_weather, write_weather
+from seaglint.scenario.text.option_texts import parse_map
 
 
 def _independent(path: Path) -> pd.DataFrame:
@@ -139,9 +138,9 @@ def test_grib_has_the_values_that_were_packed(tmp_path: Path, times: int) -> Non
 
 
 def test_the_core_of_imma_has_108_characters() -> None:
-    assert max(last for _, last in imma.LAYOUT.values()) == 108
+    assert max(last for _, last in marine_reports.LAYOUT.values()) == 108
     # Columns of the published table C0, counted from 1.
-    assert {name: imma.LAYOUT[name][0] + 1 for name in ("LAT", "D", "W", "VV", "AT", "DPT", "SST", "N", "WH", "SH")} == {
+    assert {name: marine_reports.LAYOUT[name][0] + 1 for name in ("LAT", "D", "W", "VV", "AT", "DPT", "SST", "N", "WH", "SH")} == {
         "LAT": 13, "D": 47, "W": 51, "VV": 55, "AT": 70, "DPT": 80, "SST": 86, "N": 90, "WH": 101, "SH": 107,
     }  # fmt: skip
 
@@ -159,7 +158,7 @@ def test_imma_records_are_those_of_pandas_fixed_width(tmp_path: Path) -> None:
     path.write_text("\n".join(records) + "\n")
     source = read_source(path, Selection(), WeatherReading())
     column = source.columns
-    specs = [imma.LAYOUT[name] for name in ("HR", "LAT", "LON", "W", "AT", "SST")]
+    specs = [marine_reports.LAYOUT[name] for name in ("HR", "LAT", "LON", "W", "AT", "SST")]
     frame = pd.read_fwf(io.StringIO("\n".join(records)), colspecs=specs, header=None, names=["HR", "LAT", "LON", "W", "AT", "SST"])
     np.testing.assert_allclose(column["hour_utc"], frame["HR"] / 100)
     np.testing.assert_allclose(column["latitude_deg"], frame["LAT"] / 100)

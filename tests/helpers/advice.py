@@ -14,7 +14,7 @@ SOURCES = Path(seaglint.__file__).parent
 GAP = "\N{REPLACEMENT CHARACTER}"
 """Stands for what is filled in when the program runs."""
 
-OF_OBJECTS = ("scenario/records/objects.py", "studies/prepare/bodies.py")
+OF_OBJECTS = ("scenario/records/object_tables.py", "studies/build/bodies.py")
 """Sources whose messages are of an object, so that its keys need no table before them."""
 
 _VALUE = r"""(?:"[^"]*"|'[^']*'|\[[^\]]*\]|\{[^}]*\}|true|false|[-+]?\d[\d.e+-]*\d|\d)"""

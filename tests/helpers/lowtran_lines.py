@@ -9,7 +9,7 @@ from seaglint.air.profile.air_sums import AirSums
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.profile_scattering import scattering_air
 from seaglint.air.scattering.scattering_laws import scattering_angle
-from seaglint.files.lowtran.deck import HAZES, MODELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
+from seaglint.formats.lowtran.deck import HAZES, MODELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
 
 BANDS = ((2000, 2860), (2000, 3335), (770, 1250), (830, 1000), (1380, 1780), (1815, 5005), (5000, 9000))
 """Wavenumbers [cm-1]: 3.5-5, 3-5, 8-13, 10-12, 5.6-7.2, 2-5.5, 1.1-2 um."""

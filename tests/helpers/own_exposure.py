@@ -10,7 +10,7 @@ from scipy.special import j1
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 STEP = 60e-6
 """Angle between pixels [rad]."""

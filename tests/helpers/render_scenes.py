@@ -11,21 +11,20 @@ from seaglint.air.isothermal import IsothermalAtmosphere
 from seaglint.air.protocol import slant_range
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.attitude_scene import TurnedScene
+from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.layers import Layers
-from seaglint.imaging.scene import Scene, image
+from seaglint.imaging.scene import Accuracy, Scene, image
 from seaglint.imaging.sparkle import NO_SPARKLES
-from seaglint.imaging.swept import SweptScene
-from seaglint.imaging.turned import TurnedScene
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import Tile, plan_tiles
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA_TEMPERATURE = 288.15

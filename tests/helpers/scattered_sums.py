@@ -9,8 +9,8 @@ from render_scenes import table_air
 
 from seaglint.air.scattering.scattered_light import scattered_shares
 from seaglint.base.conventions import view_zenith_of_range
-from seaglint.facet.local_sun import solar_zenith_at
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import solar_zenith_at
 from seaglint.optics.fresnel import reflectance
 from seaglint.sea.shadowing.nested import nested_ratio
 

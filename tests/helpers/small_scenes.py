@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from seaglint.files.dataset.part import Entry
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import write_sequence
-from seaglint.files.store.stored_truth import Truth, packed
+from seaglint.formats.dataset.scene_records import Entry
 from seaglint.objects.drawing.truth import NUMBERS
 from seaglint.optics.band import Band
+from seaglint.store.layout import Layout, Truth, packed
+from seaglint.store.sequence_store import write_sequence
 
 ROWS, COLUMNS, FRAMES = 24, 32, 3
 LINE = (3.2e-4, -0.01)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from seaglint.air.profile.air_profile import model_levels, saturation_density
-from seaglint.files.soundings.sounding_checks import DRY_AIR, virtual_temperature
+from seaglint.formats.soundings.sounding_checks import DRY_AIR, virtual_temperature
 
 RADIUS = 6_356_766.0
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seaglint.detection.counting import Counting
-from seaglint.detection.sources import PlainFrames
+from seaglint.detection.sources import Counting, PlainFrames
 
 
 @dataclass

@@ -7,14 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from seaglint.files.provenance import provenance
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.shards import Frame
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import write_sequence
-from seaglint.files.store.stored_truth import Truth
 from seaglint.objects.drawing.truth import NUMBERS
 from seaglint.optics.band import Band
+from seaglint.store.layout import Layout, Truth
+from seaglint.store.provenance import provenance
+from seaglint.store.sequence_store import write_sequence
+from seaglint.store.shards import Frame
+from seaglint.store.writers import Share
 
 ROWS, COLUMNS = 3, 5
 
@@ -92,7 +91,7 @@ def slow(output: str) -> None:
 def over_workers(output: str) -> None:
     """300 frames over two processes; says so at the start and after each unit."""
     from seaglint.cluster import LocalProcesses
-    from seaglint.studies.sequence.spread import over
+    from seaglint.studies.sequence.sequence_work import over
 
     def told(done: int, total: int) -> None:
         print(done, total, flush=True)
@@ -114,7 +113,7 @@ def long_units(_: None) -> tuple[Layout, Frame]:
 def over_long_units(output: str) -> None:
     """Two processes at units of hours."""
     from seaglint.cluster import LocalProcesses
-    from seaglint.studies.sequence.spread import over
+    from seaglint.studies.sequence.sequence_work import over
 
     def told(done: int, total: int) -> None:
         print(done, total, flush=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DomainError
-from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.shadowing.seen_and_lit import coupled_bands
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics

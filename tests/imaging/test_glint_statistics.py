@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from seaglint.clutter.fits import fit
-from seaglint.clutter.goodness import distances
+from seaglint.clutter.fits import distances, fit
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 
@@ -27,10 +26,10 @@ def test_variance_falls_with_range_as_equation_18_says():
     scenario = _scenario(sea={"resolve_waves": False}, render={"subpixel_glint": "on"})
     run = prepare_sequence(scenario)
     frames = np.array([run.at(0.5 * k).radiance for k in range(400)], dtype=float)
-    view, camera = prepare.view(scenario), prepare.camera(scenario)
+    view, camera = scenario_physics.view(scenario), scenario_physics.camera(scenario)
     found = mean_radiance(view, camera.elevations, camera.azimuths)
     solid_angle = camera.row_step * camera.column_step * np.cos(camera.elevations)
-    expected = sea_variance(view, found, camera.elevations, solid_angle, prepare.glint_length(scenario)).mean(axis=1)
+    expected = sea_variance(view, found, camera.elevations, solid_angle, scenario_physics.glint_length(scenario)).mean(axis=1)
     variance = frames.var(axis=0, ddof=1).mean(axis=1)
     sea = np.flatnonzero(camera.elevations < np.radians(-0.25))
     parts = np.array_split(sea, 8)

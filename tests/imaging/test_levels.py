@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DomainError
-from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.detail_levels import Levels
-from seaglint.sea.detail import Detail
-from seaglint.sea.field import WaveField
+from seaglint.imaging.camera.imager import Camera
+from seaglint.imaging.scene import Accuracy, Levels
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import Detail, WaveField
 
 CAMERA = Camera(30.0, 0.0, np.radians(-10.0), np.radians(4.0), np.radians(3.0), 64, 48)
 LAST = 20000.0

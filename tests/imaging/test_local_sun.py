@@ -9,9 +9,8 @@ from seaglint.base.constants import EARTH_RADIUS
 from seaglint.facet import solar_disc
 from seaglint.facet.facet_sunlight import sun_factor
 from seaglint.facet.legs import SMITHS, Shadowing
-from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.roughness import line_of_sight, roughness_of
-from seaglint.facet.sunlight import sunlight, sunlight_at
+from seaglint.facet.sunlight import sunlight, sunlight_at, visible_sun
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Track
 from seaglint.radiance.mean_radiance import mean_radiance

@@ -12,9 +12,9 @@ from mirror_sea import CutSpectrum, MirrorSea, RoundSpectrum, lattice, meets, mi
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import surface_range
 from seaglint.facet.legs import BOTH
-from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
 from truth_table import (
     BESIDE,
     HEIGHT,

@@ -10,7 +10,7 @@ from seaglint.facet.roughness import line_of_sight, roughness_of
 from seaglint.facet.sunlight import sunlight
 from seaglint.imaging import wave_surface as surface
 from seaglint.imaging.launch import surface_of
-from seaglint.imaging.sweep import pieces
+from seaglint.imaging.sweep import walk
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
 
 SLOPES = gaussian_slopes(0.02, 0.015, 0.003, 0.4)
@@ -19,7 +19,7 @@ SLOPES = gaussian_slopes(0.02, 0.015, 0.003, 0.4)
 def _found(count, seed=3, spread=0.03):
     """Pieces of random slopes and extents at neighbouring samples."""
     rng = np.random.default_rng(seed)
-    made = pieces.new_pieces(3)
+    made = walk.new_pieces(3)
     made.sample[:count] = 7 + np.arange(count)
     made.extent[:count, 0] = rng.uniform(0.2, 1.0, count)
     made.extent[:count, 1] = -0.05 + 1e-4 * np.cumsum(rng.uniform(0.2, 1.0, count))
@@ -34,7 +34,7 @@ def test_a_merged_piece_has_the_moments_of_its_parts():
     made, count = _found(5), 5
     weight = np.diff(made.extent[:count, 1])
     slope, arc, length, top = made.slope[1:count].copy(), made.arc[1:count].copy(), made.extent[1:count, 0].sum(), made.extent[4, 1]
-    left = pieces.merge(made, count, -0.05, roughness_of(SLOPES, 0.0, SMITHS), (10.0, 1.0, np.inf, 0.5))
+    left = walk.merge(made, count, -0.05, roughness_of(SLOPES, 0.0, SMITHS), (10.0, 1.0, np.inf, 0.5))
     assert left == 2
     assert (made.begin[0], made.sample[0], made.begin[1], made.sample[1]) == (7, 7, 8, 11)
     assert made.extent[1] == pytest.approx((length, top), rel=1e-12)
@@ -51,16 +51,16 @@ def test_a_merged_piece_has_the_moments_of_its_parts():
 )
 def test_limits_keep_pieces_apart(limits, left):
     """Of slope variance, extent and elevation."""
-    assert pieces.merge(_found(4), 4, -0.05, roughness_of(SLOPES, 0.0, SMITHS), limits) == left
+    assert walk.merge(_found(4), 4, -0.05, roughness_of(SLOPES, 0.0, SMITHS), limits) == left
 
 
 @pytest.mark.kernel
 def test_gaps_and_mirrors_are_not_merged():
     made = _found(4)
     made.sample[2:4] += 1
-    assert pieces.merge(made, 4, -0.05, roughness_of(SLOPES, 0.0, SMITHS), (10.0, 1.0, np.inf, 0.5)) == 3
+    assert walk.merge(made, 4, -0.05, roughness_of(SLOPES, 0.0, SMITHS), (10.0, 1.0, np.inf, 0.5)) == 3
     calm = roughness_of(gaussian_slopes(0.0, 0.0, 0.0, 0.0), 0.0, SMITHS)
-    assert pieces.merge(_found(4), 4, -0.05, calm, (10.0, 1.0, np.inf, 0.5)) == 4
+    assert walk.merge(_found(4), 4, -0.05, calm, (10.0, 1.0, np.inf, 0.5)) == 4
 
 
 @pytest.mark.kernel
@@ -100,9 +100,9 @@ def test_slopes_of_pieces_are_those_of_single_reads():
     sea = surface_of(tiles, np.array([2.0, 0.7]), np.array([0.3, 1.1]))
     line = surface.course(sea, 0, np.sin(0.4), np.cos(0.4), (0.0, 0.0))
     arcs = 50.0 + np.cumsum(np.concatenate([rng.uniform(0.1, 1.0, 100), rng.uniform(10.0, 3e3, 30), rng.uniform(0.1, 1.0, 20)]))
-    made, count = pieces.new_pieces(3), arcs.size
+    made, count = walk.new_pieces(3), arcs.size
     made.sample[:count], made.extent[:count, 0] = np.arange(count), 0.0
-    pieces.read_slopes(sea, line, arcs, made, count, surface.new_strip())
+    walk.read_slopes(sea, line, arcs, made, count, surface.new_strip())
     expected = [surface.slopes(sea, line, r) for r in arcs]
     # positions are told in single precision: 3e-4 of a cell at the end of the longest strips
     np.testing.assert_allclose(made.slope[:count], expected, atol=4e-3)
@@ -117,8 +117,8 @@ def test_pieces_are_read_in_their_middle():
     line = surface.course(sea, 0, np.sin(0.4), np.cos(0.4), (0.0, 0.0))
     near = 50.0 + np.cumsum(rng.uniform(0.5, 1.0, 20))
     far = near + rng.uniform(0.1, 0.5, 20)
-    made = pieces.new_pieces(3)
+    made = walk.new_pieces(3)
     made.sample[:20], made.extent[:20, 0] = np.arange(20), far - near
-    pieces.read_slopes(sea, line, far, made, 20, surface.new_strip())
+    walk.read_slopes(sea, line, far, made, 20, surface.new_strip())
     assert made.arc[:20] == pytest.approx(0.5 * (near + far), rel=1e-12)
     np.testing.assert_allclose(made.slope[:20], [surface.slopes(sea, line, r) for r in 0.5 * (near + far)], atol=4e-3)

@@ -7,12 +7,12 @@ from render_scenes import camera, elfouhaily, sea_view, shown, swept_scene, tabl
 
 from seaglint.base.errors import DomainError
 from seaglint.facet.facet_tables import facet_slopes
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.sea.field import WaveField
+from seaglint.imaging.camera.imager import Camera
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
 
 WIND = 7.0
 

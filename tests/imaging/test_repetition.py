@@ -6,10 +6,10 @@ from render_scenes import shown, swept_scene
 
 from seaglint.base.conventions import surface_range
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import WaveField
 from seaglint.sea.tiles import Tile
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.wave_spectra import spectrum
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.waves_and_slopes import spectrum
 
 SHORTEST = 16.0
 SPACING = 15.0
@@ -36,8 +36,8 @@ def _scene(tile_size, azimuth_deg=180.0, width_deg=14.0, lines=LINES):
             "render": {"tile_size": tile_size, "subpixel_glint": "off", "lines_per_column": 1, "shortest_wave_columns": 0},
         }
     )
-    view = prepare.view(scenario)
-    return view, prepare.camera(scenario), spectrum(scenario), prepare.sea(scenario, view.slopes).waves
+    view = scenario_physics.view(scenario)
+    return view, scenario_physics.camera(scenario), spectrum(scenario), scenario_physics.sea(scenario, view.slopes).waves
 
 
 def _correlation(renderer):

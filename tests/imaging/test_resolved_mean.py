@@ -5,7 +5,7 @@ import pytest
 from render_scenes import camera
 
 from near_horizon_table import BAND, bound, elfouhaily_sea, near_horizon, ratios, sea_view, steep
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 # Standard error and agreement asked for: 0.5 %, two standard errors and 1 %.
 ERROR, AGREEMENT = 5e-3, 1e-2

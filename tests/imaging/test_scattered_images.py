@@ -22,7 +22,7 @@ from seaglint.imaging.camera.pose import Track
 from seaglint.optics.band import Band
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 PARTS = ("path_radiance", "sky_radiance", "emitted_radiance")
 DISTANCE_FACTOR = 1.03

@@ -16,9 +16,9 @@ from scipy import stats
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import njit
-from seaglint.base.keyed_random import SPACING, cell_key, gamma_deviate, last_event, uniform
+from seaglint.base.random import SPACING, cell_key, gamma_deviate, last_event, uniform
 from seaglint.facet.sunlight import sunlight
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.layers import FEWEST, SPREAD
 from seaglint.imaging.layers import SUN as SUN_CHANNEL
 from seaglint.imaging.sparkle import (
@@ -36,7 +36,7 @@ from seaglint.imaging.sparkle import (
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.radiance.variance import glint_variance, sea_variance
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 CELL, TIME = 0.01, 0.07
 ROOT = Path(__file__).resolve().parents[2]
@@ -323,17 +323,17 @@ def test_the_kernel_runs_unchanged_on_a_simulated_gpu(jit: str) -> None:
 )
 def test_scenarios_choose_sparkles(scene: dict, word: str) -> None:
     scenario = parse_scenario(scene)
-    view = prepare.view(scenario)
-    sparkle, report = prepare.sparkles(scenario).of(view, prepare.camera(scenario))
+    view = scenario_physics.view(scenario)
+    sparkle, report = scenario_physics.sparkles(scenario).of(view, scenario_physics.camera(scenario))
     assert word in report["subpixel_glint"]
     assert (sparkle == NO_SPARKLE) == (word != "gamma field")
     if word == "gamma field":
-        assert sparkle.cell == prepare.glint_length(scenario) == report["subpixel_glint_cell_m"]
+        assert sparkle.cell == scenario_physics.glint_length(scenario) == report["subpixel_glint_cell_m"]
 
 
 def test_survey_of_an_image_is_the_mean_models() -> None:
     scenario = parse_scenario({"atmosphere": {"source": "none"}})
-    view, camera = prepare.view(scenario), prepare.camera(scenario)
+    view, camera = scenario_physics.view(scenario), scenario_physics.camera(scenario)
     elevations = camera.elevations[::4]
     found = mean_radiance(view, elevations, camera.azimuths[::4])
     variance = sea_variance(view, found, elevations, camera.row_step * camera.column_step * np.cos(elevations), 0.0026)

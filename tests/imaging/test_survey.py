@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seaglint.imaging.attitude_coverage import AngleSurvey, corners_of, covers
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.attitude_scene import AngleSurvey, corners_of, covers
+from seaglint.imaging.camera.imager import Camera
 
 GRID = Camera(30.0, 0.0, np.radians(-10.0), np.radians(8.0), np.radians(4.0), 80, 40)
 MADE = AngleSurvey(GRID, np.radians(-40.0), (np.radians(-20.0), np.radians(30.0)))

@@ -8,8 +8,7 @@ from view_scenes import COARSE, SLOPES, WIND, attitude, imager, likeness, moving
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.facet.legs import Shadowing
-from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.camera.imager import cells_of, inside, quads
+from seaglint.imaging.camera.imager import Camera, cells_of, inside, quads
 from seaglint.imaging.launch import weights_of
 from seaglint.radiance.mean_radiance import mean_radiance
 

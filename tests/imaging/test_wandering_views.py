@@ -10,7 +10,7 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_range
 from seaglint.imaging.rays import above_sphere, mean_arc
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def waves():
 
 def test_scenarios_have_seas_that_wander():
     small = parse_scenario({"render": {"tile_size": 128}, "sea": {"shortest_wave_m": 8.0}})
-    sea = prepare.sea(small, prepare.slopes(small)).waves
+    sea = scenario_physics.sea(small, scenario_physics.slopes(small)).waves
     assert len(sea.wander) == len(sea.tiles)
 
 

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from render_scenes import camera, elfouhaily, one_tile, read, sea_view, shown, swept_scene
 
-from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.facet.sunlight import raised_sun, sunlight, sunlight_at
 from seaglint.imaging.launch import surface_of
-from seaglint.imaging.wave_shadow import sun_over_waves
-from seaglint.imaging.wave_surface import course
+from seaglint.imaging.wave_surface import course, sun_over_waves
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 
 

@@ -9,10 +9,8 @@ from render_scenes import elfouhaily, one_tile, read
 from seaglint.base.errors import DomainError
 from seaglint.imaging import wave_surface as surface_module
 from seaglint.imaging.launch import surface_of
-from seaglint.sea.detail import Detail
-from seaglint.sea.interpolation import kept_share
-from seaglint.sea.tiles import Tile
-from seaglint.sea.wander import Wander
+from seaglint.sea.tiles import Tile, Wander
+from seaglint.sea.wave_field import Detail, kept_share
 
 SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
 

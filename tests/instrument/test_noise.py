@@ -13,10 +13,9 @@ from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import figures, three_d
-from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.noise import DetectorNoise, three_d_noise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.three_d import three_d_noise
 from seaglint.optics.band import Band
 
 

@@ -9,17 +9,17 @@ import pytest
 from sensors import camera, flat
 
 from seaglint.base.errors import DataError, DomainError, ScenarioError
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import BACKGROUND, figures, mtf, point_response
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.transfer import margins, padded_shape
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.mean.sensor_figures import describe_sensor
-from seaglint.studies.prepare import memory
-from seaglint.studies.prepare.memory import memory_needed, require_memory
-from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.studies.sequence import memory
+from seaglint.studies.sequence.memory import memory_needed, require_memory
 from seaglint.studies.sequence.sense import prepare_sense
 
 SIZE, FINE = 65, 15

@@ -8,14 +8,13 @@ import pytest
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
-from seaglint.instrument.figures_of_merit import figures
+from seaglint.instrument.figures_of_merit import figures, integration_time_for, netd, read_noise_for
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.stated_netd import integration_time_for, netd, read_noise_for
 from seaglint.optics.band import Band
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.mean.sensor_figures import describe_sensor
-from seaglint.studies.prepare.sensor_model import sensor_model
 
 
 def _model(rng: np.random.Generator, **more: float) -> SensorModel:

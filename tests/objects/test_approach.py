@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import ScenarioError
-from seaglint.objects import primitives
+from seaglint.objects import solids
 from seaglint.objects.approach import CLEARANCE, STRAIGHT, first_contact
-from seaglint.objects.attitude import rotation
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
-from seaglint.objects.checks import inside
-from seaglint.objects.motion import Course, Keyframed
+from seaglint.objects.mesh_checks import inside
+from seaglint.objects.motion import Course, Keyframed, rotation
 from seaglint.objects.solids import solid
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare.bodies import bodies
+from seaglint.studies.build.bodies import bodies
 
 LAST = 8.0
 DENSE = 1601
@@ -26,7 +25,7 @@ KINDS = ("box", "plume", "point")
 def made(rng: np.random.Generator, kind: str) -> Body:
     """A body that flies by the sensor's place (0, 0, 30) or through it, on a spline, along lines or straight."""
     if kind == "box":
-        part = solid(primitives.box(tuple(rng.uniform(0.5, 6.0, 3))), 300.0, 1.0)
+        part = solid(solids.box(tuple(rng.uniform(0.5, 6.0, 3))), 300.0, 1.0)
     elif kind == "plume":
         part = GasPlume(tuple(rng.uniform(-2.0, 2.0, 3)), tuple(rng.uniform(0.5, 4.0, 3)), 400.0, 0.5)
     else:
@@ -117,7 +116,7 @@ def test_a_moving_sensor_runs_into_a_mast():
 
 
 def test_ways_far_away_cost_next_to_nothing():
-    body = Body("far", (solid(primitives.sphere(1.0), 300.0, 1.0),), Course(Placement(np.array([0.0, 1e4, 5.0]), np.eye(3)), np.zeros(3)))
+    body = Body("far", (solid(solids.sphere(1.0), 300.0, 1.0),), Course(Placement(np.array([0.0, 1e4, 5.0]), np.eye(3)), np.zeros(3)))
     asked = []
 
     def eye(time: float) -> np.ndarray:

@@ -10,8 +10,7 @@ from edwards_bands import absorption, column, parameters, spectrum
 from scipy import constants
 
 from seaglint.objects.body import GasPlume
-from seaglint.objects.combustion_gas import emissivity
-from seaglint.objects.drawing.plume_spectra import chord_shares, longest_chord, plume_emissivity
+from seaglint.objects.combustion_gas import chord_shares, emissivity, longest_chord, plume_emissivity
 from seaglint.optics.blackbody import planck_wavenumber
 
 # Leckner (1972) as in Modest (2013), table 11.5: ln of the total emissivity by powers of T/1000 K (along) and of log10 of bar cm (down)

@@ -15,7 +15,7 @@ from scipy.integrate import quad
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
 from seaglint.instrument.photons import Photons
-from seaglint.objects import primitives
+from seaglint.objects import solids
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import point_intensity, point_light
 from seaglint.objects.drawing.draw import Drawer, PixelPatch, Stage
@@ -25,7 +25,7 @@ from seaglint.objects.solids import solid
 from seaglint.optics.band import Band
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 EYE = 10.0
 BANDS_UM = [(3.0, 5.0), (8.0, 12.0)]
@@ -88,7 +88,7 @@ def reference(band) -> float:
 
 
 def wall(kelvin: float, emissivity: float = 1.0, size: float = 20.0):
-    return solid(primitives.box((size, 1e-3, size)), kelvin, emissivity)
+    return solid(solids.box((size, 1e-3, size)), kelvin, emissivity)
 
 
 TEMPERATURES = [230.0, 400.0, 600.0, 1000.0, 1500.0]
@@ -135,7 +135,7 @@ def test_counting_half_of_a_band_is_seeing_half_of_it(sun, air):
     """All kinds of light: a weight that is the response of another band gives the radiance in that band."""
     whole = view_of((3.0, 5.0), air, sun)
     half = Band.from_response([3.0, 3.8, 4.6, 5.0], [0.0, 1.0, 0.3, 0.0])
-    part = solid(primitives.ellipsoid((9.0, 9.0, 9.0)), np.linspace(280.0, 500.0, 1002), 0.4)
+    part = solid(solids.ellipsoid((9.0, 9.0, 9.0)), np.linspace(280.0, 500.0, 1002), 0.4)
     counted = drawn(part, 900.0, replace(whole, scattering=False), half.response_at)
     seen = drawn(part, 900.0, replace(whole, band=half, scattering=False), None)
     total = seen.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0)

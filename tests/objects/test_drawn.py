@@ -16,19 +16,18 @@ from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.threads import thread_limit
-from seaglint.files.store.object_labels import Labels, run_lengths, write_labels
+from seaglint.formats.object_labels import Labels, run_lengths, write_labels
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.launch import surface_of
-from seaglint.objects import primitives
+from seaglint.imaging.scene import Levels
+from seaglint.objects import solids
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import composed
-from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage
+from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage, solid_angles
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.sample_sums import COVER, SUN
 from seaglint.objects.drawing.truth import labels
-from seaglint.objects.drawing.whole_shapes import solid_angles
 from seaglint.objects.solids import placed, solid
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
@@ -50,7 +49,7 @@ class Still:
         return Placement(np.array(self.position), np.eye(3) if self.rotation is None else self.rotation)
 
 
-def body(mesh: primitives.Mesh, position, rotation=None, *, kelvin=HOT, emissivity=1.0, name="it") -> Body:
+def body(mesh: solids.Mesh, position, rotation=None, *, kelvin=HOT, emissivity=1.0, name="it") -> Body:
     return Body(name, (solid(mesh, kelvin, emissivity),), Still(position, rotation))
 
 
@@ -95,14 +94,14 @@ TURNED = (Imager("equal-angle", 0.04, 0.03, 128, 96), Attitude(0.01, -0.006, -0.
 @pytest.mark.parametrize(("radius", "east", "error"), [(3.0, 4.0, 2e-3), (0.3, 4.13, 5e-3), (0.001, 4.27, 5e-3)])
 def test_a_sphere_covers_its_solid_angle(eye, radius, east, error):
     at = stage(*eye)
-    picture = draw(body(primitives.sphere(radius), (east, 1000.0, 15.0)), at=at)
+    picture = draw(body(solids.sphere(radius), (east, 1000.0, 15.0)), at=at)
     assert covered(picture, at) == pytest.approx(cap(radius, picture.stands[0].place), rel=error)
 
 
 def test_what_arrives_is_radiance_times_solid_angle_times_transmittance():
     run = calm()
     at, sea, view = stage(), run.at(0.0), run.scene.view
-    drawer = Drawer.of((body(primitives.sphere(2.0), (3.0, 1500.0, 6.0)),))
+    drawer = Drawer.of((body(solids.sphere(2.0), (3.0, 1500.0, 6.0)),))
     picture = drawer.picture(at, 0.0)
     found, sights = composed(sea, at, picture, drawer.light(view))
     pixel = at.imager.solid_angle(at.pose.attitude, np.arange(128) + 0.5, np.arange(96)[:, None] + 0.5)
@@ -124,7 +123,7 @@ def test_what_arrives_is_radiance_times_solid_angle_times_transmittance():
 def test_a_cylinder_at_any_attitude_covers_its_projected_area(seed):
     turn = Rotation.random(random_state=seed).as_matrix()
     at, radius, length = stage(), 0.4, 6.0
-    picture = draw(body(primitives.cylinder(radius, length), (2.0, 1200.0, 12.0), turn), at=at)
+    picture = draw(body(solids.cylinder(radius, length), (2.0, 1200.0, 12.0), turn), at=at)
     sight = picture.stands[0].place
     cosine = abs(float(turn[:, 2] @ sight)) / float(np.linalg.norm(sight))
     area = 2.0 * radius * length * math.sqrt(1.0 - cosine**2) + math.pi * radius**2 * cosine
@@ -136,7 +135,7 @@ def test_a_cylinder_at_any_attitude_covers_its_projected_area(seed):
 def test_a_thin_pole_covers_its_area_at_any_attitude_and_size(size, seed):
     turn = Rotation.random(random_state=seed).as_matrix()
     at, sides = stage(), size * np.array([0.03, 1.0, 0.05])
-    picture = draw(body(primitives.box(tuple(sides)), (2.0, 1200.0, 12.0), turn), at=at)
+    picture = draw(body(solids.box(tuple(sides)), (2.0, 1200.0, 12.0), turn), at=at)
     sight = picture.stands[0].place
     area = float(np.abs(turn.T @ sight / np.linalg.norm(sight)) @ (sides.prod() / sides))
     # samples alone would miss it by several per cent; what is left is perspective and how its corners fall into cells
@@ -161,9 +160,9 @@ def _hit(vertices: np.ndarray, triangles: np.ndarray, rays: np.ndarray) -> np.nd
 
 @pytest.mark.validation
 def test_a_hollow_body_covers_what_rays_of_another_tracer_meet():
-    ring = primitives.cylinder(2.0, 1.0)
+    ring = solids.cylinder(2.0, 1.0)
     leaning, turned = (Rotation.from_euler("xy", angles, degrees=True).as_matrix() for angles in ([40.0, 0.0], [35.0, 20.0]))
-    post = placed(solid(primitives.box((0.5, 0.5, 5.0)), HOT, 1.0), (1.0, 0.0, 0.0), leaning)
+    post = placed(solid(solids.box((0.5, 0.5, 5.0)), HOT, 1.0), (1.0, 0.0, 0.0), leaning)
     it = Body("it", (solid(ring, HOT, 1.0), post), Still((0.0, 300.0, 14.0), turned))
     at = stage()
     picture = draw(it, at=at)
@@ -181,7 +180,7 @@ def test_a_hollow_body_covers_what_rays_of_another_tracer_meet():
 def test_a_body_behind_the_horizon_shows_what_the_round_sea_leaves():
     imager, far = Imager("equal-angle", 0.004, 0.004, 64, 256), 30_000.0
     at = stage(imager, Attitude(0.0, -0.002))
-    picture = draw(body(primitives.box((40.0, 1.0, 60.0)), (0.0, far, 30.0)), at=at)
+    picture = draw(body(solids.box((40.0, 1.0, 60.0)), (0.0, far, 30.0)), at=at)
     hidden = (far - math.sqrt(2.0 * EFFECTIVE_EARTH_RADIUS * EYE)) ** 2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
     shown = covered(picture, at) / (40.0 / far**2)
     assert shown == pytest.approx(60.0 - hidden, abs=0.01 * far * imager.height_angle / 256)
@@ -207,7 +206,7 @@ def test_a_pole_behind_a_crest_is_cut_where_geometry_says():
     imager = Imager("equal-angle", 0.01, 0.03, 32, 512)
     levels: Levels = _Sea()  # type: ignore[assignment]
     at = stage(imager, Attitude(0.0, 0.0), eye, (levels, _swell(amplitude, length)))
-    picture = draw(body(primitives.box((0.5, 0.5, 16.0)), (0.0, far, 4.0)), at=at)
+    picture = draw(body(solids.box((0.5, 0.5, 16.0)), (0.0, far, 4.0)), at=at)
     arc = np.arange(10.0, far, 0.01)
     drop = eye + arc**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
     highest = ((amplitude * np.sin(2.0 * np.pi * arc / length) - drop) / arc).max()
@@ -222,14 +221,14 @@ def test_a_cavity_shows_no_body_of_its_own_temperature():
     for emissivity, error in ((1.0, 1e-5), (0.6, 2e-3)):
         scene = replace(run.scene.view, solar_zenith=math.pi)
         at = replace(stage(), view=scene)
-        drawer = Drawer.of((body(primitives.box((6.0, 6.0, 6.0)), (2.0, 900.0, 3.0), kelvin=288.15, emissivity=emissivity),))
+        drawer = Drawer.of((body(solids.box((6.0, 6.0, 6.0)), (2.0, 900.0, 3.0), kelvin=288.15, emissivity=emissivity),))
         found, _ = composed(sea, at, drawer.picture(at, 0.0), drawer.light(scene))
         np.testing.assert_allclose(found.radiance, sea.radiance, rtol=error)
 
 
 def test_what_stands_in_front_hides_and_both_add_up():
     at = stage()
-    near, far = body(primitives.box((4.0, 1.0, 4.0)), (0.0, 700.0, 12.0)), body(primitives.box((8.0, 1.0, 8.0)), (1.0, 900.0, 11.0))
+    near, far = body(solids.box((4.0, 1.0, 4.0)), (0.0, 700.0, 12.0)), body(solids.box((8.0, 1.0, 8.0)), (1.0, 900.0, 11.0))
     both = draw(near, far, at=at)
     alone = covered(draw(far, at=at), at)
     hidden = alone - covered(both, at, 1)
@@ -240,8 +239,8 @@ def test_what_stands_in_front_hides_and_both_add_up():
 def test_a_wall_shades_the_ground_behind_it():
     view = replace(calm().scene.view, atmosphere=VacuumAtmosphere(wavenumber_grid(3.5, 5.0)))
     at = replace(stage(Imager("equal-angle", 0.02, 0.02, 200, 200), Attitude(0.0, math.radians(-40.0)), 2000.0), view=view)
-    floor = solid(primitives.box((20.0, 20.0, 1.0)), 300.0, 0.5)
-    wall = placed(solid(primitives.box((20.0, 0.2, 4.0)), 300.0, 0.5), (0.0, -5.0, 2.5), np.eye(3))
+    floor = solid(solids.box((20.0, 20.0, 1.0)), 300.0, 0.5)
+    wall = placed(solid(solids.box((20.0, 0.2, 4.0)), 300.0, 0.5), (0.0, -5.0, 2.5), np.eye(3))
     where = (0.0, 2000.0 / math.tan(math.radians(40.0)), 20.0)
     open_floor = draw(Body("floor", (floor,), Still(where)), at=at).patches[0].planes
     walled = draw(Body("both", (floor, wall), Still(where)), at=at).patches[0].planes
@@ -262,8 +261,8 @@ def test_a_plume_takes_its_share_of_what_is_behind():
     b = (np.arange(4000) + 0.5) / 4000
     area = np.sum(2.0 * np.pi * b * (1.0 - (1.0 - emissivity) ** np.sqrt(1.0 - b**2))) / 4000 * radius**2
     assert covered(picture, at) == pytest.approx(area / float(picture.stands[0].place @ picture.stands[0].place), rel=3e-3)
-    behind = draw(gas, body(primitives.sphere(1.0), (1.0, 950.0, 11.8)), at=at)
-    alone = covered(draw(body(primitives.sphere(1.0), (1.0, 950.0, 11.8)), at=at), at)
+    behind = draw(gas, body(solids.sphere(1.0), (1.0, 950.0, 11.8)), at=at)
+    alone = covered(draw(body(solids.sphere(1.0), (1.0, 950.0, 11.8)), at=at), at)
     assert covered(behind, at, 1) == pytest.approx(alone * (1.0 - emissivity), rel=0.05)
 
 
@@ -273,7 +272,7 @@ def test_the_whole_of_a_plume_is_what_it_covers_and_of_a_solid_too(semi_axes):
     at = stage()
     turned = Rotation.from_euler("zyx", [0.4, 0.2, 0.3]).as_matrix()
     gas = Body("gas", (GasPlume((0.0, 0.0, 0.0), semi_axes, 600.0, 0.4),), Still((1.0, 900.0, 12.0), turned))
-    hull = body(primitives.ellipsoid(semi_axes), (1.0, 900.0, 12.0), turned)
+    hull = body(solids.ellipsoid(semi_axes), (1.0, 900.0, 12.0), turned)
     for one in (gas, hull):
         picture = draw(one, at=at)
         cover = Surroundings.of(at.view).cover_of
@@ -290,13 +289,13 @@ def test_a_point_sends_its_intensity_through_the_air():
     numbers = labels(sights, sea.radiance, drawer.light(at.view).kelvin)[0]
     assert numbers["irradiance_W_m2"][0] == pytest.approx(50.0 * math.exp(-1e-4 * distance) / distance**2, rel=1e-6)
     assert np.count_nonzero(found.radiance != sea.radiance) == 1
-    hidden = Drawer.of((*drawer.bodies, body(primitives.box((2.0, 2.0, 2.0)), (1.0, 1500.0, 14.0))))
+    hidden = Drawer.of((*drawer.bodies, body(solids.box((2.0, 2.0, 2.0)), (1.0, 1500.0, 14.0))))
     assert not [p for p in hidden.picture(at, 0.0).patches if p.clear > 0.0]
 
 
 def test_the_sensor_cannot_be_inside():
     with pytest.raises(DomainError, match="'hull': the sensor is inside it; move it"):
-        draw(body(primitives.box((10.0, 10.0, 60.0)), (0.0, 2.0, 0.0), name="hull"))
+        draw(body(solids.box((10.0, 10.0, 60.0)), (0.0, 2.0, 0.0), name="hull"))
 
 
 SCENE = {

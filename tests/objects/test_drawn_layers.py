@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 import seaglint as sg
-from seaglint.files.store.store import write_sequence
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.sequence_store import write_sequence
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 CALM = {"sea": {"resolve_waves": False}}

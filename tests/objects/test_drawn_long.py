@@ -13,7 +13,7 @@ from scipy.interpolate import RegularGridInterpolator
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.cli.app import main
 from seaglint.imaging.wave_surface import course, height
-from seaglint.objects import primitives
+from seaglint.objects import solids
 from seaglint.objects.body import Body, Placement
 from seaglint.objects.drawing.draw import Drawer, Stage
 from seaglint.objects.drawing.sample_sums import COVER, SEEN
@@ -48,7 +48,7 @@ def test_a_rough_sea_hides_low_objects_as_often_as_lines_of_sight_say():
     eye, far, width = 8.0, 3000.0, 0.3
     run = sea_sequence(eye, [8.0, 4.0], waves=True)
     azimuths = np.radians(np.linspace(-3.5, 3.5, 29))
-    post = solid(primitives.box((width, width, 1.0)), 300.0, 1.0)
+    post = solid(solids.box((width, width, 1.0)), 300.0, 1.0)
     bodies = tuple(Body(f"{i}", (post,), Still((far * math.sin(a), far * math.cos(a), 0.5))) for i, a in enumerate(azimuths))
     shown, counted = [], []
     arcs = np.arange(1000.0, far, 0.2)
@@ -138,7 +138,7 @@ def test_a_million_triangles_are_drawn():
 
 def test_a_combination_covers_pixels_as_its_mesh_does():
     at = stage(sea_sequence(20.0, [2.0, 1.0], waves=False), 0.0)
-    block, hole = solid(primitives.box((6.0, 6.0, 6.0)), 300.0, 1.0), solid(primitives.cylinder(1.5, 20.0), 300.0, 1.0)
+    block, hole = solid(solids.box((6.0, 6.0, 6.0)), 300.0, 1.0), solid(solids.cylinder(1.5, 20.0), 300.0, 1.0)
     drilled = combined("difference", [block, placed(hole, (0.5, 0.2, 0.0), np.eye(3))])
     mesh = trimesh.Trimesh(drilled.vertices, drilled.triangles).subdivide()
     fine = solid((np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32)), 300.0, 1.0)

@@ -7,14 +7,12 @@ import pytest
 
 from seaglint.imaging.camera.imager import Attitude
 from seaglint.imaging.camera.pose import Track
-from seaglint.objects.attitude import heading_of, rotation
 from seaglint.objects.body import Placement
-from seaglint.objects.floating import Afloat, Swell
-from seaglint.objects.floating_track import FloatingTrack
-from seaglint.objects.motion import Course, Rest
-from seaglint.sea.field import WaveField
+from seaglint.objects.floating import Afloat, FloatingTrack, Swell
+from seaglint.objects.motion import Course, Rest, heading_of, rotation
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.tiles import Tile
+from seaglint.sea.wave_field import WaveField
 
 AMPLITUDE, FREQUENCY = 0.5, 0.6
 

@@ -8,9 +8,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import ellipeinc
 
 from seaglint.base.errors import DomainError
-from seaglint.objects.attitude import heading_of, rotation, tilt
-from seaglint.objects.geodesic import FLATTENING, SEMI_MAJOR_AXIS, east_north
-from seaglint.objects.motion import Keyframed
+from seaglint.objects.motion import FLATTENING, SEMI_MAJOR_AXIS, Keyframed, east_north, heading_of, rotation, tilt
 
 TIME = np.array([0.0, 1.0, 2.5, 4.0, 7.0])
 PLACE = np.array([[0, 0, 10], [5, 8, 12], [20, 9, 11], [22, -3, 9], [30, -20, 10.0]])

@@ -12,11 +12,11 @@ from scipy.spatial.transform import Rotation
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.objects import primitives
+from seaglint.objects import solids
 from seaglint.objects.body import Placement
 from seaglint.objects.drawing.crests import calm, in_sight
 from seaglint.objects.drawing.eye import Grid, TangentPlane, image_point, lens, project, stand
-from seaglint.objects.drawing.parts import Mesh
+from seaglint.objects.drawing.prepared_bodies import Mesh
 from seaglint.objects.drawing.raster import Faces, Samples, chord, lay_samples, meet, outline, sample_place
 from seaglint.objects.solids import solid
 
@@ -65,13 +65,13 @@ WHOLE = Grid((0, 0), (20, 20), (1, 1), (0, 0), (20, 20))
 
 def test_an_upright_plate_covers_cells_by_their_area():
     # half sides of 3.25 and 1.5 cells about the image's middle, less where perspective makes it smaller
-    plate = Mesh.of([solid(primitives.box((0.65, 1e-9, 0.3)), 300.0, 1.0)])
+    plate = Mesh.of([solid(solids.box((0.65, 1e-9, 0.3)), 300.0, 1.0)])
     expected = np.outer(np.r_[np.zeros(8), 0.5, 1.0, 1.0, 0.5, np.zeros(8)], np.r_[np.zeros(6), 0.25, np.ones(6), 0.25, np.zeros(6)])
     np.testing.assert_allclose(shares(plate, WHOLE), expected, atol=1e-7)
 
 
 def test_a_turned_plate_covers_its_area_wherever_the_grid_ends():
-    corners, triangles = primitives.box((0.5, 1e-9, 0.2))
+    corners, triangles = solids.box((0.5, 1e-9, 0.2))
     turn = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
     plate = Mesh.of([solid((corners @ turn.T + (0.031, 0.0, 0.017), triangles), 300.0, 1.0)])
     whole = shares(plate, WHOLE)
@@ -81,7 +81,7 @@ def test_a_turned_plate_covers_its_area_wherever_the_grid_ends():
 
 
 def test_layers_behind_each_other_cover_once():
-    plate = primitives.box((0.65, 1e-9, 0.3))
+    plate = solids.box((0.65, 1e-9, 0.3))
     both = Mesh.of([solid(plate, 300.0, 1.0), solid((plate[0] + (0.0, 1.0, 0.0), plate[1]), 300.0, 1.0)])
     found = shares(both, WHOLE)
     assert found.max() == 1.0
@@ -158,7 +158,7 @@ def test_the_nearest_triangle_that_faces_the_sensor_is_met() -> None:
 def test_a_turned_box_covers_cells_by_the_area_of_its_outline(seed: int) -> None:
     """Outline of a convex body: the hull of its corners in the image, of which each cell holds so many of 60 x 60 points."""
     rng = np.random.default_rng(seed)
-    corners, triangles = primitives.box((0.5, 0.3, 0.2))
+    corners, triangles = solids.box((0.5, 0.3, 0.2))
     corners = Rotation.random(random_state=seed).apply(corners) + rng.uniform(-0.1, 0.1, 3)
     found = shares(Mesh.of([solid((corners, triangles), 300.0, 1.0)]), WHOLE)
     seen = corners + np.array([0.0, 10.0, 0.0])
@@ -177,7 +177,7 @@ def test_edges_bend_in_an_image_of_angles() -> None:
     eye = lens(imager, attitude)
     middle = imager.directions(attitude, 6.0, 5.0)
     axes = TangentPlane.to(middle).axes
-    corners, triangles = primitives.box((4.0, 3.0, 2.0))
+    corners, triangles = solids.box((4.0, 3.0, 2.0))
     mesh = Mesh.of([solid((Rotation.random(random_state=4).apply(corners) + 8.0 * middle, triangles), 300.0, 1.0)])
     point, image = project(mesh.vertices, axes, eye, 6.0)
     grid = Grid((0, 0), (12, 10), (3, 2), (0, 0), (36, 20))

@@ -11,10 +11,10 @@ from scipy.constants import c, h, k
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.threads import thread_limit
-from seaglint.files.store.object_labels import Labels
+from seaglint.formats.object_labels import Labels
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 HOT = 400.0
 AIR = {"source": "isothermal", "temperature_k": 288.15, "extinction_per_km": 0.1}

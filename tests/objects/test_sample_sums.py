@@ -13,7 +13,7 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.objects.drawing.crests import STEEP, Crests, calm
 from seaglint.objects.drawing.eye import Grid, Lens
 from seaglint.objects.drawing.light import Arriving
-from seaglint.objects.drawing.raster import Samples
+from seaglint.objects.drawing.raster import Samples, SunMap, sun_map
 from seaglint.objects.drawing.sample_sums import (
     ACROSS,
     COUNTED,
@@ -38,7 +38,6 @@ from seaglint.objects.drawing.sample_sums import (
     shade_gas,
     shade_solid,
 )
-from seaglint.objects.drawing.self_shadow import SunMap, sun_map
 
 pytestmark = pytest.mark.kernel
 

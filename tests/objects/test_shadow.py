@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.objects import primitives
+from seaglint.objects import solids
 from seaglint.objects.body import Body, Placement
+from seaglint.objects.drawing.compose import shadowed
 from seaglint.objects.drawing.draw import Drawer, Stage
-from seaglint.objects.drawing.object_shadow import shadowed
 from seaglint.objects.solids import solid
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
@@ -52,7 +52,7 @@ def darkened(azimuth_deg: float):
     pose, layers = run.track.at(0.0), run.scene.drawn(run.track.at(0.0), 0.0)
     view = replace(run.scene.view, solar_azimuth=math.radians(azimuth_deg))
     stage = Stage(run.scene.pixels, pose, view, None, (0, 220), (0, 160))
-    drawer = Drawer.of((Body("box", (solid(primitives.box(SIZE), 300.0, 0.9),), Still()),))
+    drawer = Drawer.of((Body("box", (solid(solids.box(SIZE), 300.0, 0.9),), Still()),))
     return stage, layers, shadowed(layers, stage, drawer.picture(stage, 0.0).placed, drawer.light(view))
 
 
@@ -110,5 +110,5 @@ def test_a_sun_under_the_horizon_casts_none():
     layers = run.scene.drawn(run.track.at(0.0), 0.0)
     view = replace(run.scene.view, solar_zenith=math.radians(91.0))
     stage = Stage(run.scene.pixels, run.track.at(0.0), view, None, (0, 220), (0, 160))
-    drawer = Drawer.of((Body("box", (solid(primitives.box(SIZE), 300.0, 0.9),), Still()),))
+    drawer = Drawer.of((Body("box", (solid(solids.box(SIZE), 300.0, 0.9),), Still()),))
     assert shadowed(layers, stage, drawer.picture(stage, 0.0).placed, drawer.light(view)) is layers

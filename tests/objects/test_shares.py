@@ -8,16 +8,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from seaglint.objects import primitives
-from seaglint.objects.attitude import rotation
+from seaglint.objects import solids
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import BodySight, composed
 from seaglint.objects.drawing.draw import Drawer, Stage
 from seaglint.objects.drawing.truth import labels
+from seaglint.objects.motion import rotation
 from seaglint.objects.solids import solid
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 EYE = 3.0
 PIXELS = (96, 64)
@@ -105,8 +105,8 @@ def test_boxes_and_spheres_are_cut_and_hidden_as_rays_say(seed):
     aside = place * before + (1.0 - before) * eye + rng.uniform(-0.6, 0.6, 3) * (size[0], 0.0, size[2])
     radius, other_size = rng.uniform(0.3, 1.5), rng.uniform(0.5, 2.0, 3)
     ball = seed % 3 == 0
-    screen = solid(primitives.sphere(radius) if ball else primitives.box(tuple(other_size)), 300.0, 1.0)
-    it = Body("it", (solid(primitives.box(tuple(size)), 350.0, 1.0),), Still(tuple(place), rotation))
+    screen = solid(solids.sphere(radius) if ball else solids.box(tuple(other_size)), 300.0, 1.0)
+    it = Body("it", (solid(solids.box(tuple(size)), 350.0, 1.0),), Still(tuple(place), rotation))
     sight = sights(it, Body("screen", (screen,), Still(tuple(aside))))[0]
 
     # the Earth falls by 2 mm over these distances
@@ -148,8 +148,8 @@ def test_shares_of_a_picture_taken_in_parts_are_those_of_the_whole(scan):
 
 
 def test_wholly_inside_is_exactly_uncut_and_far_outside_exactly_cut():
-    ball = Body("in", (solid(primitives.sphere(1.0), 350.0, 1.0),), Still((0.0, 300.0, 2.0)))
-    away = Body("out", (solid(primitives.sphere(1.0), 350.0, 1.0),), Still((0.0, -300.0, 2.0)))
+    ball = Body("in", (solid(solids.sphere(1.0), 350.0, 1.0),), Still((0.0, 300.0, 2.0)))
+    away = Body("out", (solid(solids.sphere(1.0), 350.0, 1.0),), Still((0.0, -300.0, 2.0)))
     found = sights(ball, away)
     assert (found[0].truncated, found[0].occluded) == (0.0, 0.0)
     assert found[1].truncated == 1.0
@@ -157,7 +157,7 @@ def test_wholly_inside_is_exactly_uncut_and_far_outside_exactly_cut():
 
 
 def test_points_are_there_or_not():
-    wall = Body("wall", (solid(primitives.box((4.0, 1.0, 4.0)), 300.0, 1.0),), Still((0.0, 100.0, 2.0)))
+    wall = Body("wall", (solid(solids.box((4.0, 1.0, 4.0)), 300.0, 1.0),), Still((0.0, 100.0, 2.0)))
     places = {"seen": (4.6, 200.0, 1.5), "hidden": (0.0, 200.0, 1.5), "outside": (40.0, 200.0, 1.5)}
     points = [Body(name, (PointSource(intensity=1.0),), Still(place)) for name, place in places.items()]
     found = sights(wall, *points)[1:]
@@ -172,7 +172,7 @@ def test_points_are_there_or_not():
 
 def test_what_a_body_hides_of_itself_is_not_called_hidden():
     """A plume behind its own funnel and before its own hull; another body's wall hides both."""
-    hull = solid(primitives.box((4.0, 4.0, 6.0)), 320.0, 1.0)
+    hull = solid(solids.box((4.0, 4.0, 6.0)), 320.0, 1.0)
     smoke = GasPlume((1.5, -6.0, 3.0), (3.0, 2.0, 2.0), 400.0, 0.6)
     behind = GasPlume((-1.5, 8.0, 3.0), (3.0, 2.0, 2.0), 400.0, 0.6)
     ship = Body("ship", (hull, smoke, behind), Still((0.0, 500.0, 2.0)))
@@ -204,15 +204,15 @@ def test_the_waterline_leans_with_a_floating_body():
     turn = np.array([[math.cos(angle), 0.0, math.sin(angle)], [0.0, 1.0, 0.0], [-math.sin(angle), 0.0, math.cos(angle)]])
     place, height = np.array([0.0, 300.0, 2.0]), 1.5
     water = np.stack([turn[:, 2], place + turn @ (0.0, 0.0, 3.0 - height)])
-    whole = Body("it", (solid(primitives.box((4.0, 2.0, 6.0)), 350.0, 1.0),), Still(tuple(place), turn, water))
+    whole = Body("it", (solid(solids.box((4.0, 2.0, 6.0)), 350.0, 1.0),), Still(tuple(place), turn, water))
     above = Body(
-        "above", (solid(primitives.box((4.0, 2.0, height)), 350.0, 1.0),), Still(tuple(place + turn @ (0.0, 0.0, 3.0 - 0.5 * height)), turn)
+        "above", (solid(solids.box((4.0, 2.0, height)), 350.0, 1.0),), Still(tuple(place + turn @ (0.0, 0.0, 3.0 - 0.5 * height)), turn)
     )
     assert sights(whole)[0].dry == pytest.approx(sights(above)[0].whole, rel=6e-3)
 
 
 def test_a_wholly_submerged_body_is_invisible_and_not_cut():
-    sunk = Body("sunk", (solid(primitives.sphere(1.0), 350.0, 1.0),), Still((0.0, 300.0, -3.0)))
+    sunk = Body("sunk", (solid(solids.sphere(1.0), 350.0, 1.0),), Still((0.0, 300.0, -3.0)))
     found = sights(sunk)
     assert math.isnan(found[0].truncated)
     rows, _, _ = labels(found, calm().at(0.0).radiance, lambda radiance: 300.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seaglint.optics.triangular import triangular_average
+from seaglint.optics.band import triangular_average
 
 
 def test_a_straight_spectrum_is_unchanged() -> None:

@@ -19,7 +19,7 @@ from seaglint.base.errors import DataError, StorageError
 from seaglint.clutter.segmentation import segment
 from seaglint.detection.interface import UserDetector
 from seaglint.plot.analysis_report import number, report, write_report
-from seaglint.plot.clutter import (
+from seaglint.plot.clutter_pictures import (
     PICTURES,
     draw_exceedances,
     draw_histograms,
@@ -30,7 +30,7 @@ from seaglint.plot.clutter import (
     histogram_edges,
     unit_of,
 )
-from seaglint.plot.new_figure import png
+from seaglint.plot.figures_and_pages import png
 
 # Warnings of drawing are errors; garbage of other tests, collected meanwhile, is none of it.
 pytestmark = pytest.mark.filterwarnings("error", "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
@@ -48,7 +48,7 @@ def recording(frames, **more) -> Recording:
 @pytest.fixture(autouse=True)
 def _coarse(monkeypatch):
     """Coarse pictures, for speed."""
-    monkeypatch.setattr("seaglint.plot.new_figure._DOTS_PER_INCH", 40)
+    monkeypatch.setattr("seaglint.plot.figures_and_pages._DOTS_PER_INCH", 40)
 
 
 @pytest.fixture(scope="module")

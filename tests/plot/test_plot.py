@@ -11,15 +11,15 @@ import xarray as xr
 
 from seaglint.base.brightness import Scale, scale_limits
 from seaglint.base.errors import BackendError, DataError, StorageError
-from seaglint.files.provenance import band_attributes
-from seaglint.files.sequence_summary import GLINT_FACTOR, grid_of, summarise, to_temperature
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, write_picture
 from seaglint.plot.scale import scale_of, tick_labels
 from seaglint.plot.video import captioned, grey, video_available, write_video
+from seaglint.store.layout import Layout
+from seaglint.store.provenance import band_attributes
+from seaglint.store.sequence_store import open_sequence, write_sequence
+from seaglint.store.stored_images import GLINT_FACTOR, grid_of, summarise, to_temperature
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA = 288.15

@@ -9,12 +9,12 @@ import pytest
 import xarray as xr
 
 from seaglint.base.brightness import Scale
-from seaglint.files.directions import below_horizon
-from seaglint.files.provenance import band_attributes
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.optics.band import Band
 from seaglint.plot.preview import draw
 from seaglint.plot.scale import number_decades, round_ticks, scale_of
+from seaglint.store.provenance import band_attributes
+from seaglint.store.stored_images import below_horizon
 
 BAND = Band.rectangular(8.0, 12.0)
 ELEVATION = np.linspace(2.0, -4.0, 121)

@@ -7,12 +7,12 @@ import pytest
 from PIL import Image
 
 from seaglint.base.errors import BackendError, DataError
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import video
 from seaglint.plot.run_export import export_run
 from seaglint.plot.video import palette
+from seaglint.store.layout import Layout
+from seaglint.store.sequence_store import open_sequence, write_sequence
 
 ROWS, COLUMNS, FRAMES = 16, 128, 6
 GROW = 8  # 1024 columns are shown

@@ -12,7 +12,7 @@ from seaglint.optics.band import Band
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 BAND = Band.rectangular(3.5, 5.0)
 

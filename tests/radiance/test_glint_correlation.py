@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DomainError
-from seaglint.radiance.glint_correlation import ARTICLE_SURFACE_TENSION, capillary_length, correlation_length
+from seaglint.radiance.variance import ARTICLE_SURFACE_TENSION, capillary_length, correlation_length
 from seaglint.sea.dispersion import angular_frequency
 
 

@@ -10,8 +10,8 @@ from seaglint.base.conventions import surface_range, view_zenith
 from seaglint.base.errors import DomainError
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.facet.local_sun import solar_zenith_at
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import solar_zenith_at
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance

@@ -9,8 +9,8 @@ from seaglint.base.errors import DomainError
 from seaglint.facet.emissivity import facet_nodes
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import Shadowing
-from seaglint.facet.local_sun import turn_at
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import turn_at
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber

@@ -9,14 +9,14 @@ import pytest
 from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares, scattered_sky_at
 from seaglint.base.conventions import surface_range, view_zenith
 from seaglint.facet.legs import BOTH
-from seaglint.facet.local_sun import solar_zenith_at
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import solar_zenith_at
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean_radiance import MeanModel, mean_radiance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
 
 AZIMUTHS = np.radians([0.0, 12.0, -40.0, 180.0])
 

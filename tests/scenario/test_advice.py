@@ -11,8 +11,8 @@ from seaglint.base.errors import ScenarioError
 from seaglint.scenario.ensemble_file import merged
 from seaglint.scenario.keys import key_paths
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.records.objects import Object
-from seaglint.studies.prepare.bodies import unchecked_bodies
+from seaglint.scenario.records.object_tables import Object
+from seaglint.studies.build.bodies import unchecked_bodies
 
 ADVICE = sorted(set(recommended(frozenset(key_paths()), frozenset(Object.model_fields))))
 

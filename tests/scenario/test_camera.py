@@ -9,9 +9,9 @@ from seaglint.base.errors import DataError, ScenarioError
 from seaglint.instrument.figures_of_merit import figures
 from seaglint.scenario.camera import EXAMPLE, read_camera, with_camera
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.presets.scene_presets import PRESETS
+from seaglint.scenario.presets import PRESETS
 from seaglint.scenario.text.template import DATA, template, write_template
-from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.studies.build.sensor_model import sensor_model
 
 
 def test_the_numbers_of_a_data_sheet_are_those_of_the_sensor():

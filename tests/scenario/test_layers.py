@@ -9,11 +9,11 @@ import pytest
 
 from seaglint.base.errors import ScenarioError
 from seaglint.base.schema import LAYERS, VARIABLES
-from seaglint.files.provenance import differences
 from seaglint.scenario.keys import choices_at
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.text.template import json_schema, template
+from seaglint.store.provenance import differences
 
 
 def test_layers_are_variables_that_leave_the_program():

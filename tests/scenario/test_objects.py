@@ -9,13 +9,13 @@ import pytest
 import trimesh
 
 from seaglint.base.errors import ScenarioError
-from seaglint.objects import primitives
+from seaglint.objects import solids
 from seaglint.objects.body import GasPlume, PointSource, Solid
-from seaglint.objects.geodesic import east_north
+from seaglint.objects.motion import east_north
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.presets.object_presets import OBJECTS
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.bodies import bodies
+from seaglint.scenario.presets import OBJECTS
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.bodies import bodies
 
 BALL = {"name": "ball", "shape": {"kind": "sphere", "radius_m": 2.0}, "temperature_k": 300, "north_m": -500, "height_m": 5}
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -30,7 +30,7 @@ def made(item, **more):
 
 
 def volume(body):
-    return sum(primitives.volume((part.vertices, part.triangles)) for part in body.parts if isinstance(part, Solid))
+    return sum(solids.volume((part.vertices, part.triangles)) for part in body.parts if isinstance(part, Solid))
 
 
 def test_scenarios_without_objects_are_as_before():
@@ -92,7 +92,7 @@ def test_points():
 
 @pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "glb"])
 def test_mesh_files_come_back(suffix, tmp_path):
-    vertices, triangles = primitives.wedge((2.0, 4.0, 3.0))
+    vertices, triangles = solids.wedge((2.0, 4.0, 3.0))
     path = tmp_path / f"wedge.{suffix}"
     if suffix == "glb":  # y up, z forward, x to port
         vertices = vertices[:, [0, 2, 1]] * (-1.0, 1.0, 1.0)
@@ -189,7 +189,7 @@ def test_bad_objects_are_refused_in_a_line_with_name_key_and_remedy(name):
 
 
 def test_an_open_mesh_is_refused(tmp_path):
-    vertices, triangles = primitives.box((1.0, 1.0, 1.0))
+    vertices, triangles = solids.box((1.0, 1.0, 1.0))
     trimesh.Trimesh(vertices, triangles[1:], process=False).export(tmp_path / "open.stl")
     with pytest.raises(ScenarioError, match=r"\('ball'\): shape\.path = '.*open\.stl': the mesh is open: 3 edges.*close its holes"):
         made({**BALL, "shape": {"kind": "mesh", "path": str(tmp_path / "open.stl")}})
@@ -207,7 +207,7 @@ def test_two_objects_do_not_share_a_name_or_a_place():
 @pytest.mark.parametrize("name", ["harbour", "approach"])
 def test_examples(name):
     example = load_scenario(EXAMPLES / f"{name}.toml")
-    found = bodies(example, prepare.sea(example, prepare.slopes(example)).waves)
+    found = bodies(example, scenario_physics.sea(example, scenario_physics.slopes(example)).waves)
     assert len(found) >= 2
     for body in found:
         last = body.motion.at((example.sensor.frames - 1) / example.sensor.frame_rate_hz)

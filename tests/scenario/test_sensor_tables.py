@@ -16,8 +16,8 @@ from seaglint.instrument.figures_of_merit import figures
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.presets.sensor_presets import SENSORS, with_sensor
-from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.scenario.presets import SENSORS, with_sensor
+from seaglint.studies.build.sensor_model import sensor_model
 
 OPTICS = {"aperture_m": 0.05, "f_number": 4.0}
 PIXELS = {"pitch_um": 15.0}

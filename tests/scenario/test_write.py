@@ -9,9 +9,8 @@ import pytest
 
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.scene_presets import PRESETS
-from seaglint.scenario.presets.sensor_presets import SENSORS
-from seaglint.scenario.text.write import differing, scenario_toml
+from seaglint.scenario.presets import PRESETS, SENSORS
+from seaglint.scenario.text.toml_writing import differing, scenario_toml
 
 EXAMPLES = sorted(
     path for path in (Path(__file__).parents[2] / "examples").glob("*.toml") if "[ensemble]" not in path.read_text(encoding="utf-8")
@@ -36,7 +35,7 @@ def test_examples_come_back(path, tmp_path):
 
 @pytest.mark.parametrize("name", SENSORS)
 def test_sensors_come_back_without_what_their_optics_tell(name):
-    from seaglint.scenario.presets.sensor_presets import with_sensor
+    from seaglint.scenario.presets import with_sensor
 
     scenario = parse_scenario(with_sensor({}, name))
     text = tomllib.loads(scenario_toml(scenario))

@@ -8,7 +8,7 @@ import pytest
 
 from hidden_facets import clean_sea, frequent, oblique_looks, of_law, sampled, scenario_sea, two_lines
 from seaglint.facet.legs import BOTH, NESTED, Shadowing
-from seaglint.sea.shadowing.along import bands_along, breadth, waves_along
+from seaglint.sea.shadowing.facet_lean import bands_along, breadth, waves_along
 from seaglint.sea.shadowing.nested import bands_of, bands_of_breadth
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.from_spectrum import nested_in

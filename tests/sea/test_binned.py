@@ -5,11 +5,11 @@ import pytest
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.sea.dispersion import wavenumber
-from seaglint.sea.field import WaveField
 from seaglint.sea.spectra import BinnedSpectrum
 from seaglint.sea.spectra.binned import of_bins, of_cosine
-from seaglint.sea.spectra.spreading import cosine_power, power_of_width, second_moment
+from seaglint.sea.spectra.directional import cosine_power, power_of_width, second_moment
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
 
 FREQUENCY = np.round(0.05 * 1.1 ** np.arange(24), 5)
 ENERGY = FREQUENCY**-5.0 * np.exp(-1.25 * (0.1 / FREQUENCY) ** 4) * 2e-5

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from seaglint.sea.detail import Detail
-from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import Detail, WaveField
 
 
 @pytest.fixture(scope="module")

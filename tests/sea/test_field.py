@@ -5,11 +5,11 @@ import pytest
 
 from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import angular_frequency
-from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import flat
 from seaglint.sea.spectra import ElfouhailySpectrum, PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import Tile, longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.wave_field import WaveField
 
 WIND_TO = np.radians(60.0)
 SEA = ElfouhailySpectrum(10.0, WIND_TO)

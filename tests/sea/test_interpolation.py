@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from render_scenes import CUBIC, SLOPE, spline
 
-from seaglint.sea.field import WaveField, _turns
-from seaglint.sea.interpolation import gain, kept_share
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 from seaglint.sea.spectra import CombinedSpectrum, ElfouhailySpectrum, JonswapSpectrum
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.wave_field import WaveField, _turns, gain, kept_share
 
 SEA = ElfouhailySpectrum(10.0, np.radians(60.0))
 

@@ -9,7 +9,7 @@ import pytest
 from hidden_facets import UPRIGHT, clean_sea, frequent, oblique_looks, of_law, random_waves, sampled, scenario_sea, two_lines
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import BOTH, NESTED, NESTED_VIEWER, lean_of_legs, legs_of
-from seaglint.sea.shadowing.lean import AZIMUTHS, LEAN, gain_at, lean_gains, lean_kernel, lean_table
+from seaglint.sea.shadowing.facet_lean import AZIMUTHS, LEAN, gain_at, lean_gains, lean_kernel, lean_table
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics

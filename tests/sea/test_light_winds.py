@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from seaglint.sea.shadowing.along import bands_along
-from seaglint.sea.shadowing.lean import lean_gains
+from seaglint.sea.shadowing.facet_lean import bands_along, lean_gains
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in

@@ -8,13 +8,13 @@ import pytest
 import wave_files
 
 from seaglint.base.errors import BackendError, DataError, DomainError
-from seaglint.files.waves import WaveChoice, read_waves
-from seaglint.files.waves.ndbc_waves import SUFFIXES as NDBC_SUFFIXES
+from seaglint.formats.waves import WaveChoice, read_waves
+from seaglint.formats.waves.ndbc_buoys import SUFFIXES as NDBC_SUFFIXES
 from seaglint.scenario.text.template import DATA
-from seaglint.sea.field import WaveField
 from seaglint.sea.spectra import MeasuredSpectrum
 from seaglint.sea.spectra.measured import possible_moments
 from seaglint.sea.tiles import plan_tiles
+from seaglint.sea.wave_field import WaveField
 
 pytest.importorskip("wavespectra", reason="wavespectra, which reads measured spectra, is not installed")
 

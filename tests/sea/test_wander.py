@@ -6,12 +6,11 @@ import scipy.fft
 from scipy.ndimage import map_coordinates
 from scipy.special import j0
 
-from seaglint.sea.field import WaveField
+from seaglint.sea.spectra.combined import CombinedSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
-from seaglint.sea.spectra.systems import CombinedSpectrum
-from seaglint.sea.tiles import Tile, plan_tiles
-from seaglint.sea.wander import Wander
+from seaglint.sea.tiles import Tile, Wander, plan_tiles
+from seaglint.sea.wave_field import WaveField
 
 SIDE, SPACING, SEEDS = 8000.0, 6.0, 8
 """A plane of 8 km: seven to sixteen periods of the two smaller tiles."""

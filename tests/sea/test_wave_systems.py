@@ -9,10 +9,10 @@ from seaglint.base.constants import GRAVITY
 from seaglint.base.errors import DomainError
 from seaglint.facet.facet_tables import facet_slopes
 from seaglint.sea.dispersion import angular_frequency
-from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra import CombinedSpectrum, ElfouhailySpectrum, JonswapSpectrum, PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles, resolve_limit
+from seaglint.sea.wave_field import WaveField
 
 WIND_TO = np.radians(40.0)
 SWELL = JonswapSpectrum(2.0, 9.0, np.radians(160.0), 5.0, np.radians(12.0), WIND_TO)

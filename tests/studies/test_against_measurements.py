@@ -11,12 +11,22 @@ import pytest
 import build_measured_data
 from seaglint.air.profile.air_profile import GASES, model_profile
 from seaglint.base.errors import DomainError
-from seaglint.studies.measured.against_measurements import TABLES, against_measurements
-from seaglint.studies.measured.buoy_against import TITLE, buoy_rows
-from seaglint.studies.measured.paths_against import ABSENT, BANDS_CM, homogeneous_air, path_rows, sky_rows
-from seaglint.studies.measured.shipped import shipped
-from seaglint.studies.measured.spectra_against import SCENES, modtran_path_rows, modtran_sky_rows, scene_rows
-from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES, chosen_spectroscopies, with_gas
+from seaglint.studies.measured.against_measurements import (
+    ABSENT,
+    BANDS_CM,
+    SCENES,
+    TABLES,
+    TITLE,
+    against_measurements,
+    buoy_rows,
+    homogeneous_air,
+    modtran_path_rows,
+    modtran_sky_rows,
+    path_rows,
+    scene_rows,
+    sky_rows,
+)
+from seaglint.studies.measured.measured_numbers import SPECTROSCOPIES, chosen_spectroscopies, shipped, with_gas
 
 BOUNDS_K = {
     ("aeri", "8-9.2 um"): 0.6,

@@ -10,10 +10,10 @@ import pytest
 
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.mean.air_contrast import BEYOND, RANGES, air_contrast, air_line
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.mean.sensor_figures import describe_sensor
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.air_contrast import BEYOND, RANGES, air_contrast, air_line
 
 BANDS = [(3.5, 5.0), (8.0, 12.0)]
 
@@ -37,8 +37,8 @@ def test_even_air_leaves_what_its_extinction_says(band: tuple[float, float], ext
 @pytest.mark.parametrize("band", BANDS)
 def test_the_share_is_the_contrast_of_two_bodies_through_the_path(band: tuple[float, float]) -> None:
     scene = scenario(band)
-    over = prepare.band(scene)
-    air = prepare.atmosphere(scene, over)
+    over = scenario_physics.band(scene)
+    air = scenario_physics.atmosphere(scene, over)
     nu, weights = air.wavenumber_cm, over.weights(air.wavenumber_cm)
     difference = planck_wavenumber(nu, 291.15) - planck_wavenumber(nu, 285.15)
     through = air.transmittance(20.0, np.array([5000.0]))[0]

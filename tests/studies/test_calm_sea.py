@@ -5,10 +5,10 @@ import pytest
 
 from seaglint.facet.glint import glint
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.mean.case_slopes import SLOPE_KINDS, slopes_of
+from seaglint.studies.build.waves_and_slopes import slopes
+from seaglint.studies.mean.evaluate_cases import SLOPE_KINDS, slopes_of
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare.slope_laws import slopes
-from seaglint.studies.sequence.image import image
+from seaglint.studies.sequence.labelled_frames import image
 
 LAWS = ["cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier", "cox-munk-slick", "breon-henriot", "spectrum"]
 SENSOR = {"pixels": [25, 16], "fov_deg": [40, 23], "elevation_deg": -12, "azimuth_deg": 180, "height_m": 30}

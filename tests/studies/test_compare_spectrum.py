@@ -7,12 +7,12 @@ import pytest
 
 import seaglint as sg
 from seaglint.base.errors import DataError
+from seaglint.optics.band import triangular_average
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.optics.triangular import triangular_average
 from seaglint.radiance.mean_radiance import mean_radiance
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.measured.compare_spectrum import scene_spectrum
-from seaglint.studies.measured.shipped import shipped
-from seaglint.studies.prepare import prepare
+from seaglint.studies.measured.measured_numbers import shipped
 
 NIGHT = {"sun": {"zenith_deg": 120, "azimuth_deg": 200}, "sensor": {"height_m": 30, "azimuth_deg": 200}}
 DAY = NIGHT | {"sun": {"zenith_deg": 60, "azimuth_deg": 200}}
@@ -82,7 +82,7 @@ def test_the_direction_is_the_camera_s_unless_one_is_given() -> None:
 @pytest.mark.parametrize("conditions", [NIGHT, DAY], ids=["night", "day"])
 def test_spectra_add_up_to_the_mean_radiance(conditions, elevation: float) -> None:
     """Over the whole band, which the parts with sunlight divide evenly: the mean model's own sum, within its splines."""
-    view = prepare.view(sg.load(conditions | {"band": {"min_um": 3.7, "max_um": 4.1}}))
+    view = scenario_physics.view(sg.load(conditions | {"band": {"min_um": 3.7, "max_um": 4.1}}))
     angles = np.radians([elevation, 200.0])
     spectrum = scene_spectrum(view, *angles.tolist())
     expected = float(mean_radiance(view, *angles).total[0, 0])

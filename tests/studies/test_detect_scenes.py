@@ -20,24 +20,20 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.random import stream
 from seaglint.detection.background import Background, Windows, count_false_alarms
-from seaglint.detection.counting import Counting
 from seaglint.detection.design import WhiteFrames, as_threshold, contrast_for, gaussian_threshold, loss_db
-from seaglint.detection.fine_spot import FineSpot
-from seaglint.detection.level import Rescaled, level_shift
 from seaglint.detection.matched import Matched
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.rare_alarms import rare_tail
 from seaglint.detection.scoring import interval_of_sequences
+from seaglint.detection.sources import Counting, Rescaled, level_shift
 from seaglint.detection.spatial import FilterThreshold
-from seaglint.detection.spot import GaussianSpot
+from seaglint.detection.spot import FineSpot, GaussianSpot
 from seaglint.detection.trials import InjectedObjects, run_trials
-from seaglint.files.detection_case import DetectionCase
-from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import RangePoint
 from seaglint.imaging.wave_surface import course, height
+from seaglint.scenario.changed_scenario import middle_of
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.middle import middle_of
-from seaglint.studies.detect import first_estimate
+from seaglint.store.detection_results import DetectionCase, Parts, RangePoint
+from seaglint.studies.detect import range_search
 from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import Design, told_threshold
@@ -102,7 +98,7 @@ def white(monkeypatch, request) -> None:
     if "validation" not in request.keywords:
         monkeypatch.setattr(detect_scene, "IndependentSeas", WhiteSeas)
         monkeypatch.setattr(detect_range, "IndependentSeas", WhiteSeas)
-        monkeypatch.setattr(first_estimate, "IndependentSeas", WhiteSeas)
+        monkeypatch.setattr(range_search, "IndependentSeas", WhiteSeas)
 
 
 @pytest.fixture
@@ -345,7 +341,7 @@ def test_ranges_are_those_of_the_closed_form_under_a_warm_sky(
     tmp_path: Path, monkeypatch, columns: int, blur_px: float, amplitude: float, extinction_m: float, p_fa: float
 ) -> None:
     """Five cameras and objects: contrast A exp(-r/L) / r^2, P_d = Q(Q^-1(P_fa) - c h.s / (sigma |h|)), whatever the sky is like."""
-    for module in (detect_range, first_estimate):
+    for module in (detect_range, range_search):
         monkeypatch.setattr(module, "IndependentSeas", WarmHorizon)
     spot = GaussianSpot(blur_px)
 

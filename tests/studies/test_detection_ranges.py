@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from detection_ranges import CASES, DEFAULT, range_of
-from seaglint.files.detection_parts import Parts
+from seaglint.store.detection_results import Parts
 
 
 @pytest.mark.validation

@@ -16,19 +16,16 @@ from seaglint.base.random import stream
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects
-from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import RangePoint
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.detect import first_estimate, range_search
-from seaglint.studies.detect.designer import Design
-from seaglint.studies.detect.detector_choice import LARGEST, SMALLEST, TRIED, contrast_margin
+from seaglint.store.detection_results import Parts, RangePoint
+from seaglint.studies.detect import range_search
+from seaglint.studies.detect.designer import LARGEST, SMALLEST, TRIED, Design, contrast_margin
+from seaglint.studies.detect.detection_requests import RangeRequest
 from seaglint.studies.detect.injected import Seen
 from seaglint.studies.detect.near_object import rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions
-from seaglint.studies.detect.range_doubts import doubts, horizon_note
-from seaglint.studies.detect.range_search import detection_range, p_d_at
+from seaglint.studies.detect.range_search import detection_range, doubts, horizon_note, p_d_at
 from seaglint.studies.detect.rendered_seas import SceneOptions
-from seaglint.studies.detect.requests import RangeRequest
 from seaglint.studies.detect.scene_frames import SceneFrames, sea_seed
 
 SPOT, SIGMA, P_FA = GaussianSpot(0.8), 2.0, 1e-2
@@ -69,7 +66,7 @@ class White(Swell):
 
 @pytest.fixture
 def seas(request, monkeypatch) -> None:
-    for module in (range_search, first_estimate):
+    for module in (range_search, range_search):
         monkeypatch.setattr(module, "IndependentSeas", request.param)
     monkeypatch.setattr(range_search, "seen_object", _seen)
 

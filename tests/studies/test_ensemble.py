@@ -17,18 +17,18 @@ import zarr
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.cluster import Done, Here
-from seaglint.files.store.store import Interrupted
 from seaglint.objects.body import Placement
 from seaglint.objects.drawing.eye import stand
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, parse_ensemble
 from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.store.sequence_store import Interrupted
+from seaglint.studies.build.scenario_physics import imager, track
 from seaglint.studies.ensemble import render_ensemble as module
 from seaglint.studies.ensemble.ensemble_folder import ensemble_text
-from seaglint.studies.ensemble.object_places import PixelGrid
+from seaglint.studies.ensemble.law_draws import PixelGrid
 from seaglint.studies.ensemble.render_ensemble import EnsembleScene, draw, render_ensemble, render_scene
-from seaglint.studies.prepare.kept import Kept
-from seaglint.studies.prepare.prepare import imager, track
-from seaglint.studies.sequence.sensed import render
+from seaglint.studies.sequence.sensed_sequence import render
+from seaglint.studies.sequence.sequence_work import Kept
 
 BASE: dict[str, Any] = {
     "sensor": {"height_m": 20, "azimuth_deg": 180, "elevation_deg": -2, "fov_deg": [3.2, 1.6], "pixels": [16, 8], "frames": 1},

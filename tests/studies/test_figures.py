@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.files.tables.columns import write_columns
+from seaglint.formats.tables.table_text import write_columns
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.plot.article_figures import smooth_rows, write_figure
 from seaglint.studies.article import figures

@@ -9,8 +9,8 @@ from seaglint.objects.body import Placement
 from seaglint.objects.floating import Afloat
 from seaglint.objects.motion import Rest
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.bodies import bodies
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.bodies import bodies
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 SCENARIO = {
@@ -39,16 +39,16 @@ def test_frames_are_taken_from_the_waves(scenario):
     assert np.ptp(poses["sensor_roll"]) > 0.05
     pose = found.track.at(0.4)
     assert poses["sensor_elevation"][2] == pytest.approx(np.degrees(pose.attitude.elevation))
-    waves = prepare.sea(scenario, prepare.slopes(scenario)).waves
-    assert prepare.track(scenario, waves).at(0.4) == pose
-    assert prepare.track(scenario).at(0.4).height == 30.0  # without waves the flat sea's
+    waves = scenario_physics.sea(scenario, scenario_physics.slopes(scenario)).waves
+    assert scenario_physics.track(scenario, waves).at(0.4) == pose
+    assert scenario_physics.track(scenario).at(0.4).height == 30.0  # without waves the flat sea's
 
 
 def test_a_buoy_and_a_sensor_at_one_place_heave_alike(scenario):
-    waves = prepare.sea(scenario, prepare.slopes(scenario)).waves
+    waves = scenario_physics.sea(scenario, scenario_physics.slopes(scenario)).waves
     low = scenario.sensor.model_copy(update={"height_m": 3.0})  # a mast that leans little
     here = scenario.model_copy(update={"objects": (scenario.objects[0].model_copy(update={"north_m": 4.0}),), "sensor": low})
-    one, sensor = bodies(here, waves)[0].motion, prepare.track(here, waves)
+    one, sensor = bodies(here, waves)[0].motion, scenario_physics.track(here, waves)
     buoy = Afloat(Rest(Placement(np.array([0.0, 0.0, 0.0]), np.eye(3))), one.swell, np.zeros(2), np.array([1.0, 2.0]))
     for t in (0.0, 0.4, 0.8):
         at = buoy.at(t)

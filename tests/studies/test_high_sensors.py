@@ -7,17 +7,17 @@ import pytest
 
 from seaglint.air.profile.air_profile import model_profile
 from seaglint.air.profile.air_sums import AirSums
+from seaglint.air.profile.band_laws import OwnGases, with_gases
 from seaglint.air.profile.hazes import HazeWeather
-from seaglint.air.profile.own_gases import OwnGases, with_gases
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.files.tables.cases import read_cases
+from seaglint.formats.tables.input_tables import read_cases
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare import prepare
-from seaglint.studies.sequence.image import image
+from seaglint.studies.sequence.labelled_frames import image
 
 HEIGHTS = (20e3, 100e3)
 SEA = 290.0
@@ -52,7 +52,7 @@ def test_the_nadir_is_the_sum_of_the_air_before_the_sea(height):
     """The ray straight down, followed by Snell's law: its own light, and the share of the sea's that it lets through."""
     wanted = scenario(height)
     seen = mean(wanted).isel(x=1, y=1)
-    sums, weights, nu = sums_of(prepare.standing_view(wanted, height))
+    sums, weights, nu = sums_of(scenario_physics.standing_view(wanted, height))
     down = sums.along(height, math.pi)
     assert down.ray.height[-1] == 0.0
     assert float(seen.path_radiance) == pytest.approx(float(down.emitted @ weights), rel=2e-4)
@@ -69,7 +69,7 @@ def test_a_slanting_ray_meets_the_sea_where_the_triangle_says(height):
     seen = mean(wanted).isel(x=1, y=1)
     radius, down = EFFECTIVE_EARTH_RADIUS, math.radians(35.0)
     slant = (radius + height) * math.sin(down) - math.sqrt(radius**2 - ((radius + height) * math.cos(down)) ** 2)
-    sums, weights, _ = sums_of(prepare.standing_view(wanted, height))
+    sums, weights, _ = sums_of(scenario_physics.standing_view(wanted, height))
     assert float(seen.path_radiance) == pytest.approx(float(sums.between(height, 0.0, slant)[1] @ weights), rel=2e-4)
     drawn = image(wanted, layers=["range"])
     assert float(drawn.range.mean()) == pytest.approx(slant, rel=1e-4)
@@ -80,7 +80,7 @@ def test_a_slanting_ray_meets_the_sea_where_the_triangle_says(height):
 def test_the_suns_light_is_the_same_but_for_the_way_up(height):
     """Glint straight down, against that from 30 m: shares of sunlight that the air above lets through, times what water mirrors of it."""
     low, high = (mean(scenario(at)).isel(x=1, y=1) for at in (30.0, height))
-    sums, weights, nu = sums_of(prepare.standing_view(scenario(height), height))
+    sums, weights, nu = sums_of(scenario_physics.standing_view(scenario(height), height))
     water = hale_querry_sea().index(nu)
     mirrored = np.abs((water - 1.0) / (water + 1.0)) ** 2  # at 15 deg as at 0
     light = sums.laws.source * sums.passed(0.0, math.radians(30.0)) * weights * mirrored

@@ -7,11 +7,11 @@ import pytest
 
 from seaglint.api import image
 from seaglint.base.conventions import horizon_depression
-from seaglint.files.lowtran.deck import MODELS
+from seaglint.formats.lowtran.deck import MODELS
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 
 BANDS = ((3.5, 5.0), (8.0, 12.0))
 BUMP = 0.1  # K: what may be seen beside the step from sea to sky
@@ -47,7 +47,7 @@ CASES = [(*case, edges) for case in FEW for edges in BANDS] + [
 
 @pytest.mark.parametrize(("model", "height", "wind", "edges"), CASES)
 def test_mean_maps_have_one_step_at_the_horizon(model, height, wind, edges):
-    view = prepare.view(scenario(model, height, wind, edges))
+    view = scenario_physics.view(scenario(model, height, wind, edges))
     sky, sea = (
         apparent_temperature(mean_radiance(view, side - horizon_depression(height), [0.2]).total, view.band, view.atmosphere.wavenumber_cm)[
             :, 0
@@ -67,7 +67,7 @@ ROWS = 60
 def test_pictures_have_one_step_at_the_horizon(model, height, roll):
     dip = np.degrees(horizon_depression(height))
     picture = scenario(model, height, 7.0, BANDS[0], pixels=[3, ROWS], fov_deg=[0.012, 0.24], elevation_deg=-dip, roll_deg=roll)
-    view = prepare.view(picture)
+    view = scenario_physics.view(picture)
     column = apparent_temperature(image(picture, time=0.0).radiance.to_numpy()[:, 1], view.band, view.atmosphere.wavenumber_cm)
     sky, sea = column[: ROWS // 2 - 1], column[ROWS // 2 + 1 :]
     assert bump(sky) < BUMP

@@ -15,10 +15,10 @@ from seaglint.climate.weather_table import WeatherTable
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.glint_chance import likelihood
 from seaglint.studies.likelihood.ship_track import along_track
-from seaglint.studies.prepare import prepare
 
 SUN = {"zenith_deg": 72.0, "azimuth_deg": 200.0}
 AIR = {"source": "none"}
@@ -42,7 +42,7 @@ def chances(found):
 def test_constant_weather_and_a_fixed_look_are_certain():
     look = {"depression_deg": [3, 3], "azimuth_from_sun_deg": [4, 4]}
     wanted = scenario(look, wind={"speed_m_s": 6.0, "from_deg": 250.0})
-    view = prepare.view(wanted)
+    view = scenario_physics.view(wanted)
     exact = float(mean_radiance(view, [-math.radians(3)], [sun_position(wanted).azimuth + math.radians(4)]).sun[0, 0])
     both = scenario(look | {"threshold_w_m2_sr": [0.995 * exact, 1.005 * exact]}, wind={"from_deg": 250.0})
     assert chances(likelihood(both, weather=table([6.0], [0.25]))) == pytest.approx([0.75, 0.0])
@@ -63,7 +63,7 @@ def test_uniform_azimuth_is_the_share_of_the_corridor():
     look = {"depression_deg": [3, 3], "azimuth_from_sun_deg": [0, 360], "threshold_w_m2_sr": [1.0]}
     kind = {"slopes": {"kind": "cox-munk-isotropic"}}
     found = likelihood(scenario(look, sea=kind), weather=table([6.0], [0.0]))
-    view = prepare.view(scenario(look, sea=kind, wind={"speed_m_s": 6.0}))
+    view = scenario_physics.view(scenario(look, sea=kind, wind={"speed_m_s": 6.0}))
     azimuth = np.linspace(0.0, 2.0 * np.pi, 7201)[:-1]
     share = float(np.mean(mean_radiance(view, [-math.radians(3)], azimuth).sun[0] > 1.0))
     assert 0.02 < share < 0.5

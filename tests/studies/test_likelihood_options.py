@@ -13,7 +13,7 @@ from seaglint.cli.app import app
 from seaglint.climate.draws import estimate
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.article.fig5 import AZIMUTHS, CASES, PRINTED, THRESHOLDS, figure_5
+from seaglint.studies.article.figures_5_and_12 import AZIMUTHS, CASES, PRINTED, THRESHOLDS, figure_5
 from seaglint.studies.likelihood.chance_map import likelihood_map
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, likelihood, measured

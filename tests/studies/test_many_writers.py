@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from seaglint.cluster import Here, LocalProcesses
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import finish_sequence, open_sequence
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.sequence_store import finish_sequence, open_sequence
+from seaglint.store.writers import Share
 from seaglint.studies.sequence.render_sequence import render
-from seaglint.studies.sequence.sensed import render as render_counts
+from seaglint.studies.sequence.sensed_sequence import render as render_counts
 
 
 def small(frames: int, **sensor):

@@ -9,7 +9,7 @@ import xarray as xr
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.presets.scene_presets import PRESETS
+from seaglint.scenario.presets import PRESETS
 from seaglint.studies.mean.mean_map import mean
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
@@ -212,7 +212,7 @@ def test_blocks_of_rows_give_the_whole_map_and_report_progress(tables, monkeypat
     scenario, reports = parse_scenario(tables), []
     whole = mean(scenario)
     monkeypatch.setattr("seaglint.studies.mean.mean_map.BLOCK", 60)
-    monkeypatch.setattr("seaglint.studies.mean.mean_pixels.BLOCK", 24**2)  # pixels on the horizon have so many lines of sight
+    monkeypatch.setattr("seaglint.studies.mean.mean_map.PIXEL_BLOCK", 24**2)  # pixels on the horizon have so many lines of sight
     blocks = mean(scenario, lambda done, total: reports.append((done, total)))
     xr.testing.assert_allclose(blocks, whole, rtol=1e-6)
     done, totals = zip(*reports, strict=True)

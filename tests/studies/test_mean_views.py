@@ -6,17 +6,17 @@ import xarray as xr
 
 import seaglint as sg
 from seaglint.base.conventions import horizon_depression
-from seaglint.files.netcdf import open_netcdf, write_netcdf
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.optics.band import Band
 from seaglint.plot.preview import draw
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean_radiance import MeanModel
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.contents.output_facts import describe, lines
-from seaglint.studies.mean import mean_pixels
+from seaglint.store.netcdf import open_netcdf, write_netcdf
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.file_contents import describe, lines
+from seaglint.studies.mean import mean_map
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare import prepare
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 SENSOR = {"pixels": [24, 18], "fov_deg": [16, 12], "frames": 1, "azimuth_deg": 180}
@@ -52,7 +52,7 @@ def test_the_picture_without_waves_is_the_map(sensor, more):
     scenario = scenario_with_sensor(sensor, **more)
     found, image = mean(scenario), prepare_sequence(scenario).at(0.0).radiance
     assert found.azimuth.dims == found.elevation.dims == ("y", "x")
-    pose = prepare.track(scenario).at(0.0)
+    pose = scenario_physics.track(scenario).at(0.0)
     pixel = max(np.divide(scenario.sensor.fov_deg, scenario.sensor.pixels))
     off = np.abs(found.elevation.to_numpy() + np.degrees(horizon_depression(pose.height))) > 2.0 * pixel
     ratio = image / found.radiance.to_numpy()
@@ -67,14 +67,14 @@ def test_facets_lean_across_the_light_of_a_low_sun_as_in_the_map():
     sensor = {"projection": "pinhole", "elevation_deg": -8}
     scenario = scenario_with_sensor(sensor, sun={"zenith_deg": 80, "azimuth_deg": 180})
     found, image = mean(scenario), prepare_sequence(scenario).at(0.0).radiance
-    off = found.elevation.to_numpy() + np.degrees(horizon_depression(prepare.track(scenario).at(0.0).height)) < -2.0
+    off = found.elevation.to_numpy() + np.degrees(horizon_depression(scenario_physics.track(scenario).at(0.0).height)) < -2.0
     np.testing.assert_allclose((image / found.radiance.to_numpy())[off], 1.0, rtol=4e-3)
 
 
 @pytest.mark.parametrize("kind", ["cox-munk-anisotropic", "cox-munk-gram-charlier", "cox-munk-isotropic", "flat"])
 def test_lines_of_sight_are_those_of_a_grid(kind):
     scenario = scenario_with_sensor({}, sea={"slopes": {"kind": kind}})
-    model = MeanModel.prepare(prepare.view(scenario))
+    model = MeanModel.prepare(scenario_physics.view(scenario))
     rows, columns = np.radians([10.0, 0.1, -0.3, -2.0, -30.0, -90.0]), np.radians([150.0, 179.0, 181.0, -100.0])
     grid, lines_of_sight = model.map(rows, columns), model.along(np.repeat(rows, columns.size), np.tile(columns, rows.size))
     for part in ("path", "emission", "sky", "sun", "chance", "cos_incidence"):
@@ -84,7 +84,7 @@ def test_lines_of_sight_are_those_of_a_grid(kind):
 
 
 def test_lines_of_sight_of_the_articles_mode_are_those_of_a_grid():
-    view = prepare.article_view(scenario_with_sensor({}))
+    view = scenario_physics.article_view(scenario_with_sensor({}))
     rows, columns = np.radians([1.0, -2.0, -30.0]), np.radians([150.0, 181.0])
     grid = article_radiance(view, rows, columns).total
     own = article_radiance(view, np.repeat(rows, 2), np.tile(columns, 3)[:, None]).total
@@ -203,7 +203,7 @@ def test_the_middle_of_a_small_pixel_serves(monkeypatch, sensor, sun):
     raw = sensor | {"projection": "pinhole", "roll_deg": 10, "fov_deg": [2.4, 1.8]}
     tables = {"sun": {"zenith_deg": sun, "azimuth_deg": 185}}
     middles = mean(scenario_with_sensor(raw, **tables))
-    monkeypatch.setattr(mean_pixels, "SMALL", 0.0)
+    monkeypatch.setattr(mean_map, "SMALL", 0.0)
     averages = mean(scenario_with_sensor(raw, **tables))
     assert not np.array_equal(middles.radiance, averages.radiance)
     assert float(averages.glint_radiance.min()) > 0.0

@@ -11,7 +11,7 @@ from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.ensemble.render_ensemble import render_ensemble
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare import memory
+from seaglint.studies.sequence import memory
 
 WIDEST = {"sensor": {"pixels": [65536, 65536], "fov_deg": [16, 16]}}
 

@@ -24,8 +24,8 @@ from tests.helpers.own_exposure import (
 
 import seaglint as sg
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.objects.drawing.truth_names import SIZES
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.base.schema import SIZES
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 FAR = 2000.0
 

@@ -10,18 +10,17 @@ import tomllib
 import numpy as np
 import pytest
 
-from seaglint.files.store.object_labels import Labels, report_never_seen
+from seaglint.formats.object_labels import Labels, report_never_seen
 from seaglint.objects.approach import reach_of
 from seaglint.objects.drawing.eye import stand
 from seaglint.scenario.ensemble_file import merged, parse_ensemble
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.bodies import unchecked_bodies
 from seaglint.studies.ensemble import label_outlook
-from seaglint.studies.ensemble.ensemble_dataset import EnsembleSource, ensemble_dataset
+from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions, EnsembleSource, ensemble_dataset
 from seaglint.studies.ensemble.label_outlook import weak_labels
 from seaglint.studies.ensemble.render_ensemble import draw
-from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.bodies import unchecked_bodies
 from seaglint.studies.sequence.out_of_view import lines_of, out_of_view, report_out_of_view
 from seaglint.studies.sequence.render_sequence import render
 
@@ -31,9 +30,9 @@ BEHIND = {"objects": [{"preset": "small-boat", "north_m": 2000}]}
 
 def least_angle(scenario, time: float) -> tuple[float, float]:
     """Angle between the object's middle and the nearest line of sight, and that under which a ball around it is seen [rad]."""
-    (body,), pose = unchecked_bodies(scenario), prepare.track(scenario).at(time)
+    (body,), pose = unchecked_bodies(scenario), scenario_physics.track(scenario).at(time)
     place = stand(body.motion.at(time), pose).place
-    pixels = prepare.imager(scenario)
+    pixels = scenario_physics.imager(scenario)
     down, across = np.meshgrid(np.linspace(0.0, pixels.rows, 121), np.linspace(0.0, pixels.columns, 241), indexing="ij")
     cosine = pixels.directions(pose.attitude, across, down) @ (place / np.linalg.norm(place))
     return float(np.arccos(np.clip(cosine, -1.0, 1.0)).min()), math.asin(min(reach_of(body) / float(np.linalg.norm(place)), 1.0))

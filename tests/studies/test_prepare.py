@@ -6,8 +6,8 @@ import pytest
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.limits import TABLE_BANDS_UM, TABLE_HEIGHTS
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.wave_spectra import spectrum
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.waves_and_slopes import spectrum
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 
@@ -21,7 +21,7 @@ def test_angles_and_directions():
         sensor={"height_m": 40.0, "azimuth_deg": 190.0, "elevation_deg": -5.0, "fov_deg": [16.0, 8.0], "pixels": [16, 8]},
         wind={"speed_m_s": 9.0, "from_deg": 230.0},
     )
-    view, eye = prepare.view(scenario), prepare.camera(scenario)
+    view, eye = scenario_physics.view(scenario), scenario_physics.camera(scenario)
     assert np.degrees([view.solar_zenith, view.solar_azimuth]) == pytest.approx([60.0, 200.0])
     assert np.degrees([eye.azimuths[0], eye.azimuths[-1], eye.elevations[0], eye.elevations[-1]]) == pytest.approx(
         [182.5, 197.5, -1.5, -8.5]
@@ -36,8 +36,8 @@ def test_angles_and_directions():
 @pytest.mark.parametrize("shortest", [0.2, 20.0, pytest.param(2.0, marks=pytest.mark.validation)])
 def test_geometry_takes_at_most_80_percent_and_facets_the_rest(wind, shortest):
     scenario = _scenario(wind={"speed_m_s": wind, "from_deg": 10.0}, sea={"shortest_wave_m": shortest}, render={"tile_size": 512})
-    view = prepare.view(scenario)
-    sea = prepare.sea(scenario, view.slopes)
+    view = scenario_physics.view(scenario)
+    sea = scenario_physics.sea(scenario, view.slopes)
     report = sea.report
     for direction in ("up", "cross"):
         total = getattr(view.slopes, f"mss_{direction}")
@@ -55,18 +55,18 @@ def test_geometry_takes_at_most_80_percent_and_facets_the_rest(wind, shortest):
 )
 def test_no_waves_are_made_where_none_are_wanted(sea):
     scenario = _scenario(sea=sea)
-    assert prepare.sea(scenario, prepare.slopes(scenario)).waves is None
+    assert scenario_physics.sea(scenario, scenario_physics.slopes(scenario)).waves is None
 
 
 def test_calm_air_makes_no_wind_sea():
     scenario = _scenario(wind={"speed_m_s": 0.0})
-    assert prepare.sea(scenario, prepare.slopes(scenario)).waves is None
+    assert scenario_physics.sea(scenario, scenario_physics.slopes(scenario)).waves is None
 
 
 def test_waves_on_a_mirror_are_refused():
     scenario = _scenario(sea={"slopes": {"kind": "flat"}})
     with pytest.raises(DomainError, match="leaves no slopes for waves"):
-        prepare.sea(scenario, prepare.slopes(scenario))
+        scenario_physics.sea(scenario, scenario_physics.slopes(scenario))
 
 
 def test_a_buoy_without_a_time_is_refused(tmp_path):
@@ -82,13 +82,13 @@ def test_a_response_outside_the_air_table_is_told_by_its_key(tmp_path):
     path.write_text("wavelength_um,response\n3,0\n5,1\n7,0\n")
     scenario = _scenario(band={"response": str(path)})
     with pytest.raises(ScenarioError, match=r"^band\.response = '.*wide\.csv' reaches from 3 to 7 um.*2 to 5\.5 um or 7\.5 to 14 um"):
-        prepare.atmosphere(scenario, prepare.band(scenario))
+        scenario_physics.atmosphere(scenario, scenario_physics.band(scenario))
 
 
 @pytest.mark.parametrize(("region", "height"), zip(TABLE_BANDS_UM, TABLE_HEIGHTS, strict=True))
 def test_what_the_scenario_allows_is_in_the_air_tables(region, height):
     scenario = _scenario(band={"min_um": region[0], "max_um": region[1]}, sensor={"height_m": height, "pixels": [16, 8]})
-    path = prepare.view(scenario).atmosphere.transmittance(height, 1.1 * height)
+    path = scenario_physics.view(scenario).atmosphere.transmittance(height, 1.1 * height)
     assert np.all((path >= 0.0) & (path <= 1.0))
 
 
@@ -103,15 +103,15 @@ def test_what_the_scenario_allows_is_in_the_air_tables(region, height):
 )
 def test_every_source_of_air_covers_the_band(air, kind):
     scenario = _scenario(atmosphere=air)
-    over = prepare.band(scenario)
-    made = prepare.atmosphere(scenario, over)
+    over = scenario_physics.band(scenario)
+    made = scenario_physics.atmosphere(scenario, over)
     assert type(made).__name__ == kind
     assert over.weights(made.wavenumber_cm).sum() > 0.0
 
 
 @pytest.mark.parametrize("kind", ["cox-munk-gram-charlier", "cox-munk-slick", "breon-henriot"])
 def test_slope_models_with_skewness_follow_the_wind(kind):
-    slopes = prepare.slopes(_scenario(wind={"speed_m_s": 9.0, "from_deg": 230.0}, sea={"slopes": {"kind": kind}}))
+    slopes = scenario_physics.slopes(_scenario(wind={"speed_m_s": 9.0, "from_deg": 230.0}, sea={"slopes": {"kind": kind}}))
     assert not slopes.is_gaussian
     assert np.degrees(slopes.wind_to_azimuth) == pytest.approx(50.0)
     if kind != "cox-munk-slick":  # lee faces are steep: they fall to where the wind blows
@@ -122,19 +122,19 @@ def test_slope_models_with_skewness_follow_the_wind(kind):
 @pytest.mark.parametrize("kind", ["elfouhaily", "pierson-moskowitz"])
 def test_slopes_of_the_waves_themselves(kind):
     scenario = _scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": kind}})
-    slopes = prepare.slopes(scenario)
+    slopes = scenario_physics.slopes(scenario)
     assert (slopes.mss_up, slopes.mss_cross) == pytest.approx(spectrum(scenario).mss(), rel=1e-12)
-    assert prepare.slopes(_scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": "flat"}})).is_flat
+    assert scenario_physics.slopes(_scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": "flat"}})).is_flat
     # the source article's mode has a slope model of its own
-    assert prepare.article_view(scenario).slopes.is_isotropic
+    assert scenario_physics.article_view(scenario).slopes.is_isotropic
 
 
 def test_an_image_says_which_density_its_facets_have():
     gaussian, series = (_scenario(sea={"slopes": {"kind": f"cox-munk-{kind}"}}) for kind in ("anisotropic", "gram-charlier"))
-    told = [prepare.sea(s, prepare.slopes(s)).report["facet_density"] for s in (gaussian, series)]
+    told = [scenario_physics.sea(s, scenario_physics.slopes(s)).report["facet_density"] for s in (gaussian, series)]
     assert told[0] == "Gaussian"
     assert "skewness" in told[1]
-    assert prepare.slopes(series).gaussian() == prepare.slopes(gaussian)
+    assert scenario_physics.slopes(series).gaussian() == scenario_physics.slopes(gaussian)
 
 
 @pytest.mark.parametrize(("kind", "most"), [("cox-munk-slick", 14), ("breon-henriot", 15), ("cox-munk-gram-charlier", 20)])
@@ -143,7 +143,7 @@ def test_winds_above_a_slope_fit_are_told_with_its_range(kind, most):
     with pytest.raises(ScenarioError, match=rf"above the {kind} slope fit; allowed: 0 to {most} m/s"):
         _scenario(wind={"speed_m_s": most + 0.5}, sea=sea, atmosphere=air)
     asked = _scenario(wind={"speed_m_s": most + 0.5}, sea={"slopes": {"kind": kind, "extrapolate": True}}, atmosphere=air)
-    assert prepare.slopes(asked).mss > 0.0
+    assert scenario_physics.slopes(asked).mss > 0.0
 
 
 def test_slope_models_that_facets_cannot_draw_are_refused_unless_asked_for():
@@ -177,7 +177,7 @@ def glide(**tables):
     ids=["level", "rolled", "plane", "rising", "turning", "floating"],
 )
 def test_what_glides_level_is_swept(tables, swept):
-    assert (prepare.swept_camera(glide(**tables)) is not None) is swept
+    assert (scenario_physics.swept_camera(glide(**tables)) is not None) is swept
 
 
 def test_a_calm_sea_is_the_same_from_everywhere_on_the_way():
@@ -194,11 +194,11 @@ def test_a_spectrum_without_short_waves_is_told_once(seed, caplog):
     swell = {"kind": "jonswap", "significant_height_m": height, "peak_period_s": period}
     few = _scenario(wind={"speed_m_s": speed}, sea={"slopes": {"kind": "spectrum"}, "spectrum": swell})
     for _ in range(2):
-        mss = prepare.slopes(few).mss
+        mss = scenario_physics.slopes(few).mss
     told = [record.getMessage() for record in caplog.records]
     assert len(told) == 1
     assert f"{mss:.2g}" in told[0]
     assert "short waves are missing" in told[0]
     whole = _scenario(wind={"speed_m_s": speed}, sea={"slopes": {"kind": "spectrum"}})
-    prepare.slopes(whole)
+    scenario_physics.slopes(whole)
     assert len(caplog.records) == 1

@@ -11,18 +11,17 @@ import pytest
 from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import ScenarioError
-from seaglint.imaging.bending import FINER, Bending, RowShift
-from seaglint.imaging.refracted import RefractedScene
-from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.refraction import FINER, Bending, RefractedScene, RowShift
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.mean import mean_map
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.memory import memory_needed
-from seaglint.studies.prepare.sensor_model import sensor_model
 from seaglint.studies.sequence.exposed_objects import ExposedObjects
-from seaglint.studies.sequence.image import image
+from seaglint.studies.sequence.labelled_frames import image
+from seaglint.studies.sequence.memory import memory_needed
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 
 LAYERS = ["range", "coverage", "path_radiance", "emitted_radiance", "sky_radiance", "slope", "glint_share"]
@@ -50,7 +49,7 @@ def scenario(atmosphere=None, objects=(), render=None, **sensor):
 def without_air(of: Sequence, settings) -> Sequence:
     """The same sequence with refraction worked out ray by ray, over an Earth of the standard picture's radius."""
     index = LayeredIndex(np.array([0.0, 1e5]), np.array([1e-15, 1e-15]), EFFECTIVE_EARTH_RADIUS)
-    camera = prepare.swept_camera(settings)
+    camera = scenario_physics.swept_camera(settings)
     assert camera is not None
     shift = RowShift.of(Bending(index, camera.height, 285.0), camera)
     view = of.scene.view
@@ -58,9 +57,9 @@ def without_air(of: Sequence, settings) -> Sequence:
         view,
         shift.standard,
         of.scene.waves,
-        accuracy=prepare.accuracy(settings),
+        accuracy=scenario_physics.accuracy(settings),
         layers=of.scene.layers,
-        sparkles=prepare.sparkles(settings),
+        sparkles=scenario_physics.sparkles(settings),
     )
     return replace(of, scene=RefractedScene(scene, shift))
 

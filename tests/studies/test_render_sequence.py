@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import BackendError, SeaglintError
-from seaglint.files.store.store import open_sequence
 from seaglint.scenario.load import parse_scenario
+from seaglint.store.sequence_store import open_sequence
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
 
 SMALL = {

@@ -12,11 +12,17 @@ import pytest
 
 from seaglint.base.parameters import Parameter, documented
 from seaglint.studies.likelihood.chance_map import likelihood_map
-from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
 from seaglint.studies.likelihood.ship_track import along_track
 from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere, evaluate_emissivity, evaluate_mean, evaluate_scattered
-from seaglint.studies.mean.mean_requests import BandsRequest, EvaluationRequest
-from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
+from seaglint.studies.study_requests import (
+    BandsRequest,
+    CompareRequest,
+    EvaluationRequest,
+    FitRequest,
+    LikelihoodRequest,
+    PlaceRequest,
+    SampleRequest,
+)
 
 FUNCTIONS: list[tuple[Callable[..., Any], type, set[str]]] = [
     (evaluate_atmosphere, BandsRequest, {"bands", "extrapolate"}),

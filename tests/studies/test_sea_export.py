@@ -6,11 +6,11 @@ import xarray as xr
 from render_scenes import spline
 
 from seaglint.base.errors import DomainError, ScenarioError
-from seaglint.files.netcdf import write_netcdf
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare import sea_export as export
-from seaglint.studies.prepare.sea_export import export_sea
+from seaglint.store.netcdf import write_netcdf
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.sequence import sea_export as export
+from seaglint.studies.sequence.sea_export import export_sea
 
 SMALL = {"wind": {"speed_m_s": 8.0, "from_deg": 200.0}, "sea": {"shortest_wave_m": 4.0}, "render": {"tile_size": 128}}
 
@@ -22,7 +22,7 @@ def sea():
 
 def _waves():
     scenario = parse_scenario(SMALL)
-    return prepare.sea(scenario, prepare.slopes(scenario)).waves
+    return scenario_physics.sea(scenario, scenario_physics.slopes(scenario)).waves
 
 
 def test_patch_is_the_sum_of_the_tiles_read_where_they_have_wandered_to(sea):
@@ -62,7 +62,7 @@ def test_heights_and_slopes_have_the_variances_of_the_attributes(sea):
 
 def test_facets_and_waves_add_up_to_the_slope_model(sea):
     scenario = parse_scenario(SMALL)
-    model, field = prepare.slopes(scenario), prepare.sea(scenario, prepare.slopes(scenario)).waves
+    model, field = scenario_physics.slopes(scenario), scenario_physics.sea(scenario, scenario_physics.slopes(scenario)).waves
     east_east, _, north_north = sea.facets.covariance()
     assert east_east + north_north + sum(field.resolved_mss()) == pytest.approx(model.mss, rel=1e-12)
 

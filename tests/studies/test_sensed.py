@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.api.inputs import recording_of
+from seaglint.api.inputs_and_results import recording_of
 from seaglint.base.errors import DataError, DomainError, ScenarioError
-from seaglint.files.recording import open_recording
-from seaglint.files.store.store import open_sequence
+from seaglint.formats.recording import open_recording
 from seaglint.instrument.figures_of_merit import blur_px
 from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.presets.sensor_presets import with_sensor
-from seaglint.studies.prepare import memory
-from seaglint.studies.reading_requests import ReadingRequest
+from seaglint.scenario.presets import with_sensor
+from seaglint.store.sequence_store import open_sequence
+from seaglint.studies.sequence import memory
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed import ROLLING_PARTS, binned, drawn_in_time, prepare_sensed, render
+from seaglint.studies.sequence.sensed_sequence import ROLLING_PARTS, binned, drawn_in_time, prepare_sensed, render
+from seaglint.studies.study_requests import ReadingRequest
 from sensor_cost import measured
 
 SENSOR = {
@@ -292,9 +292,9 @@ def test_the_chain_costs_little_beside_the_finer_drawing() -> None:
 
 def test_all_doors_take_the_same_image_of_a_run_with_counts_and_radiance(tmp_path) -> None:
     """One default: what the detector gives, also where the radiance at the aperture stands beside it."""
-    from seaglint.files.export.stack import select
-    from seaglint.files.recording import open_recording
-    from seaglint.viewer.opening import open_path
+    from seaglint.formats.export.stack import select
+    from seaglint.formats.recording import open_recording
+    from seaglint.viewer.frame_source import open_path
 
     sensor = {"pixels": [24, 16], "frames": 2, "optics": {"focal_length_m": 0.05, "f_number": 2.5}, "detector": {"pitch_um": 15.0}}
     store = tmp_path / "run.zarr"

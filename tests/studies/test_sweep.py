@@ -11,17 +11,16 @@ import xarray as xr
 import seaglint as sg
 from seaglint.base.conventions import view_zenith
 from seaglint.base.errors import BackendError, DataError, ScenarioError, SeaglintError
-from seaglint.cluster.here import Here
-from seaglint.files.tables.cases import read_cases
+from seaglint.cluster.local import Here
+from seaglint.formats.tables.input_tables import read_cases
 from seaglint.optics.band import Band
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.text.vary_text import parse_vary
+from seaglint.scenario.text.option_texts import parse_vary
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands
-from seaglint.studies.prepare import prepare
-from seaglint.studies.sweep import shared_views
-from seaglint.studies.sweep.sweep_plan import SweepPlan
-from seaglint.studies.sweep.view_angles import ViewAngles
+from seaglint.studies.sweep import case_results
+from seaglint.studies.sweep.sweep_plan import SweepPlan, ViewAngles
 
 BANDS = ["3.5-4.15", [8.0, 12.0]]
 AT = {"view_zenith_deg": [0.0, 37.0, 71.0, 88.0], "view_azimuth_deg": [20.0, 200.0]}
@@ -52,7 +51,7 @@ def test_entries_are_those_of_single_scenarios(drawn, place):
         }
     )
     elevation = ViewAngles.of(AT).elevations(60.0)
-    seen = mean_radiance(prepare.view(alone), elevation, np.radians(AT["view_azimuth_deg"]))
+    seen = mean_radiance(scenario_physics.view(alone), elevation, np.radians(AT["view_azimuth_deg"]))
     # The same sums in the same order: what is shared is equal to what is prepared anew, but for the last bits of matrix products.
     np.testing.assert_allclose(swept.radiance.values[place], seen.total, rtol=1e-12)
     np.testing.assert_allclose(swept.glint_radiance.values[place], np.broadcast_to(seen.sun, seen.total.shape), rtol=1e-12, atol=1e-15)
@@ -237,9 +236,9 @@ def test_cases_that_share_their_air_follow_each_other():
 
 def test_what_a_key_does_not_touch_is_made_once(monkeypatch):
     made = []
-    standing = prepare.standing_view
-    monkeypatch.setattr(shared_views.prepare, "standing_view", lambda *given: made.append(given) or standing(*given))
-    shared_views._KEPT.clear()
+    standing = scenario_physics.standing_view
+    monkeypatch.setattr(case_results.prepare, "standing_view", lambda *given: made.append(given) or standing(*given))
+    case_results._KEPT.clear()
     sg.sweep(
         {"band": {"min_um": 8.0, "max_um": 12.0}},
         {"sun.zenith_deg": [10.0, 50.0, 70.0], "wind.speed_m_s": [3.3, 9.1]},

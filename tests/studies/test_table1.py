@@ -17,7 +17,7 @@ from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 from seaglint.instrument.figures_of_merit import blur_px, mtf
 from seaglint.studies.article import table1 as table1_module
 from seaglint.studies.article.table1 import (
@@ -32,7 +32,7 @@ from seaglint.studies.article.table1 import (
     sequence,
     table1,
 )
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 
@@ -98,7 +98,7 @@ def test_the_sensor_resolves_what_the_articles_detectors_do() -> None:
 def test_what_lies_beyond_the_border_is_drawn_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """The picture is the inner part of the wider one: same directions, same waves."""
     monkeypatch.setattr(table1_module, "PIXELS", (48, 16))
-    plain, wide = prepare.camera(scene()), prepare.camera(scene(margin=MARGIN))
+    plain, wide = scenario_physics.camera(scene()), scenario_physics.camera(scene(margin=MARGIN))
     inner = slice(MARGIN, -MARGIN)
     np.testing.assert_allclose(wide.azimuths[inner], plain.azimuths, rtol=1e-12)
     np.testing.assert_allclose(wide.elevations[inner], plain.elevations, rtol=1e-12)
@@ -117,7 +117,7 @@ def test_the_corridor_is_under_the_sun_and_widens_with_wind(monkeypatch: pytest.
     monkeypatch.setattr(table1_module, "PIXELS", (96, 30))
     widths = []
     for wind in (2.0, 10.0):
-        mask = corridor(prepare.view(scene(wind, 70.0)), prepare.camera(scene(wind, 70.0)))
+        mask = corridor(scenario_physics.view(scene(wind, 70.0)), scenario_physics.camera(scene(wind, 70.0)))
         assert mask[:, 47:49].all()
         assert not mask[:, [0, -1]].any()
         widths.append(mask.mean())

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.special import expit
 
-from seaglint.files.tables.columns import write_columns
+from seaglint.formats.tables.table_text import write_columns
 from seaglint.plot.article_figures import write_figure
-from seaglint.studies.article import fig10 as texture_figure
 from seaglint.studies.article import figures
+from seaglint.studies.article import figures as texture_figure
 from seaglint.textures.autobinomial import Autobinomial
 from seaglint.textures.autobinomial_sampler import exchange
 from seaglint.textures.regime import mean_field

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from seaglint.files.recording import open_recording
+from seaglint.formats.recording import open_recording
 from texture_table import held_out, judged, rendered
 
 pytestmark = pytest.mark.validation

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import ScenarioError
-from seaglint.files.directions import directions
-from seaglint.files.store.store import open_sequence
-from seaglint.imaging.swept import SweptScene
-from seaglint.imaging.turned import TurnedScene
+from seaglint.imaging.attitude_scene import TurnedScene
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.plot.preview import draw
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.studies.contents.output_facts import describe
-from seaglint.studies.prepare import memory, prepare
+from seaglint.store.sequence_store import open_sequence
+from seaglint.store.stored_images import directions
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.file_contents import describe
+from seaglint.studies.sequence import memory
 from seaglint.studies.sequence.render_sequence import prepare_sequence, render
 
 SENSOR = {"pixels": [12, 8], "fov_deg": [12, 8], "frames": 3, "frame_rate_hz": 2}
@@ -83,7 +84,7 @@ def test_a_moving_sensor_stores_where_it_is(tmp_path):
 )
 def test_keyframes_that_cannot_be_are_refused_in_one_line(platform, words):
     with pytest.raises(ScenarioError) as error:
-        prepare.track(scenario(platform=platform))
+        scenario_physics.track(scenario(platform=platform))
     assert words in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -92,14 +93,14 @@ def test_heights_outside_the_table_atmosphere_are_refused():
     keyframes = [{"time_s": 0, "height_m": 3}, {"time_s": 1, "height_m": 0.004}]
     words = r"heights of 0.004 to 3 m leave those of atmosphere.source = 'table'; allowed: 0.01 to 100000 m"
     with pytest.raises(ScenarioError, match=words):
-        prepare.track(scenario(platform={"keyframes": keyframes}, atmosphere={"source": "table"}))
+        scenario_physics.track(scenario(platform={"keyframes": keyframes}, atmosphere={"source": "table"}))
 
 
 def test_the_line_of_the_file_is_named(tmp_path):
     (tmp_path / "t.csv").write_text("# jump\ntime_s,north_m\n0,0\n1,5000\n")
     (tmp_path / "s.toml").write_text('[platform]\ntrack = "t.csv"\n')
     with pytest.raises(ScenarioError, match=r"t\.csv: line 3 to line 4: the platform jumps at 5000 m/s"):
-        prepare.track(load_scenario(tmp_path / "s.toml"))
+        scenario_physics.track(load_scenario(tmp_path / "s.toml"))
 
 
 @pytest.mark.parametrize(
@@ -119,7 +120,7 @@ def test_impossible_views_are_refused(sensor, words):
 
 def test_a_grid_of_equal_steps_is_refused_where_there_is_none():
     with pytest.raises(ScenarioError, match="leave no grid of equal steps of azimuth and elevation"):
-        prepare.camera(scenario({"roll_deg": 3}))
+        scenario_physics.camera(scenario({"roll_deg": 3}))
 
 
 def test_memory_that_cannot_fit_is_refused_before_anything_is_made(monkeypatch):

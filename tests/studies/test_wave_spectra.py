@@ -12,12 +12,12 @@ import xarray as xr
 from wave_files import LATITUDE, LONGITUDE
 
 from seaglint.base.errors import ScenarioError
-from seaglint.files.netcdf import write_netcdf
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.sea_export import export_sea
-from seaglint.studies.prepare.wave_spectra import spectrum, waves
-from seaglint.studies.sequence.image import image
+from seaglint.store.netcdf import write_netcdf
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.waves_and_slopes import spectrum, waves
+from seaglint.studies.sequence.labelled_frames import image
+from seaglint.studies.sequence.sea_export import export_sea
 
 SWELL = {"kind": "jonswap", "significant_height_m": 1.5, "peak_period_s": 8.0, "from_deg": 300.0, "spreading_deg": 15.0}
 
@@ -78,8 +78,8 @@ def test_systems_add_and_keep_their_directions() -> None:
 def test_energy_rule_of_several_systems(turn: float) -> None:
     steep = {"kind": "jonswap", "significant_height_m": 2.0, "peak_period_s": 5.0, "from_deg": 200.0 + turn, "spreading_deg": 10.0}
     wanted = scenario({"kind": "systems", "systems": [steep, {"kind": "elfouhaily"}]}, wind={"speed_m_s": 3.0, "from_deg": 200.0})
-    slopes = prepare.slopes(wanted)
-    report = prepare.sea(wanted, slopes).report
+    slopes = scenario_physics.slopes(wanted)
+    report = scenario_physics.sea(wanted, slopes).report
     up, cross, both = report["resolved_mss_up"], report["resolved_mss_cross"], report["resolved_slope_covariance"]
     assert report["cut_by"] == "80 % of the slope variance"
     assert up + report["facet_mss_up"] == pytest.approx(slopes.mss_up, rel=1e-9)
@@ -97,7 +97,7 @@ def test_a_file_is_told_with_its_time_and_place(key: str, tmp_path: Path) -> Non
     file |= {"latitude_deg": LATITUDE, "longitude_deg": LONGITUDE}
     table = file if key == "sea.spectrum" else {"kind": "systems", "systems": [SWELL, file]}
     wanted = scenario(table)
-    (told,) = json.loads(prepare.sea(wanted, prepare.slopes(wanted)).report["wave_spectra"])
+    (told,) = json.loads(scenario_physics.sea(wanted, scenario_physics.slopes(wanted)).report["wave_spectra"])
     assert told["file"] == "swan.spec"
     assert told["format"] == "swan"
     assert told["time"] == "2024-03-01T03:00:00Z"

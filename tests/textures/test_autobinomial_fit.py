@@ -7,13 +7,11 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.textures.autobinomial import Autobinomial
-from seaglint.textures.autobinomial_fit import fit
+from seaglint.textures.autobinomial import Autobinomial, classes
+from seaglint.textures.autobinomial_fit import BATCHES, _last, fit, inside_products, newton
 from seaglint.textures.autobinomial_sampler import exchange, sample
-from seaglint.textures.monte_carlo import BATCHES, _last, inside_products, newton
-from seaglint.textures.neighbourhood import classes
+from seaglint.textures.autobinomial_texture import GreyLevels
 from seaglint.textures.pseudo_likelihood import conditional_log_likelihood
-from seaglint.textures.quantisation import GreyLevels
 from seaglint.textures.regime import Regime, correlations, mean_field, regime
 
 KNOWN = Autobinomial.of(8, 2, -1.4, (0.09, 0.05, -0.02, 0.03), isotropic=False)
@@ -88,7 +86,7 @@ def test_monte_carlo_likelihood_agrees_and_is_sharper(periodic: bool) -> None:
 def test_likelihood_of_an_exact_torus() -> None:
     """4 x 4 with two levels: at the maximum the mean sums are the picture's; here from all 65 536 pictures."""
     picture = np.array([[0, 0, 1, 1], [0, 1, 1, 0], [0, 0, 1, 0], [1, 0, 0, 0]])
-    from seaglint.textures.monte_carlo import maximum_likelihood
+    from seaglint.textures.autobinomial_fit import maximum_likelihood
 
     first = Autobinomial.of(2, 1, -1.0, (0.1,))
     found = maximum_likelihood(picture.astype(np.int16), first, 3, periodic=True).model

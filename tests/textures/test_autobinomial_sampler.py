@@ -11,11 +11,10 @@ from scipy.special import comb, expit
 
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
-from seaglint.textures import autobinomial_kernels as kernels
+from seaglint.textures import autobinomial_sampler as kernels
 from seaglint.textures import autobinomial_sampler as sampler
 from seaglint.textures.autobinomial import Autobinomial
-from seaglint.textures.autobinomial_sampler import exchange, sample
-from seaglint.textures.mixing import mixing
+from seaglint.textures.autobinomial_sampler import exchange, mixing, sample
 
 LEVEL = 1e-3
 """Level of every chi-square test here: one in a thousand fails by chance, and seeds are fixed."""
@@ -23,7 +22,7 @@ LEVEL = 1e-3
 
 def chain(model: Autobinomial, shape: tuple[int, int], draws: int, thin: int, seed: int) -> np.ndarray:
     """Pictures of one Gibbs chain, ``thin`` sweeps apart."""
-    law, plan, key = sampler.law(model), sampler.plan(model, shape), sampler.words(seed, "test")
+    law, plan, key = sampler.sampling_law(model), sampler.plan(model, shape), sampler.words(seed, "test")
     field = np.zeros(shape, dtype=np.int16)
     found = np.empty((draws, *shape), dtype=np.int16)
     kernels.gibbs(field, law, plan, key, 0, 50)
@@ -195,10 +194,10 @@ def test_exchange_visits_pictures_of_its_histogram_as_often_as_it_must(first: li
     pictures = np.array(list(itertools.product(range(levels), repeat=9)))
     alike = (np.sort(pictures, axis=1) == np.sort(np.ravel(first))).all(axis=1)
     field = np.array(first, dtype=np.int16)
-    law, plan, key = sampler.law(model), sampler.plan(model, (3, 3)), sampler.words(5, "test")
+    law, plan, key = sampler.sampling_law(model), sampler.plan(model, (3, 3)), sampler.words(5, "test")
     found = np.empty((draws, 3, 3), dtype=np.int16)
     for i in range(draws):
-        kernels.exchange(field, law, plan, key, 15 * i, 15)
+        kernels.exchange_kernel(field, law, plan, key, 15 * i, 15)
         found[i] = field
     counts = np.bincount(numbers(found, levels), minlength=levels**9)
     assert counts[~alike].sum() == 0
@@ -218,7 +217,7 @@ def test_exchange_keeps_the_histogram_and_finds_the_texture() -> None:
 def test_bytes_do_not_depend_on_threads() -> None:
     model, shape = Autobinomial.of(16, 3, -1.0, (0.02, 0.01, 0.01)), (65, 67)  # sizes that no number of colours divides
     one, other = np.zeros(shape, dtype=np.int16), np.zeros(shape, dtype=np.int16)
-    arguments = sampler.law(model), sampler.plan(model, shape), sampler.words(6, "test"), 0, 3
+    arguments = sampler.sampling_law(model), sampler.plan(model, shape), sampler.words(6, "test"), 0, 3
     kernels.gibbs(one, *arguments)
     kernels.gibbs_in_threads(other, *arguments)
     assert np.array_equal(one, other)
@@ -227,7 +226,7 @@ def test_bytes_do_not_depend_on_threads() -> None:
 
 def test_sweeps_go_on_where_others_ended_and_seeds_differ() -> None:
     model = Autobinomial.of(8, 1, -1.0, (0.1,))
-    law, plan, key = sampler.law(model), sampler.plan(model, (20, 20)), sampler.words(1, "test")
+    law, plan, key = sampler.sampling_law(model), sampler.plan(model, (20, 20)), sampler.words(1, "test")
     one, other = np.zeros((20, 20), dtype=np.int16), np.zeros((20, 20), dtype=np.int16)
     kernels.gibbs(one, law, plan, key, 0, 5)
     kernels.gibbs(other, law, plan, key, 0, 2)

@@ -53,7 +53,7 @@ def test_frozen_fits_are_sampled_by_exchange_at_the_likelihood_given_the_histogr
 
 def test_what_does_not_converge_is_told_and_the_nearer_couplings_are_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     """A smooth Gaussian picture is of no couplings; few rounds, as more do not help."""
-    monkeypatch.setattr("seaglint.textures.monte_carlo.ROUNDS", 8)
+    monkeypatch.setattr("seaglint.textures.autobinomial_fit.ROUNDS", 8)
     smooth = gaussian_filter(np.random.default_rng(3).standard_normal((48, 48)), 1.5, mode="wrap")
     found = fit_texture(smooth, 8, 2)
     assert found.texture.sampler == "exchange"

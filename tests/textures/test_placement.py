@@ -7,7 +7,7 @@ import pytest
 
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DomainError
-from seaglint.textures.placement import Footprints, PeriodicField, fluctuation
+from seaglint.studies.texture.perspective import Footprints, PeriodicField, fluctuation
 
 HEIGHT = 30.0
 

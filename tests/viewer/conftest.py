@@ -7,11 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.files.provenance import provenance
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import write_sequence
-from seaglint.files.store.stored_truth import NUMBERS, Truth
 from seaglint.optics.band import Band
+from seaglint.store.layout import NUMBERS, Layout, Truth
+from seaglint.store.provenance import provenance
+from seaglint.store.sequence_store import write_sequence
 
 ROWS, COLUMNS, FRAMES = 48, 64, 12
 

@@ -19,7 +19,7 @@ import pytest
 from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
-from seaglint.files.store.store import write_sequence
+from seaglint.store.sequence_store import write_sequence
 from seaglint.viewer.frame_source import open_source
 
 from .conftest import COLUMNS, ROWS, images, layout, radiance

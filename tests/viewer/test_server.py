@@ -21,9 +21,9 @@ pytest.importorskip("starlette", reason="the viewer's extra is not installed")
 httpx = pytest.importorskip("httpx", reason="httpx is not installed")
 
 from seaglint.viewer import server  # noqa: E402
-from seaglint.viewer.jobs import AnalysisJob, Jobs, _StoppedError  # noqa: E402
 from seaglint.viewer.library import Library  # noqa: E402
-from seaglint.viewer.safety import MOST_ADDRESS, MOST_BODY, Guard  # noqa: E402
+from seaglint.viewer.routes import AnalysisJob, Jobs, _StoppedError  # noqa: E402
+from seaglint.viewer.server import MOST_ADDRESS, MOST_BODY, Guard  # noqa: E402
 
 from .conftest import COLUMNS, ROWS, radiance  # noqa: E402
 
@@ -369,7 +369,7 @@ def test_ctrl_c_at_the_moment_of_the_address_ends_the_viewer(store, tmp_path):
 
 
 def test_a_viewer_searches_for_unused_memory_again(store, tmp_path):
-    later = "__import__('seaglint.cli.terminal.start', fromlist=['start']).collect_later()"
+    later = "__import__('seaglint.cli.terminal.program', fromlist=['start']).collect_later()"
     ended = serve_apart(
         store, tmp_path, "(print(gc.get_threshold() == before), press_ctrl_c())", first=f"before = gc.get_threshold(); {later}"
     )

@@ -12,8 +12,10 @@ import pytest
 uvicorn = pytest.importorskip("uvicorn", reason="the viewer's extra is not installed")
 
 from seaglint.viewer.library import Library  # noqa: E402
-from seaglint.viewer.safety import MOST_BODY  # noqa: E402
-from seaglint.viewer.server import make_app  # noqa: E402
+from seaglint.viewer.server import (
+    MOST_BODY,
+    make_app,
+)
 
 from .conftest import COLUMNS, ROWS  # noqa: E402
 

@@ -12,17 +12,16 @@ import zarr
 
 from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.base.errors import DataError
-from seaglint.files.recording import open_recording
-from seaglint.files.sequence_summary import grid_of, stored_band
-from seaglint.files.store.location import partial_path, place_of
-from seaglint.files.store.shards import Shards
-from seaglint.files.store.store import write_sequence
+from seaglint.formats.recording import open_recording
 from seaglint.optics.band import apparent_temperature
+from seaglint.store.location import partial_path, place_of
+from seaglint.store.sequence_store import write_sequence
+from seaglint.store.shards import Shards
+from seaglint.store.stored_images import grid_of, stored_band
 from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
 from seaglint.viewer.frame_source import MOST_CACHED, MOST_TRACED, GoneError, open_source
-from seaglint.viewer.picture import Scales, Show, tag
-from seaglint.viewer.probe import probe, trace
-from seaglint.viewer.scaling import scaling_of
+from seaglint.viewer.picture import Scales, Show, scaling_of, tag
+from seaglint.viewer.routes import probe, trace
 
 from .conftest import COLUMNS, FRAMES, ROWS, images, layout, radiance
 

@@ -18,15 +18,13 @@ import pytest
 from seaglint.base.errors import Mistake, ScenarioError, SeaglintError
 from seaglint.scenario.keys import key_paths
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.presets.scene_presets import PRESETS
+from seaglint.scenario.presets import PRESETS
 from seaglint.scenario.sun import sun_position
-from seaglint.viewer.workbench.day import clock, day_of, day_svg
-from seaglint.viewer.workbench.draft import Draft, keys_of, value_of
-from seaglint.viewer.workbench.fields import Field, Group, file_keys, form
-from seaglint.viewer.workbench.map import map_svg
-from seaglint.viewer.workbench.plan import plan, plan_svg, reach, rings
-from seaglint.viewer.workbench.redraw import Redraw
+from seaglint.viewer.workbench.bench import Redraw
+from seaglint.viewer.workbench.scenario_draft import Draft, Field, Group, file_keys, form, keys_of, value_of
 from seaglint.viewer.workbench.small_pictures import Order, Overtaken, Painter, PreviewPicture, reduced
+from seaglint.viewer.workbench.sun_card import clock, day_of, day_svg
+from seaglint.viewer.workbench.svg_pictures import map_svg, plan, plan_svg, reach, rings
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 HOSTILE = "<script>alert(1)</script>"

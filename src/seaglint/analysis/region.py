@@ -34,8 +34,7 @@ from seaglint.clutter.correlation import (
 )
 from seaglint.clutter.extremes import TailFit, fit_tail
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
-from seaglint.clutter.fits import FAMILIES, Fit, fit
-from seaglint.clutter.goodness import FEWEST_JUDGED, Goodness, goodness
+from seaglint.clutter.fits import FAMILIES, FEWEST_JUDGED, Fit, Goodness, fit, goodness
 from seaglint.clutter.moments import Moments
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
 from seaglint.clutter.stationarity import Stationarity, stationarity

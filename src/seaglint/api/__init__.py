@@ -14,7 +14,7 @@ A command has the function of its name: ``seaglint export-sea`` is :func:`export
 Commands of a group are functions of a module: ``seaglint texture fit`` is :func:`sg.texture.fit <seaglint.api.texture_models.fit>`, and so
 are those of ``sg.atmosphere``, ``sg.evaluate``, ``sg.reproduce`` and ``sg.weather``. Options of the terminal have no parameters: results
 are returned, not printed. Results are xarray where they have axes, else a
-:class:`~seaglint.api.result_record.ResultRecord` with ``as_dict()`` and ``plot()``.
+:class:`~seaglint.api.inputs_and_results.ResultRecord` with ``as_dict()`` and ``plot()``.
 
 Where a function takes a scenario, it takes a file's name, tables in a mapping, or the result of :func:`load`.
 """
@@ -24,18 +24,11 @@ from seaglint.api import article_results as reproduce
 from seaglint.api import case_tables as evaluate
 from seaglint.api import texture_models as texture
 from seaglint.api import weather_tables as weather
-from seaglint.api.beginning import info, init, schema
-from seaglint.api.comparing import compare, compare_spectrum
+from seaglint.api.detectors import detect, detect_design, detect_range, detect_recording, detect_scene
 from seaglint.api.exports import export, export_sea, labels
-from seaglint.api.glint_chances import likelihood
-from seaglint.api.judging import detect, detect_recording
-from seaglint.api.judging_scenes import detect_design, detect_range, detect_scene
-from seaglint.api.laboratory import homogeneous_path
-from seaglint.api.many import dataset, ensemble
-from seaglint.api.runs import frames, render, sense, sensor
-from seaglint.api.scenes import image, load, mean
-from seaglint.api.statistics import analyze, apparent_temperature
-from seaglint.api.sweeps import sweep
+from seaglint.api.measurements import analyze, apparent_temperature, compare, compare_spectrum, homogeneous_path
+from seaglint.api.scenario_functions import image, info, init, likelihood, load, mean, schema, sweep
+from seaglint.api.sequences import dataset, ensemble, frames, render, sense, sensor
 
 __all__ = [
     "analyze",

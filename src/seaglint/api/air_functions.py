@@ -7,16 +7,15 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from seaglint.api.inputs import scenario_of
-from seaglint.api.result_record import ResultRecord
+from seaglint.api.inputs_and_results import ResultRecord, scenario_of
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
-    from seaglint.air.profile.band_numbers import Spectroscopy
-    from seaglint.api.inputs import SceneInput
+    from seaglint.air.profile.band_laws import Spectroscopy
+    from seaglint.api.inputs_and_results import SceneInput
 
 __all__ = ["export", "info", "path", "read", "sky", "write"]
 
@@ -61,12 +60,12 @@ def info(
     >>> round(sg.atmosphere.info("tropical")["air_minus_sea_k"], 1)
     11.5
     """
-    from seaglint.files.soundings.air_summary import moment_of, place_of_air, summarise_air
+    from seaglint.formats.soundings.air_summary import moment_of, place_of_air, summarise_air
 
     summary = summarise_air(str(source), sea_temperature, model, place_of_air(place), moment_of(time))
 
     def draw() -> Figure:
-        from seaglint.plot.air_figure import draw_air
+        from seaglint.plot.environment_charts import draw_air
 
         return draw_air(summary)
 
@@ -134,8 +133,7 @@ def path(
     >>> air.transmittance.dims
     ('target_height_m', 'range_m')
     """
-    from seaglint.studies.prepare.even_air import even_path, require_one_kind
-    from seaglint.studies.prepare.sight_lines import path_air
+    from seaglint.studies.air_paths import even_path, path_air, require_one_kind
 
     even = {"temperature_k": temperature_k, "pressure_hpa": pressure_hpa}
     even |= {"vapour_pressure_hpa": vapour_pressure_hpa, "length_km": length_km}
@@ -176,7 +174,7 @@ def sky(scenario: SceneInput, *, zenith_deg: ArrayLike, azimuth_deg: ArrayLike |
     >>> bool((sky.apparent_temperature.diff("zenith_deg") > 0.0).all())
     True
     """
-    from seaglint.studies.prepare.sight_lines import sky_air
+    from seaglint.studies.air_paths import sky_air
 
     return sky_air(scenario_of(scenario), zenith_deg, azimuth_deg)
 
@@ -209,9 +207,9 @@ def export(scenario: SceneInput, output: str | Path | None = None, *, overwrite:
     >>> sg.atmosphere.export({"band": {"min_um": 3.9, "max_um": 4.0}}).path_transmittance.dims
     ('range_m', 'wavenumber_cm')
     """
-    from seaglint.files.air.air_file import require_kind, write_atmosphere
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.studies.prepare.air_export import export_air
+    from seaglint.formats.air_file import require_kind, write_atmosphere
+    from seaglint.store.outputs import refuse_existing
+    from seaglint.studies.air_files import export_air
 
     loaded = scenario_of(scenario)
     if output is not None:
@@ -262,7 +260,7 @@ def write(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     deck = sg.atmosphere.write({"atmosphere": {"source": "model"}}, folder)  # doctest: +SKIP
     """
-    from seaglint.studies.prepare.modtran_decks import write_decks
+    from seaglint.studies.air_files import write_decks
 
     return write_decks(scenario_of(scenario), Path(output), form, scattered=scattered, overwrite=overwrite).deck
 
@@ -294,9 +292,9 @@ def read(files: str | Path | Sequence[str | Path], output: str | Path | None = N
     >>> import seaglint as sg
     >>> sg.atmosphere.read("deck", "air.nc")  # doctest: +SKIP
     """
-    from seaglint.files.air.air_file import require_kind, write_atmosphere
-    from seaglint.files.modtran.reading import read_air
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.formats.air_file import require_kind, write_atmosphere
+    from seaglint.formats.modtran.modtran_air import read_air
+    from seaglint.store.outputs import refuse_existing
 
     paths = [Path(files)] if isinstance(files, str | Path) else [Path(file) for file in files]
     if output is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.result_record import ResultRecord
+from seaglint.api.inputs_and_results import ResultRecord
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,7 +131,7 @@ def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress:
     """
     import xarray as xr
 
-    from seaglint.studies.article.fig5 import figure_5
+    from seaglint.studies.article.figures_5_and_12 import figure_5
 
     table = None if weather is None else Path(weather)
     result = figure_5(table, mode="spectral" if spectral else "article", report=progress)
@@ -200,9 +200,9 @@ def fig12(
     >>> import seaglint as sg
     >>> sg.reproduce.fig12("fig12.zarr", frames=range(60, 80), pixels=128)  # doctest: +SKIP
     """
-    from seaglint.api.inputs import with_band
-    from seaglint.files.store.store import open_sequence
-    from seaglint.studies.article import fig12 as engagement
+    from seaglint.api.inputs_and_results import with_band
+    from seaglint.store.sequence_store import open_sequence
+    from seaglint.studies.article import figures_5_and_12 as engagement
 
     size = engagement.PIXELS if pixels is None else pixels
     engagement.sequence(output, frames, size, resume=resume, overwrite=overwrite, progress=progress)
@@ -259,7 +259,7 @@ def measured(*, spectroscopy: Literal["lblrtm", "lowtran7", "both"] = "both") ->
     result = against_measurements(spectroscopy)
 
     def draw() -> Figure:
-        from seaglint.plot.beside_figure import draw_beside
+        from seaglint.plot.sensor_and_spectra import draw_beside
 
         return draw_beside(result.spectra)
 

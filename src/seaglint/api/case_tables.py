@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from seaglint.base.parameters import documented
-from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
+from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -231,9 +231,9 @@ def _evaluated(
     """Read the cases, compute, write the CSV file where one is requested, and label the results."""
     import xarray as xr
 
-    from seaglint.files.outputs import refuse_existing, require_ending
-    from seaglint.files.tables.cases import cases_of_columns, read_cases, write_cases
-    from seaglint.studies.mean.case_datasets import labelled_cases
+    from seaglint.formats.tables.input_tables import cases_of_columns, read_cases, write_cases
+    from seaglint.store.outputs import refuse_existing, require_ending
+    from seaglint.studies.mean.evaluate_cases import labelled_cases
 
     if output is not None:
         refuse_existing(require_ending(Path(output), (".csv", ".txt"), "the results are a CSV file"), overwrite=overwrite)

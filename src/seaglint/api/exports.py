@@ -5,16 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from seaglint.api.inputs import scenario_of
+from seaglint.api.inputs_and_results import scenario_of
 from seaglint.base.parameters import documented
-from seaglint.studies.sequence.sequence_requests import ExportRequest
+from seaglint.studies.study_requests import ExportRequest
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from seaglint.api.inputs import SceneInput
+    from seaglint.api.inputs_and_results import SceneInput
     from seaglint.base.conventions import Progress
-    from seaglint.files.export.stack import Exported
+    from seaglint.formats.export.stack import Exported
 
 
 @documented(ExportRequest, videos="videos")
@@ -62,8 +62,8 @@ def export(
     ...     sg.export(sg.render(scene, f"{folder}/run.zarr"), f"{folder}/run.tif", dtype="uint16", limits=(0.0, 2.0)).shape
     (3, 4, 8)
     """
-    from seaglint.files.store.store import open_sequence
     from seaglint.plot.run_export import export_run
+    from seaglint.store.sequence_store import open_sequence
 
     opened = open_sequence(run) if isinstance(run, str | Path) else run
     return export_run(
@@ -129,9 +129,9 @@ def export_sea(
     >>> sg.export_sea({"seed": 1}, extent=(16.0, 8.0), spacing=1.0, lattices=False).height.shape
     (9, 17)
     """
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.studies.prepare.sea_export import export_sea as exported
-    from seaglint.studies.prepare.sea_export import require_sea_name, write_sea
+    from seaglint.store.outputs import refuse_existing
+    from seaglint.studies.sequence.sea_export import export_sea as exported
+    from seaglint.studies.sequence.sea_export import require_sea_name, write_sea
 
     if output is not None:
         refuse_existing(require_sea_name(Path(output)), overwrite=overwrite)
@@ -168,8 +168,8 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
     >>> import seaglint as sg
     >>> sg.labels("run.zarr", "labels.json").column_px  # doctest: +SKIP
     """
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.store.object_labels import Labels, label_dataset, report_never_seen, require_labels_name, write_labels
+    from seaglint.formats.object_labels import Labels, label_dataset, report_never_seen, require_labels_name, write_labels
+    from seaglint.store.outputs import refuse_existing
 
     if output is not None:
         refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[Path(run)])

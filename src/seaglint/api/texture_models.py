@@ -7,11 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs import recording_of, request_of, scenario_of
-from seaglint.api.result_record import ResultRecord
+from seaglint.api.inputs_and_results import ResultRecord, recording_of, request_of, scenario_of
 from seaglint.base.parameters import documented
-from seaglint.studies.reading_requests import ReadingRequest
-from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
+from seaglint.studies.study_requests import CompareRequest, FitRequest, PlaceRequest, ReadingRequest, SampleRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,10 +17,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from seaglint.analysis import Recording
-    from seaglint.api.inputs import SceneInput
+    from seaglint.api.inputs_and_results import SceneInput
     from seaglint.base.conventions import Progress
-    from seaglint.files.recording import RawLayout
-    from seaglint.files.texture_file import StoredTexture
+    from seaglint.formats.recording import RawLayout
+    from seaglint.store.texture_file import StoredTexture
     from seaglint.studies.texture.texture_sequences import Fitted
 
     Images = xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording
@@ -47,8 +45,8 @@ class FittedTexture:
 
     def save(self, output: str | Path, *, overwrite: bool = False) -> Path:
         """Write the texture's file, ``.json``."""
-        from seaglint.files.outputs import refuse_existing
-        from seaglint.files.texture_file import check_name, write_texture
+        from seaglint.store.outputs import refuse_existing
+        from seaglint.store.texture_file import check_name, write_texture
 
         path = Path(output)
         refuse_existing(check_name(path), overwrite=overwrite)
@@ -125,8 +123,8 @@ def fit(
     (1, 16, 32)
     """
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.texture_file import check_name
+    from seaglint.store.outputs import refuse_existing
+    from seaglint.store.texture_file import check_name
     from seaglint.studies.texture.texture_sequences import fit as fitted
 
     if output is not None:
@@ -178,7 +176,7 @@ def sample(
     >>> import seaglint as sg
     >>> sg.texture.sample("model.json", size=(256, 256), frames=32)  # doctest: +SKIP
     """
-    from seaglint.files.store.store import open_sequence
+    from seaglint.store.sequence_store import open_sequence
     from seaglint.studies.texture.texture_sequences import loop
     from seaglint.studies.texture.texture_sequences import sample as written
 
@@ -295,8 +293,8 @@ def place(
     >>> import seaglint as sg
     >>> sg.texture.place("model.json", "my.toml", "placed.zarr")  # doctest: +SKIP
     """
-    from seaglint.api.inputs import with_band
-    from seaglint.files.store.store import check_output, open_sequence
+    from seaglint.api.inputs_and_results import with_band
+    from seaglint.store.sequence_store import check_output, open_sequence
     from seaglint.studies.texture.perspective import place as placed
 
     loaded, stored = scenario_of(scenario), _stored(model)
@@ -308,6 +306,6 @@ def place(
 
 def _stored(model: FittedTexture | str | Path) -> StoredTexture:
     """Return the texture of a result or of a file."""
-    from seaglint.files.texture_file import read_texture
+    from seaglint.store.texture_file import read_texture
 
     return model.stored if isinstance(model, FittedTexture) else read_texture(model)

@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.api.result_record import ResultRecord
+from seaglint.api.inputs_and_results import ResultRecord
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from seaglint.climate.table_facts import WeatherFacts
+    from seaglint.climate.table_summary import WeatherFacts
 
 __all__ = ["build", "info"]
 
@@ -77,11 +77,10 @@ def build(
     >>> import seaglint as sg
     >>> table = sg.weather.build("north-atlantic-ships.csv", months=[6, 7, 8])  # doctest: +SKIP
     """
-    from seaglint.climate.select import GeographicBox, Polygon, Selection
-    from seaglint.files.weather.area import read_polygon
-    from seaglint.files.weather.read_weather import WeatherReading
-    from seaglint.files.weather.weather_file import check_output, write_weather
-    from seaglint.scenario.text.weather_map import parse_fill, parse_map, parse_place
+    from seaglint.climate.weather_selection import GeographicBox, Polygon, Selection
+    from seaglint.formats.weather.weather_cells import read_polygon
+    from seaglint.formats.weather.weather_file import WeatherReading, check_output, write_weather
+    from seaglint.scenario.text.option_texts import parse_fill, parse_map, parse_place
     from seaglint.studies.likelihood.weather_files import build as built_of
 
     paths = [Path(sources)] if isinstance(sources, str | Path) else [Path(source) for source in sources]
@@ -133,7 +132,7 @@ def info(table: str | Path = "north-atlantic") -> ResultRecord:
     _, facts = describe(table)
 
     def draw() -> Figure:
-        from seaglint.plot.weather_figure import draw_weather
+        from seaglint.plot.environment_charts import draw_weather
 
         return draw_weather(facts)
 

@@ -1,4 +1,6 @@
-"""Folder of compiled kernels, named by a digest of all their sources.
+"""Syntax trees as text: what a source does, whatever its comments, docstrings and layout.
+
+Folder of compiled kernels, named by a digest of all their sources.
 
 Numba looks at the file of the function that it loads, not at those of the kernels that this one calls: after a change of these alone
 it would run old physics. Here any change of what a kernel's file does leads to another folder; a change of its prose does not.
@@ -6,6 +8,7 @@ it would run old physics. Here any change of what a kernel's file does leads to 
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 import os
@@ -19,9 +22,49 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from seaglint.base.syntax import __file__ as _syntax_file
-from seaglint.base.syntax import syntax_digest
-from seaglint.base.user_cache import cache_folder
+from seaglint.base.machine import cache_folder
+
+
+def syntax_text(node: object, without: tuple[type[ast.AST], ...] = ()) -> str:
+    r"""Return a syntax tree as text, the same for all versions of Python.
+
+    Parameters
+    ----------
+    node : ast.AST
+        Tree or part of one.
+    without : tuple of types
+        Kinds of nodes that are left out, besides docstrings.
+
+    Returns
+    -------
+    str
+        Names of nodes with their fields; fields without content are left out, because versions of Python differ in them.
+
+    Examples
+    --------
+    >>> syntax_text(ast.parse("x = 1  # one")) == syntax_text(ast.parse("'''A number.'''\nx = 1"))
+    True
+    """
+    match node:
+        case None | ast.Expr(value=ast.Constant()):
+            return ""
+        case ast.AST():
+            if isinstance(node, without):
+                return ""
+            fields = ((name, syntax_text(value, without)) for name, value in ast.iter_fields(node))
+            return f"{type(node).__name__}({','.join(f'{name}={text}' for name, text in fields if text)})"
+        case []:
+            return ""
+        case list():
+            texts = ("-" if one is None else syntax_text(one, without) for one in node)
+            return "[" + ",".join(text for text in texts if text) + "]"
+    return repr(node)
+
+
+def syntax_digest(source: bytes) -> str:
+    """Return a digest of what a Python source does [20 hexadecimal digits]."""
+    return hashlib.blake2b(syntax_text(ast.parse(source)).encode(), digest_size=10).hexdigest()
+
 
 try:
     import fcntl
@@ -74,7 +117,7 @@ def sources_digest(package: Path = PACKAGE) -> str:
 
 
 #: File of the digests of what sources do, by digests of their bytes, named by what makes them: parsing takes a second or two.
-DIGESTS: Final = f"syntax-digests-{hashlib.blake2b(Path(_syntax_file).read_bytes(), digest_size=4).hexdigest()}.json"
+DIGESTS: Final = f"syntax-digests-{hashlib.blake2b(Path(__file__).read_bytes(), digest_size=4).hexdigest()}.json"
 
 
 def _known_digests() -> dict[str, str]:

@@ -10,8 +10,8 @@ import typer
 from seaglint.cli.terminal.messages import tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import takes_records
-from seaglint.studies.analysis_requests import AnalysisRequest
+from seaglint.cli.terminal.record_options import takes_records
+from seaglint.studies.study_requests import AnalysisRequest
 
 if TYPE_CHECKING:
     from seaglint.analysis.summary import AlarmSummary, AnalysisSummary, FitSummary
@@ -33,10 +33,10 @@ def analyze(
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.analysis import analyze as run
-    from seaglint.base.absent_numbers import absent_numbers
     from seaglint.base.errors import DataError
+    from seaglint.base.reports import absent_numbers
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.store.outputs import refuse_existing
 
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
@@ -126,7 +126,7 @@ def _alarm(entry: AlarmSummary) -> str:
 FLOOR = 0.0051  #: Level of the goodness bootstrap's smallest answer, 1 in 200: not one of its draws was as far from the fit.
 
 
-#: Independent values below which no family is called the best, as in :mod:`seaglint.clutter.goodness`, which is slow to import.
+#: Independent values below which no family is called the best, as in :mod:`seaglint.clutter.fits`, which is slow to import.
 FEWEST_JUDGED = 50
 
 

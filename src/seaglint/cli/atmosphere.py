@@ -13,7 +13,7 @@ from seaglint.cli.terminal.messages import files_read, log, naming_file
 if TYPE_CHECKING:
     import xarray as xr
 
-    from seaglint.air.profile.band_numbers import Spectroscopy
+    from seaglint.air.profile.band_laws import Spectroscopy
 
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
 
@@ -44,14 +44,14 @@ def export(
 
     Transmittance, radiance and sunlight: a start for an atmosphere file of your own.
     """
-    from seaglint.files.air.air_file import require_kind, write_atmosphere
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.formats.air_file import require_kind, write_atmosphere
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.outputs import refuse_existing
 
     require_kind(output)
     loaded = load_scenario(scenario)
     refuse_existing(output, overwrite=overwrite, inputs=files_read(scenario, loaded))
-    from seaglint.studies.prepare.air_export import export_air
+    from seaglint.studies.air_files import export_air
 
     with naming_file(scenario, loaded):
         air = export_air(loaded)
@@ -76,7 +76,7 @@ def write(
     from seaglint.scenario.load import load_scenario
 
     loaded = load_scenario(scenario)
-    from seaglint.studies.prepare.modtran_decks import write_decks
+    from seaglint.studies.air_files import write_decks
 
     with naming_file(scenario, loaded):
         decks = write_decks(loaded, output, form.value, scattered=scattered, overwrite=overwrite)
@@ -101,12 +101,12 @@ def read(
 
     For atmosphere.source = "file" of a scenario; path, sky, Sun and scattered sunlight apart.
     """
-    from seaglint.files.air.air_file import require_kind, write_atmosphere
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.formats.air_file import require_kind, write_atmosphere
+    from seaglint.store.outputs import refuse_existing
 
     require_kind(output)
     refuse_existing(output, overwrite=overwrite, inputs=[path for path in files if path.is_file()])
-    from seaglint.files.modtran.reading import read_air
+    from seaglint.formats.modtran.modtran_air import read_air
 
     air = read_air(files)
     write_atmosphere(air, output, overwrite=overwrite)
@@ -149,8 +149,8 @@ def info(
     import json
 
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.soundings.air_summary import moment_of, place_of_air, summarise_air
+    from seaglint.formats.soundings.air_summary import moment_of, place_of_air, summarise_air
+    from seaglint.store.outputs import refuse_existing
 
     if plot is not None:
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
@@ -161,7 +161,7 @@ def info(
         log(f"--place {place} is not used: a file of this kind ({summary.kind}) holds one place")
     typer.echo(json.dumps(summary.as_dict(), indent=2) if as_json else "\n".join(summary.lines))
     if plot is not None:
-        from seaglint.plot.air_figure import write_air_plot
+        from seaglint.plot.environment_charts import write_air_plot
 
         write_air_plot(summary, plot)
         log(f"{plot} written")
@@ -208,9 +208,8 @@ def path_command(
     temperature; besides the gases given the air is nitrogen, oxygen and water, and nitrogen absorbs in 3.7-4.2 um only, where RRTMGP's
     tables have it.
     """
-    from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.numbers import contrasts_of
-    from seaglint.studies.prepare.even_air import even_path, require_one_kind
+    from seaglint.cli.terminal.messages import contrasts_of, show_logs
+    from seaglint.studies.air_paths import even_path, require_one_kind
 
     show_logs()
     numbers = {
@@ -222,7 +221,7 @@ def path_command(
     require_one_kind(scenario is not None, range_m is not None, {**numbers, "band_um": band_um})
     if scenario is not None and range_m is not None:
         from seaglint.scenario.load import load_scenario
-        from seaglint.studies.prepare.sight_lines import path_air
+        from seaglint.studies.air_paths import path_air
 
         loaded = load_scenario(scenario)
         _refuse_table(output, overwrite, files_read(scenario, loaded))
@@ -258,10 +257,9 @@ def sky_command(
 
     As the sensor of a scenario sees it: emission of the air and sunlight that it scatters.
     """
-    from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.numbers import contrasts_of
+    from seaglint.cli.terminal.messages import contrasts_of, show_logs
     from seaglint.scenario.load import load_scenario
-    from seaglint.studies.prepare.sight_lines import sky_air
+    from seaglint.studies.air_paths import sky_air
 
     show_logs()
     loaded = load_scenario(scenario)
@@ -297,7 +295,7 @@ def _flat(values: xr.DataArray) -> list[tuple[tuple[float, ...], float]]:
 
 
 def _refuse_table(output: Path | None, overwrite: bool, inputs: list[Path]) -> None:
-    from seaglint.files.outputs import refuse_existing, require_ending
+    from seaglint.store.outputs import refuse_existing, require_ending
 
     if output is not None:
         refuse_existing(
@@ -310,7 +308,7 @@ def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> Non
     if output is None:
         return
     if output.suffix.lower() == ".csv":
-        from seaglint.files.tables.columns import write_columns
+        from seaglint.formats.tables.table_text import write_columns
 
         spectra = set(found.dims) == {"wavenumber_cm"}
         kept = (
@@ -321,7 +319,7 @@ def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> Non
         frame = kept.to_dataframe().reset_index()
         write_columns({str(name): column.to_numpy() for name, column in frame.items()}, output, overwrite=overwrite)
     else:
-        from seaglint.files.netcdf import write_netcdf
+        from seaglint.store.netcdf import write_netcdf
 
         write_netcdf(found, output, overwrite=overwrite)
     log(f"{output} written")

@@ -40,9 +40,9 @@ def compare(
     a coarser one ours is averaged.
     """
     from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.logs import show_logs
-    from seaglint.files.outputs import refuse_existing, require_ending
+    from seaglint.cli.terminal.messages import show_logs
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.outputs import refuse_existing, require_ending
 
     show_logs()
     loaded = load_scenario(scenario)
@@ -68,12 +68,12 @@ def compare(
         log(note)
     tell(result.lines())
     if csv is not None:
-        from seaglint.files.tables.columns import write_columns
+        from seaglint.formats.tables.table_text import write_columns
 
         write_columns(result.columns(), csv, overwrite=overwrite)
         log(f"{csv} written")
     if output is not None:
-        from seaglint.plot.beside_figure import write_beside
+        from seaglint.plot.sensor_and_spectra import write_beside
 
         write_beside([result.beside()], output)
         log(f"{output} written")

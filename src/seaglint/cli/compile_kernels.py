@@ -100,7 +100,7 @@ def _run(scenario: Scenario) -> None:
     from seaglint.studies.mean.mean_map import mean
 
     if scenario.sensor.senses:
-        from seaglint.studies.sequence.sensed import prepared_frames as sensed_frames
+        from seaglint.studies.sequence.sensed_sequence import prepared_frames as sensed_frames
 
         images = sensed_frames((scenario, range(1), False, False))[1]
     else:

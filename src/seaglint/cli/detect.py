@@ -14,9 +14,8 @@ import typer
 from typer.core import TyperGroup
 
 from seaglint.base.errors import DataError
-from seaglint.cli.terminal.records import RecordCommand, Without, option_of, takes_records
-from seaglint.cli.terminal.run_options import ALONE, ResultOptions, RunOptions
-from seaglint.studies.detect.requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
+from seaglint.cli.terminal.record_options import ALONE, RecordCommand, ResultOptions, RunOptions, Without, option_of, takes_records
+from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
 
 BARE: Final = "SOURCE"  #: Name under which the command without a name is registered; nobody types it.
 
@@ -69,7 +68,7 @@ def recording(
     every_tail: EveryTail = False,
 ) -> None:
     """Detection on a recording without objects."""
-    from seaglint.cli.detect_recording import detect_recording
+    from seaglint.cli.detect_runs import detect_recording
 
     detect_recording(request, results, run, every_tail=every_tail)
 
@@ -78,7 +77,7 @@ def recording(
 @takes_records(order="workers dask dask_slurm")
 def scene(request: SceneRequest, results: ResultOptions, run: Annotated[RunOptions, Without(("threads",))]) -> None:
     """Detection in independent rendered seas of a scenario."""
-    from seaglint.cli.detect_scene import detect_scene
+    from seaglint.cli.detect_runs import detect_scene
 
     detect_scene(request, results, run)
 
@@ -90,7 +89,7 @@ def design(request: DesignRequest, results: ResultOptions, run: Annotated[RunOpt
 
     For P_d 0.9 at one false alarm per hour and field, unless others are given.
     """
-    from seaglint.cli.detect_scene import detect_scene
+    from seaglint.cli.detect_runs import detect_scene
 
     detect_scene(request, results, run)
 
@@ -101,7 +100,7 @@ def detection_range(
     request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without((*ALONE, "threads"))]
 ) -> None:
     """Range up to which an object of a scenario is detected."""
-    from seaglint.cli.detect_range import detect_range
+    from seaglint.cli.detect_runs import detect_range
 
     detect_range(request, results, run)
 
@@ -136,12 +135,12 @@ def detect_source(
         if wrong:
             raise DataError(f"{', '.join(wrong)}: says something of a recording, which a scenario says itself; leave it out")
         if find_range:
-            from seaglint.cli.detect_range import detect_range
+            from seaglint.cli.detect_runs import detect_range
 
             run.done_here("ranges are found")
             detect_range(far, results, run)
             return
-        from seaglint.cli.detect_scene import detect_scene
+        from seaglint.cli.detect_runs import detect_scene
 
         asked = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
         own = {field.name: getattr(rendered, field.name) for field in fields(SceneRequest)}
@@ -151,7 +150,7 @@ def detect_source(
     wrong = [*given(rendered, far, besides=(recorded,)), *(option for option, on in flags if on)]
     if wrong:
         raise DataError(f"{', '.join(wrong)}: for scenarios, and {recorded.source} is a recording; give SCENARIO.toml, or leave it out")
-    from seaglint.cli.detect_recording import detect_recording
+    from seaglint.cli.detect_runs import detect_recording
 
     run.done_here("a recording is judged")
     detect_recording(recorded, results, run, every_tail=every_tail)

@@ -16,7 +16,7 @@ from typing import Any
 
 from seaglint.base.free_form import JsonObject
 from seaglint.base.optional import remedy
-from seaglint.files.provenance import package_version
+from seaglint.store.provenance import package_version
 from seaglint.version import __version__
 
 REPAIR = "run 'pip install --force-reinstall .' in a fresh checkout"
@@ -76,8 +76,8 @@ def examine() -> Report:
 def _lowtran() -> dict[str, str]:
     """Return the state of ``atmosphere.source = "lowtran-fortran"`` on this machine; nothing is compiled."""
     from seaglint.base.errors import SeaglintError
-    from seaglint.base.user_cache import cache_folder
-    from seaglint.files.lowtran import engine
+    from seaglint.base.machine import cache_folder
+    from seaglint.formats.lowtran import engine
 
     compiler = shutil.which("gfortran")
     state = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran-fortran' only", "cache": str(cache_folder())}

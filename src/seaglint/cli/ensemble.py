@@ -1,4 +1,7 @@
-"""The command ``seaglint ensemble``."""
+"""The command ``seaglint ensemble``.
+
+The command ``seaglint dataset``: labelled pictures of an ensemble, for training and testing detectors.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import log
+from seaglint.cli.terminal.program import derived_help, listed
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import takes_records
-from seaglint.cli.terminal.run_options import RunOptions
-from seaglint.studies.ensemble.ensemble_requests import EnsembleRequest
+from seaglint.cli.terminal.record_options import RunOptions, takes_records
+from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 
 if TYPE_CHECKING:
     from seaglint.scenario.ensemble_file import Ensemble
@@ -26,7 +30,7 @@ def ensemble(
     run: RunOptions,
 ) -> None:
     """Draw scenes from laws of a scenario's keys and render each."""
-    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.messages import show_logs
     from seaglint.cli.terminal.progress import progress
     from seaglint.scenario.ensemble_file import load_ensemble
     from seaglint.studies.ensemble.ensemble_folder import Folder
@@ -57,8 +61,7 @@ def ensemble(
 def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
     """Say what many scenes will cost before they start; of few, and of a cluster's, nothing."""
     from seaglint.base.representation import duration, size_text
-    from seaglint.studies.ensemble.expected_cost import MANY, expected_cost
-    from seaglint.studies.ensemble.render_ensemble import scenes
+    from seaglint.studies.ensemble.render_ensemble import MANY, expected_cost, scenes
 
     count = loaded.ensemble.scenes
     if count < MANY or run.show is ProgressMode.NONE or run.dask is not None or run.dask_slurm is not None:
@@ -70,3 +73,88 @@ def tell_cost(loaded: Ensemble, run: RunOptions) -> None:
         f"{count} scenes of {first.sensor.frames} x {columns} x {rows} pixels: about {duration(cost.seconds)} on this machine and at most "
         f"{size_text(cost.size)} of counts or radiance, judged by a frame of the first"
     )
+
+
+MOST_LISTED = 20  #: Lines of what is wrong with a data set, of which more are only counted.
+
+
+def _formats() -> str:
+    """Return the names of the formats with their remarks: ``coco, yolo, sirst, or zarr: the scenes' stores as they are``."""
+    from seaglint.formats.dataset import FORMATS
+
+    return listed(tuple(f"{form.name}: {form.note}" if form.note else form.name for form in FORMATS))
+
+
+def _bits() -> str:
+    """Return the bits of a pixel that each format has by default: ``16 for coco, 8 for yolo and sirst``."""
+    from seaglint.formats.dataset import FORMATS
+
+    names: dict[int, tuple[str, ...]] = {}
+    for form in FORMATS:
+        if form.pictures:
+            names[form.bits] = (*names.get(form.bits, ()), form.name)
+    return ", ".join(f"{bits} for {listed(those, 'and')}" for bits, those in names.items())
+
+
+Command = derived_help(formats=_formats, bits=_bits)
+
+
+@takes_records(order="source output format bits image workers dask dask_slurm threads resume overwrite check show")
+def dataset(
+    source: Annotated[
+        Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")
+    ],
+    request: DatasetRequest,
+    run: RunOptions,
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder to make")] = None,
+    check: Annotated[bool, typer.Option("--check", help="check a data set that is there, and make none")] = False,
+) -> None:
+    """Render labelled pictures of an ensemble: masks, boxes, tables.
+
+    With a data card that says what is in them; 'seaglint dataset --check DIR' checks a data set that is there.
+    """
+    if check:
+        _check(source)
+        return
+    if output is None:
+        raise DataError("-o is missing: the folder of the data set; give one, e.g. -o data")
+    from seaglint.cli.terminal.messages import show_logs
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.formats.dataset.dataset_writing import read_about
+    from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source, require_output
+
+    show_logs(quiet=run.show is ProgressMode.NONE)
+    options = request.options()
+    output = Path(str(output).rstrip("/\\"))
+    require_output(output, resume=request.resume, overwrite=request.overwrite)
+    loaded = read_source(source)
+    if loaded.folder is None and not request.resume:
+        tell_cost(loaded.ensemble, run)
+    with run.chosen() as hands, progress(run.show, "scenes") as report:
+        ensemble_dataset(
+            loaded,
+            output,
+            options,
+            workers=hands,
+            threads=request.threads,
+            resume=request.resume,
+            overwrite=request.overwrite,
+            progress=report,
+        )
+    statistics = read_about(output)["statistics"]
+    images, objects = (sum(statistics[name].values()) for name in ("images", "annotated_objects"))
+    log(f"{output}: {images} images with {objects} annotated objects, checked; {output / 'README.md'} says what is in it")
+
+
+def _check(folder: Path) -> None:
+    """Say what is wrong with a data set, and leave with 2 where something is."""
+    from seaglint.formats.dataset.dataset_writing import problems
+
+    faults = list(problems(folder))
+    for line in faults[:MOST_LISTED]:
+        log(f"seaglint: {folder}: {line}")
+    if len(faults) > MOST_LISTED:
+        log(f"seaglint: {folder}: and {len(faults) - MOST_LISTED} more")
+    if faults:
+        raise typer.Exit(2)
+    log(f"{folder}: is whole: files, checksums, pictures, boxes, masks and splits")

@@ -14,8 +14,8 @@ import typer
 from seaglint.cli.terminal.messages import log
 from seaglint.cli.terminal.options import LateProgressOption
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
-from seaglint.cli.terminal.records import takes_records
-from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
+from seaglint.cli.terminal.record_options import takes_records
+from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest
 
 if TYPE_CHECKING:
     from seaglint.studies.mean.evaluate_cases import Columns
@@ -39,8 +39,8 @@ def _one_thread() -> None:
 
 def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMode, compute: Callable[..., Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
-    from seaglint.files.outputs import refuse_existing, require_ending
-    from seaglint.files.tables.cases import read_cases, write_cases
+    from seaglint.formats.tables.input_tables import read_cases, write_cases
+    from seaglint.store.outputs import refuse_existing, require_ending
 
     # The cases themselves may be the output: all their rows and columns are in it.
     require_ending(output, (".csv", ".txt"), "the results are a CSV file")

@@ -1,4 +1,7 @@
-"""``seaglint export`` and ``export-sea``: a run, and the sea of one instant, for other programs."""
+"""``seaglint export`` and ``export-sea``: a run, and the sea of one instant, for other programs.
+
+``seaglint labels``: the truth of a sequence's objects for other programs.
+"""
 
 from __future__ import annotations
 
@@ -8,25 +11,25 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.derived_help import derived_help, listed
 from seaglint.cli.terminal.messages import files_read, log, naming_file
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
+from seaglint.cli.terminal.program import derived_help, listed
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import takes_records
-from seaglint.studies.sequence.sequence_requests import ExportRequest
+from seaglint.cli.terminal.record_options import takes_records
+from seaglint.studies.study_requests import ExportRequest
 
 
 def _endings() -> str:
     """Return the endings of all files that can be written, with remarks; second endings of a format's files are left out."""
-    from seaglint.files.export import FORMATS
-    from seaglint.plot.video_formats import VIDEO_ENDINGS
+    from seaglint.formats.export import FORMATS
+    from seaglint.plot.video import VIDEO_ENDINGS
 
     numbers = (f"{ending} ({form.note})" if form.note else ending for form in FORMATS for ending in form.endings)
     return listed((*numbers, *VIDEO_ENDINGS))
 
 
 def _videos() -> str:
-    from seaglint.plot.video_formats import VIDEO_ENDINGS
+    from seaglint.plot.video import VIDEO_ENDINGS
 
     return listed(VIDEO_ENDINGS, "and")
 
@@ -45,12 +48,12 @@ def export(
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Write frames of a run for another program."""
-    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.options import parse_frames
+    from seaglint.cli.terminal.program import only_numpy
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.cli.terminal.start import only_numpy
-    from seaglint.files.export.stack import held_frames
-    from seaglint.files.store.store import open_sequence
+    from seaglint.formats.export.stack import held_frames
     from seaglint.plot.run_export import export_run
+    from seaglint.store.sequence_store import open_sequence
 
     only_numpy()
     with open_sequence(run) as dataset:
@@ -79,10 +82,10 @@ def export_sea(
     overwrite: Overwrite = False,
 ) -> None:
     """Write heights, slopes and roughness of the sea at one time."""
-    from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
-    from seaglint.studies.prepare.sea_export import export_sea as export
-    from seaglint.studies.prepare.sea_export import require_sea_name, write_sea
+    from seaglint.store.outputs import refuse_existing
+    from seaglint.studies.sequence.sea_export import export_sea as export
+    from seaglint.studies.sequence.sea_export import require_sea_name, write_sea
 
     require_sea_name(output)
     loaded = load_scenario(scenario)
@@ -95,3 +98,25 @@ def export_sea(
     finest = sea.tiles[-1].spacing
     if sea.patch.spacing > 2.0 * finest:
         log(f"{output}: points are {sea.patch.spacing:.4g} m apart, waves down to {4.0 * finest:.4g} m are sampled, not smoothed")
+
+
+def labels(
+    run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render' with objects")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .json (COCO) or .csv")],
+    overwrite: Overwrite = False,
+) -> None:
+    """Write places, masks and contrasts of objects, by frame.
+
+    'seaglint labels run.zarr -o labels.csv' writes a row for each object and frame, 'seaglint labels run.zarr -o labels.json' COCO's
+    annotations with masks, boxes and track numbers.
+    """
+    from seaglint.formats.object_labels import Labels, report_never_seen, require_labels_name, write_labels
+    from seaglint.store.outputs import refuse_existing
+
+    refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
+    truth = Labels.of(run)
+    report_never_seen(truth)
+    write_labels(truth, output, overwrite=overwrite)
+    log(f"{output} written: {len(truth.names)} object{'s' * (len(truth.names) != 1)} in {len(truth.frames)} frames")
+    if output.suffix.lower() == ".json":
+        log("its images have no file_name, as no pictures are written (id is the frame's number); 'seaglint dataset' writes them")

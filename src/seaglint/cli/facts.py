@@ -29,9 +29,8 @@ def info(
     as_json: AsJson = False,
 ) -> None:
     """Say what a file holds and how it was made."""
-    from seaglint.cli.terminal.start import only_numpy
-    from seaglint.studies.contents.input_facts import describe_recording, describe_scenario, is_ours
-    from seaglint.studies.contents.output_facts import describe, lines
+    from seaglint.cli.terminal.program import only_numpy
+    from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours, lines
 
     only_numpy()
     place = place_given(path)
@@ -83,8 +82,8 @@ def doctor(
 def _compile(scenario: Path | None, as_json: bool, show: ProgressMode) -> None:
     """Compile the kernels of a scenario and say where they are."""
     from seaglint.cli.compile_kernels import compile_kernels
-    from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.start import only_numpy
+    from seaglint.cli.terminal.messages import show_logs
+    from seaglint.cli.terminal.program import only_numpy
 
     only_numpy()
     show_logs(quiet=True)

@@ -9,9 +9,8 @@ import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json, tell
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import Without, takes_records
-from seaglint.cli.terminal.run_options import RunOptions
-from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
+from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
+from seaglint.studies.study_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import FloatArray
@@ -82,7 +81,7 @@ def lines(summary: LikelihoodSummary) -> list[str]:
 def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
     """Files to write, refused before the work where they exist."""
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import made_folder, refuse_existing
+    from seaglint.store.outputs import made_folder, refuse_existing
 
     if output is None:
         return []
@@ -97,8 +96,8 @@ def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Pat
 def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: list[Path]) -> None:
     from dataclasses import asdict
 
-    from seaglint.files.tables.likelihood_tables import write_table
-    from seaglint.files.text_file import write_json
+    from seaglint.formats.tables.result_tables import write_table
+    from seaglint.store.outputs import write_json
 
     for path in files:
         match path.suffix:
@@ -109,7 +108,7 @@ def _write(summary: LikelihoodSummary, month_by_hour: FloatArray | None, files: 
             case ".csv":
                 write_table([row.as_row() for row in summary.results], path)
             case _:
-                from seaglint.plot.likelihood_charts import write_charts
+                from seaglint.plot.environment_charts import write_charts
 
                 write_charts(summary, month_by_hour, path)
         log(f"{path} written")
@@ -128,9 +127,9 @@ def _mapped(
     """The map by month: NetCDF and a picture."""
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.progress import progress
-    from seaglint.files.netcdf import write_netcdf
-    from seaglint.files.outputs import made_folder, refuse_existing
-    from seaglint.plot.likelihood_charts import write_map
+    from seaglint.plot.environment_charts import write_map
+    from seaglint.store.netcdf import write_netcdf
+    from seaglint.store.outputs import made_folder, refuse_existing
     from seaglint.studies.likelihood.chance_map import likelihood_map
 
     if output is None or output.suffix not in ("", ".nc"):
@@ -151,9 +150,8 @@ def _mapped(
 def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
     """Chances along a ship's way."""
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.tables.likelihood_tables import write_table
-    from seaglint.files.text_file import write_json
+    from seaglint.formats.tables.result_tables import write_table
+    from seaglint.store.outputs import refuse_existing, write_json
     from seaglint.studies.likelihood.ship_track import along_track
 
     if output is not None and output.suffix not in (".csv", ".json"):

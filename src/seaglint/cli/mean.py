@@ -8,11 +8,10 @@ from typing import Annotated
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import LateProgressOption, PreviewScale
-from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
+from seaglint.cli.terminal.options import LateProgressOption, PreviewScale, ScaleOption, refuse_preview
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
-from seaglint.cli.terminal.records import takes_records
-from seaglint.studies.mean.mean_requests import MeanRequest
+from seaglint.cli.terminal.record_options import takes_records
+from seaglint.studies.study_requests import MeanRequest
 
 
 @takes_records(order="scenario output overwrite preview scale")
@@ -24,11 +23,11 @@ def mean(
     show: LateProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Map mean radiance and apparent temperature over the view."""
-    from seaglint.cli.terminal.logs import show_logs
-    from seaglint.cli.terminal.start import only_numpy
-    from seaglint.files.netcdf import write_netcdf
-    from seaglint.files.outputs import refuse_existing, require_ending
+    from seaglint.cli.terminal.messages import show_logs
+    from seaglint.cli.terminal.program import only_numpy
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.netcdf import write_netcdf
+    from seaglint.store.outputs import refuse_existing, require_ending
 
     show_logs()
     sequence = ", and 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""

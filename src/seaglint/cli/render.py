@@ -14,15 +14,13 @@ from seaglint.base.optional import remedy
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.sensor import line as counts_line
 from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air
-from seaglint.cli.terminal.options import PreviewScale, ShardOption, place_given
-from seaglint.cli.terminal.previews import ScaleOption, refuse_preview
+from seaglint.cli.terminal.options import PreviewScale, ScaleOption, ShardOption, place_given, refuse_preview
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import takes_records
-from seaglint.cli.terminal.run_options import RunOptions
-from seaglint.studies.sequence.sequence_requests import RenderRequest
+from seaglint.cli.terminal.record_options import RunOptions, takes_records
+from seaglint.studies.study_requests import RenderRequest
 
 if TYPE_CHECKING:
-    from seaglint.files.store.share import Share
+    from seaglint.store.writers import Share
 
 RenderedFile = Annotated[
     str, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one (with --finish alone: the store)")
@@ -49,14 +47,14 @@ def render(
 
     Radiance is at the aperture; where the scenario has a detector, frames are its counts. Any frame alone is the same as in the sequence.
     """
-    from seaglint.cli.terminal.finish import finish_store, require_one_way, tell_share
-    from seaglint.cli.terminal.frame_numbers import parse_frames
-    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.messages import show_logs
+    from seaglint.cli.terminal.options import parse_frames
+    from seaglint.cli.terminal.program import only_numpy
     from seaglint.cli.terminal.progress import progress
-    from seaglint.cli.terminal.start import only_numpy
-    from seaglint.files.store.share import Share
-    from seaglint.files.store.store import check_output
+    from seaglint.cli.terminal.record_options import finish_store, require_one_way, tell_share
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.sequence_store import check_output
+    from seaglint.store.writers import Share
 
     show_logs(quiet=run.show is ProgressMode.NONE)
     if finish:
@@ -85,7 +83,7 @@ def render(
     pictures = None if beside is None else _Pictures(beside, inputs, replace=request.overwrite or request.resume)
     render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or request.electrons or request.radiance:
-        from seaglint.studies.sequence.sensed import render as render_counts
+        from seaglint.studies.sequence.sensed_sequence import render as render_counts
 
         render_sequence = partial(render_counts, electrons=request.electrons, radiance=request.radiance)
     else:
@@ -103,8 +101,8 @@ def render(
     if share is not None:
         tell_share(store, share)
         return
-    from seaglint.files.sequence_summary import summarise
-    from seaglint.files.store.store import open_sequence
+    from seaglint.store.sequence_store import open_sequence
+    from seaglint.store.stored_images import summarise
 
     with open_sequence(store) as dataset:
         if pictures is not None:
@@ -116,7 +114,7 @@ def render(
 
 def _preview(store: Path | str, scale: PreviewScale) -> None:
     """Write pictures of a finished store; older ones are replaced, as by --resume."""
-    from seaglint.files.store.store import open_sequence
+    from seaglint.store.sequence_store import open_sequence
 
     with open_sequence(store) as dataset:
         _Pictures(_beside(store, None), [], replace=True).write(dataset, scale)

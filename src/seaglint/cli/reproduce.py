@@ -35,7 +35,7 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
     if as_json:
         print_json({name: row.as_dict() for name, row in computed.items()})
         return
-    from seaglint.cli.terminal.text_table import table
+    from seaglint.cli.terminal.messages import table
 
     tell(table(computed))
 
@@ -80,19 +80,19 @@ def fig5(
     Writes DIR/fig5.png and fig5.csv (a minute).
     """
     from seaglint.cli.terminal.progress import progress
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.tables.columns import write_columns
+    from seaglint.formats.tables.table_text import write_columns
+    from seaglint.store.outputs import refuse_existing
 
     _made(output)
     inputs = [] if weather is None else [weather]
     picture, numbers = (refuse_existing(output / f"fig5.{kind}", overwrite=overwrite, inputs=inputs) for kind in ("png", "csv"))
-    from seaglint.studies.article.fig5 import PRINTED, figure_5
+    from seaglint.studies.article.figures_5_and_12 import PRINTED, figure_5
 
     with progress(show, "azimuths") as report:
         result = figure_5(weather, mode="spectral" if spectral else "article", report=report)
     write_columns(result.columns, numbers, overwrite=overwrite)
     log(f"{numbers} written")
-    from seaglint.plot.likelihood_charts import write_fig5
+    from seaglint.plot.environment_charts import write_fig5
 
     write_fig5(result.columns, picture)
     log(f"{picture} written")
@@ -129,13 +129,13 @@ def fig12(
     The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every
     frame, fig12.mp4 the sequence (with PyAV). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
     """
-    from seaglint.cli.terminal.frame_numbers import parse_frames
-    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.messages import show_logs
+    from seaglint.cli.terminal.options import parse_frames
     from seaglint.cli.terminal.progress import progress
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.store.store import check_output
     from seaglint.plot.video import video_available
-    from seaglint.studies.article import fig12 as engagement
+    from seaglint.store.outputs import refuse_existing
+    from seaglint.store.sequence_store import check_output
+    from seaglint.studies.article import figures_5_and_12 as engagement
 
     show_logs(quiet=show is ProgressMode.NONE)
     selected = parse_frames(frames, engagement.FRAMES)
@@ -148,10 +148,10 @@ def fig12(
     with progress(show, "frames") as report:
         scenario = engagement.sequence(store, selected, pixels or engagement.PIXELS, resume=resume, overwrite=overwrite, progress=report)
     log(f"{store} written")
-    from seaglint.files.store.object_labels import Labels, write_labels
-    from seaglint.files.store.store import open_sequence
-    from seaglint.plot.engagement import write
+    from seaglint.formats.object_labels import Labels, write_labels
+    from seaglint.plot.article_figures import write
     from seaglint.plot.video import write_video
+    from seaglint.store.sequence_store import open_sequence
 
     labels, shown = Labels.of(store), engagement.shown_frame(selected)
     write_labels(labels, numbers, overwrite=overwrite or resume)
@@ -177,8 +177,8 @@ def table1(
     of 1.2 pixels, which is assumed: the article does not state that of its sensor. Other blurs stand below each row.
     """
     from seaglint.cli.terminal.progress import progress
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.tables.columns import write_columns
+    from seaglint.formats.tables.table_text import write_columns
+    from seaglint.store.outputs import refuse_existing
 
     numbers = None if output is None else refuse_existing(_made(output) / "table1.csv", overwrite=overwrite)
     from seaglint.studies.article.table1 import table1 as compute
@@ -192,7 +192,7 @@ def table1(
         rows = {name: row.as_dict() for name, row in result.rows().items()}
         print_json({"rows": rows, "settings": result.settings(), "notes": list(result.analysis.notes)})
         return
-    from seaglint.cli.terminal.text_table import table
+    from seaglint.cli.terminal.messages import table
 
     tell(table(result.rows()))
     typer.echo("; ".join(f"{key} = {value}" for key, value in result.settings().items()))
@@ -214,12 +214,11 @@ def measured(
     Measured are AERI's zenith sky, HIS over the sea from 20 km, IRIS from space and a wave buoy. MODTRAN 4's path and sky and RRTMGP's
     paths and skies are those of models. The data come with the package, and their sources are in measured.csv.
     """
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.text_file import write_text
+    from seaglint.store.outputs import refuse_existing, write_text
 
     _made(output)
     picture, numbers = (refuse_existing(output / f"measured.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
-    from seaglint.plot.beside_figure import write_beside
+    from seaglint.plot.sensor_and_spectra import write_beside
     from seaglint.studies.measured.against_measurements import against_measurements
 
     result = against_measurements(spectroscopy.value)
@@ -235,7 +234,7 @@ def measured(
 
 def _made(folder: Path) -> Path:
     """The folder, made where it is missing."""
-    from seaglint.files.outputs import made_folder, refuse_file_ending
+    from seaglint.store.outputs import made_folder, refuse_file_ending
 
     return made_folder(refuse_file_ending(folder, "the output"), "choose another folder with -o")
 
@@ -243,8 +242,8 @@ def _made(folder: Path) -> Path:
 def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
     """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
     from seaglint.cli.terminal.progress import progress
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.tables.columns import write_columns
+    from seaglint.formats.tables.table_text import write_columns
+    from seaglint.store.outputs import refuse_existing
 
     _made(folder)
     picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))

@@ -13,7 +13,7 @@ from seaglint.cli.terminal.options import Overwrite
 
 def _list_presets(requested: bool) -> None:
     if requested:
-        from seaglint.scenario.presets.scene_presets import PRESETS
+        from seaglint.scenario.presets import PRESETS
 
         for name, preset in PRESETS.items():
             typer.echo(f"{name:16} {preset.title}")
@@ -35,10 +35,10 @@ def init(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list the presets and leave")] = False,
 ) -> None:
     """Write a commented scenario file."""
-    from seaglint.files.outputs import refuse_existing, require_ending
     from seaglint.scenario.camera import assumed_values, read_camera
     from seaglint.scenario.load import load_scenario
     from seaglint.scenario.text.template import PRESETS, write_template
+    from seaglint.store.outputs import refuse_existing, require_ending
 
     require_ending(output, (".toml",), "a scenario is a TOML file")
     refuse_existing(output, overwrite=overwrite)

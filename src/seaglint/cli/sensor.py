@@ -10,9 +10,8 @@ import typer
 
 from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
-from seaglint.cli.terminal.records import Without, takes_records
-from seaglint.cli.terminal.run_options import RunOptions
-from seaglint.studies.sequence.sequence_requests import SenseRequest
+from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
+from seaglint.studies.study_requests import SenseRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +28,7 @@ SensorPreset = Annotated[
 
 def _list_presets(requested: bool) -> None:
     if requested:
-        from seaglint.scenario.presets.sensor_presets import SENSORS
+        from seaglint.scenario.presets import SENSORS
 
         for name, preset in SENSORS.items():
             typer.echo(f"{name:24} {preset.title}")
@@ -52,13 +51,13 @@ def sense(
     shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
-    from seaglint.cli.terminal.finish import tell_share
+    from seaglint.cli.terminal.program import only_numpy
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.cli.terminal.start import only_numpy
-    from seaglint.files.recording.image_attributes import source_of
-    from seaglint.files.store.share import Share
-    from seaglint.files.store.store import check_output, open_sequence
+    from seaglint.cli.terminal.record_options import tell_share
+    from seaglint.formats.recording.labelled_arrays import source_of
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.sequence_store import check_output, open_sequence
+    from seaglint.store.writers import Share
     from seaglint.studies.sequence.sense import Reopen
     from seaglint.studies.sequence.sense import sense as sensed
 
@@ -124,9 +123,9 @@ def sensor(
 ) -> None:
     """Figures of merit of a sensor: NETD, MTF, noise budget."""
     from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.start import only_numpy
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.cli.terminal.program import only_numpy
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.outputs import refuse_existing
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
     only_numpy()
@@ -140,7 +139,7 @@ def sensor(
     if described.air is not None and described.air.line is not None:
         log(described.air.line)
     if plot is not None:
-        from seaglint.plot.sensor_figure import write_sensor_plot
+        from seaglint.plot.sensor_and_spectra import write_sensor_plot
 
         write_sensor_plot(described.sheet, plot)
         log(f"{plot} written")

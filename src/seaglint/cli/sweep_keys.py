@@ -8,11 +8,10 @@ from typing import Annotated
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log
-from seaglint.cli.terminal.previews import refuse_preview
+from seaglint.cli.terminal.options import refuse_preview
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import Without, takes_records
-from seaglint.cli.terminal.run_options import RunOptions
-from seaglint.studies.sweep.sweep_requests import SweepRequest
+from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
+from seaglint.studies.study_requests import SweepRequest
 
 
 @takes_records(order="scenario vary what at output preview keep_going most_cases workers dask dask_slurm threads overwrite show")
@@ -28,12 +27,12 @@ def sweep(
     The result has a dimension for each swept key, then those of the view angles or of the picture.
     """
     from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.messages import show_logs
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.files.netcdf import write_netcdf
-    from seaglint.files.outputs import refuse_existing, require_ending
     from seaglint.scenario.load import load_scenario
-    from seaglint.scenario.text.vary_text import parse_vary
+    from seaglint.scenario.text.option_texts import parse_vary
+    from seaglint.store.netcdf import write_netcdf
+    from seaglint.store.outputs import refuse_existing, require_ending
 
     show_logs(quiet=run.show is ProgressMode.NONE)
     require_ending(output, (".nc", ".nc4"), "a sweep is a NetCDF file")

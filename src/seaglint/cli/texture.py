@@ -11,9 +11,8 @@ import typer
 from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.records import Without, takes_records
-from seaglint.studies.reading_requests import ReadingRequest
-from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, PlaceRequest, SampleRequest
+from seaglint.cli.terminal.record_options import Without, takes_records
+from seaglint.studies.study_requests import CompareRequest, FitRequest, PlaceRequest, ReadingRequest, SampleRequest
 
 if TYPE_CHECKING:
     from seaglint.analysis.recording import Recording
@@ -43,8 +42,8 @@ def fit(
 ) -> None:
     """Fit a texture to a recording, and say how good it is."""
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
-    from seaglint.files.texture_file import check_name, write_texture
+    from seaglint.store.outputs import refuse_existing
+    from seaglint.store.texture_file import check_name, write_texture
     from seaglint.studies.texture.texture_sequences import fit as fitted
 
     refuse_existing(check_name(output), overwrite=request.overwrite, inputs=[recording])
@@ -81,15 +80,15 @@ def sample(
 ) -> None:
     """Draw a sample, periodic in rows, columns and time."""
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.files.texture_file import read_texture
+    from seaglint.store.texture_file import read_texture
     from seaglint.studies.texture.texture_sequences import loop
     from seaglint.studies.texture.texture_sequences import sample as sampled
 
     stored = read_texture(model)
     with patient_progress(show, "frames") as report:
         if output.suffix.lower() in (".mp4", ".gif"):
-            from seaglint.files.outputs import refuse_existing
             from seaglint.plot.run_export import export_run
+            from seaglint.store.outputs import refuse_existing
 
             refuse_existing(output, overwrite=request.overwrite, inputs=[model])
             export_run(loop(stored, request), output, overwrite=request.overwrite, progress=report)
@@ -150,12 +149,12 @@ def place(
     """Lay a texture on the sea of a scenario, instead of rendering."""
     from dataclasses import replace
 
-    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.options import parse_frames
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.files.sequence_summary import summarise
-    from seaglint.files.store.store import check_output, open_sequence
-    from seaglint.files.texture_file import read_texture
     from seaglint.scenario.load import load_scenario
+    from seaglint.store.sequence_store import check_output, open_sequence
+    from seaglint.store.stored_images import summarise
+    from seaglint.store.texture_file import read_texture
     from seaglint.studies.texture.perspective import place as placed
 
     stored, loaded = read_texture(model), load_scenario(scenario)
@@ -171,7 +170,7 @@ def place(
 
 def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.store.outputs import refuse_existing
 
     if report.suffix.lower() not in (".html", ".htm"):
         raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")

@@ -44,7 +44,7 @@ def view(
     from seaglint.viewer.server import serve, workbench
 
     if scenarios:
-        from seaglint.viewer.workbench.draft import Draft
+        from seaglint.viewer.workbench.scenario_draft import Draft
 
         Draft(scenarios[0])  # what is no scenario file is told here, not in the browser
     # With nothing to look at the workbench begins with a preset.

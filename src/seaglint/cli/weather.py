@@ -10,7 +10,7 @@ import typer
 from seaglint.cli.terminal.messages import log, print_json, tell
 
 if TYPE_CHECKING:
-    from seaglint.climate.table_facts import WeatherFacts
+    from seaglint.climate.table_summary import WeatherFacts
 
 weather = typer.Typer(help="Tables of weather: how often which conditions come.", no_args_is_help=True)
 
@@ -48,11 +48,10 @@ def build(
 
     What is left out or assumed is told with counts.
     """
-    from seaglint.climate.select import Selection
-    from seaglint.files.weather.area import parse_box, parse_cycle, read_polygon
-    from seaglint.files.weather.read_weather import WeatherReading
-    from seaglint.files.weather.weather_file import check_output, write_weather
-    from seaglint.scenario.text.weather_map import parse_fill, parse_map, parse_place
+    from seaglint.climate.weather_selection import Selection
+    from seaglint.formats.weather.weather_cells import parse_box, parse_cycle, read_polygon
+    from seaglint.formats.weather.weather_file import WeatherReading, check_output, write_weather
+    from seaglint.scenario.text.option_texts import parse_fill, parse_map, parse_place
     from seaglint.studies.likelihood.weather_files import build as build_table
 
     check_output(output, overwrite=overwrite, inputs=sources)
@@ -83,7 +82,7 @@ def info(
     Means, months, wind rose, wind and cloud together, share of missing values.
     """
     from seaglint.base.errors import DataError
-    from seaglint.files.outputs import refuse_existing
+    from seaglint.store.outputs import refuse_existing
     from seaglint.studies.likelihood.weather_files import describe
 
     if plot is not None:
@@ -96,7 +95,7 @@ def info(
     else:
         tell(lines(facts))
     if plot is not None:
-        from seaglint.plot.weather_figure import write_weather_plot
+        from seaglint.plot.environment_charts import write_weather_plot
 
         write_weather_plot(facts, plot)
         log(f"{plot} written")

@@ -1,21 +1,263 @@
-"""Times, places and weather of draws, from uniform numbers: rows of the table stay whole and keep their season and hour."""
+"""Hours of the day for draws: most of them while the Sun is up, with weights that undo the choice.
+
+A sea at night does not glint. The arc of the day is known to some minutes only, and need not be known better: the rest of the day is
+drawn too, and weights are those of the choice that was made.
+
+Probability that clouds do not hide the Sun from the sea: by their cover, only when overcast, or along slanting lines of sight.
+
+Smooth bootstrap: drawn rows with kernel noise, so that a short table does not repeat the same few conditions.
+
+Each number gets normal noise whose standard deviation, the bandwidth, is Silverman's rule for as many dimensions as are smoothed,
+
+    h_j = s_j (4 / ((d + 2) n))^(1 / (d + 4)),
+
+s_j the column's standard deviation and n the effective number of rows. The variance of a column grows by the share (h_j / s_j)^2 where no
+bound is near. Noise is reflected at bounds; what stands exactly at a bound (a calm, a clear or an overcast sky) stays there, because it
+is a state of its own: the chance of overcast must not be smoothed away.
+
+References
+----------
+B. W. Silverman, Density Estimation for Statistics and Data Analysis (1986), Eq. 4.14 and Sec. 6.4.1.
+
+Times, places and weather of draws, from uniform numbers: rows of the table stay whole and keep their season and hour.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Final
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.climate.daylight import arc, hours_of_light
 from seaglint.climate.ephemeris import year_span
 from seaglint.climate.weather_table import MONTHS, IntArray, WeatherTable, month_used
+
+_BY_DAY: Final = 15.0 / 16.0  #: Share of the draws given to the arc; a dyadic one keeps Sobol points even on both sides.
+
+#: Elevation of the Sun at the ends of the arc [rad]: refraction, radius of the disc and 0.3 deg for places far from the sensor.
+_DUSK: Final = math.radians(-1.2)
+
+_YEAR: Final = 365.2422 * 86_400.0
+_HALF_DAY: Final = 12.0
+
+
+class Hours(NamedTuple):
+    """Hours of the day and the weight of each [(n,)]."""
+
+    hour: FloatArray  #: Hours UTC [h].
+    weight: FloatArray  #: Ratio of the required density (even over the allowed hours) to that of the draws [1]; 1 on average.
+
+
+def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Noon [h UTC] and half of the time during which the Sun is up [h, 0 to 12], within some minutes.
+
+    Parameters
+    ----------
+    day : ndarray
+        Beginnings of days [s since 1970-01-01 UTC].
+    latitude, longitude : ndarray
+        North and east positive [deg].
+
+    References
+    ----------
+    J. W. Spencer, Fourier series representation of the position of the Sun, Search 2 (1971) 172.
+    """
+    first = day.astype("datetime64[s]").astype("datetime64[Y]").astype("datetime64[s]").astype(np.float64)
+    x = 2.0 * math.pi * (day + 43_200.0 - first) / _YEAR
+    declination = (
+        0.006918 - 0.399912 * np.cos(x) + 0.070257 * np.sin(x) - 0.006758 * np.cos(2 * x) + 0.000907 * np.sin(2 * x)
+        - 0.002697 * np.cos(3 * x) + 0.00148 * np.sin(3 * x)
+    )  # fmt: skip
+    late = 0.000075 + 0.001868 * np.cos(x) - 0.032077 * np.sin(x) - 0.014615 * np.cos(2 * x) - 0.040849 * np.sin(2 * x)
+    phi = np.radians(latitude)
+    across = np.maximum(np.cos(phi) * np.cos(declination), 1e-9)
+    cosine = (math.sin(_DUSK) - np.sin(phi) * np.sin(declination)) / across
+    return 12.0 - longitude / 15.0 - late * _HALF_DAY / math.pi, np.arccos(np.clip(cosine, -1.0, 1.0)) * _HALF_DAY / math.pi
+
+
+def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hours: tuple[float, float]) -> Hours:
+    """Draw hours between two of the day, most of them in the arc about noon.
+
+    Parameters
+    ----------
+    uniform : ndarray
+        Numbers in [0, 1) [(n,)]; the first 15/16 of them fall into the arc in the order of its time.
+    noon, half : ndarray
+        From :func:`arc` [(n,)].
+    hours : (float, float)
+        First and last hour that count, UTC, ascending.
+
+    Examples
+    --------
+    >>> even = (np.arange(1024) + 0.5) / 1024
+    >>> found = hours_of_light(even, np.full(1024, 12.0), np.full(1024, 6.0), (0.0, 24.0))
+    >>> bool(abs(np.mean(found.weight * (np.abs(found.hour - 12.0) < 3.0)) - 0.25) < 1e-3)
+    True
+    """
+    low, high = hours
+    noon = (noon - low) % 24.0 + low
+    # The arc may reach into the day before or after: its pieces inside the hours, in the order of the arc.
+    pieces = [(np.clip(middle - half, low, high), np.clip(middle + half, low, high)) for middle in (noon + 24.0, noon, noon - 24.0)]
+    light = np.sum([end - begin for begin, end in pieces], axis=0)
+    dark = np.maximum(high - low - light, 0.0)
+    by_day = uniform < _BY_DAY
+    left = uniform / _BY_DAY * light
+    hour = np.full(uniform.size, low)
+    for begin, end in pieces:
+        hour = np.where((left >= 0.0) & (end > begin), begin + np.minimum(left, end - begin), hour)
+        left = np.where(left >= end - begin, left - (end - begin), -1.0)
+    night = low + np.clip((uniform - _BY_DAY) / (1.0 - _BY_DAY), 0.0, 1.0) * dark
+    for begin, end in reversed(pieces):
+        night = np.where((night >= begin) & (end > begin), night + (end - begin), night)
+    weight = np.where(by_day, light / _BY_DAY, dark / (1.0 - _BY_DAY)) / (high - low)
+    return Hours(np.clip(np.where(by_day, hour, night), low, np.nextafter(high, low)), weight)
+
+
+#: Law of the probability of a free Sun: 1 - cover; 1 unless the sky is overcast; or by :func:`clear_line`.
+CloudLaw = Literal["cover", "overcast", "line-of-sight"]
+
+OVERCAST: Final = 0.99  #: Least cover of an overcast sky [1]: reports in eighths and fractions rounded to hundredths mean 1 by it.
+
+
+def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatArray:
+    r"""Probability that a line of sight at an elevation meets no cloud.
+
+    .. math:: P = (1 - N)^{1 + \frac{4}{\pi}\,a\,\cot e}
+
+    Upright cylinders whose height is ``a`` times their width, strewn without regard to each other, and N the share of the sea that they
+    stand over: the shadow of one is its base and its side, ``pi w^2/4 + w h cot(e)``, and chances of none are powers of each other.
+
+    Parameters
+    ----------
+    cover : array_like
+        N, share of the sky covered as seen from straight below [1].
+    elevation : array_like
+        Elevation of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
+    aspect : float
+        a, height of clouds over their width [1]; 0 is :data:`CloudLaw` ``"cover"``.
+
+    Examples
+    --------
+    >>> round(float(clear_line(0.5, np.radians(45.0), np.pi / 4)), 3)
+    0.25
+    """
+    free, up = 1.0 - np.asarray(cover, dtype=np.float64), np.asarray(elevation, dtype=np.float64)
+    cotangent = 1.0 / np.tan(np.clip(up, 1e-6, 0.5 * math.pi))
+    return np.asarray(np.clip(free, 0.0, 1.0) ** (1.0 + 4.0 / math.pi * aspect * np.maximum(cotangent, 0.0)))
+
+
+def illuminated(law: CloudLaw, cover: ArrayLike, elevation: ArrayLike, *, overcast: float = OVERCAST, aspect: float = 0.5) -> FloatArray:
+    """Probability that the Sun is not hidden by clouds [1], by one of the laws; parameters as in :func:`clear_line`.
+
+    >>> illuminated("overcast", [0.9, 1.0], 0.5).tolist()
+    [1.0, 0.0]
+    """
+    n = np.asarray(cover, dtype=np.float64)
+    match law:
+        case "cover":
+            return np.asarray(np.clip(1.0 - n, 0.0, 1.0) + 0.0 * np.asarray(elevation))
+        case "overcast":
+            return np.asarray(np.where(n >= overcast, 0.0, 1.0) + 0.0 * np.asarray(elevation))
+        case "line-of-sight":
+            return clear_line(n, elevation, aspect)
+
+
+#: Columns that can be smoothed, with their bounds; directions are periodic.
+BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
+    "wind_speed_m_s": (0.0, np.inf),
+    "wind_from_deg": (-np.inf, np.inf),
+    "cloud_cover": (0.0, 1.0),
+    "sea_temperature_k": (-np.inf, np.inf),
+    "air_temperature_k": (-np.inf, np.inf),
+    "relative_humidity": (0.0, 1.0),
+    "visibility_km": (0.0, np.inf),
+    "significant_height_m": (0.0, np.inf),
+}
+
+
+def bandwidths(table: WeatherTable, names: Sequence[str] = ("wind_speed_m_s", "cloud_cover")) -> dict[str, float]:
+    """Bandwidth of each column, in its unit; 0 where it has no spread or no values.
+
+    Raises
+    ------
+    DomainError
+        A column that cannot be smoothed.
+    """
+    for name in names:
+        if name not in BOUNDS:
+            raise DomainError(f"'{name}' cannot be smoothed; smoothed can be {', '.join(BOUNDS)}")
+    d = len(names)
+    rule = (4.0 / ((d + 2) * table.effective_rows)) ** (1.0 / (d + 4))
+    return {name: rule * _spread(table, name) for name in names}
+
+
+def _spread(table: WeatherTable, name: str) -> float:
+    """Weighted standard deviation of the valid values; for directions that of a wrapped normal of the same resultant."""
+    values, weight = table[name], table["weight"]
+    known = ~np.isnan(values) & (weight > 0.0)
+    if not known.any():
+        return 0.0
+    if name == "wind_from_deg":
+        length = min(abs(np.average(np.exp(1j * np.radians(values[known])), weights=weight[known])), 1.0)
+        # Beyond 90 deg a direction is as good as uniform, and noise of any width leaves it so.
+        return float(np.degrees(min(np.sqrt(-2.0 * np.log(max(length, 1e-12))), np.pi / 2)))
+    mean = np.average(values[known], weights=weight[known])
+    return float(np.sqrt(np.average((values[known] - mean) ** 2, weights=weight[known])))
+
+
+def smoothed(table: WeatherTable, rows: IntArray, uniform: FloatArray, bandwidth: Mapping[str, float]) -> WeatherTable:
+    """Drawn rows with noise, all of the same weight.
+
+    Parameters
+    ----------
+    table : WeatherTable
+        The table drawn from.
+    rows : (n,) array of int
+        Rows from :meth:`~seaglint.climate.weather_table.WeatherTable.draw`.
+    uniform : (n, columns) array
+        Numbers inside (0, 1), a column for each of ``bandwidth`` in its order.
+    bandwidth : mapping
+        Standard deviation of the noise by column, as :func:`bandwidths` gives it.
+
+    Raises
+    ------
+    DomainError
+        Uniform numbers of another shape or range.
+    """
+    uniform = np.asarray(uniform, dtype=np.float64)
+    if uniform.shape != (rows.size, len(bandwidth)) or not np.all((uniform > 0.0) & (uniform < 1.0)):
+        raise DomainError(
+            f"uniform numbers of shape {uniform.shape} are not {rows.size} x {len(bandwidth)} numbers inside (0, 1); give one for each row "
+            "and each smoothed column"
+        )
+    drawn = table.take(rows) if np.any(table["weight"][rows] > 0.0) else table
+    columns = dict(drawn.columns) | {"weight": np.ones(rows.size)}
+    for at, (name, width) in enumerate(bandwidth.items()):
+        if name in columns:
+            columns[name] = _noisy(columns[name], width * ndtri(uniform[:, at]), name)
+    return WeatherTable(columns, drawn.texts)
+
+
+def _noisy(values: FloatArray, noise: FloatArray, name: str) -> FloatArray:
+    low, high = BOUNDS[name]
+    moved = values + noise
+    if name == "wind_from_deg":
+        return np.asarray(moved % 360.0)
+    if np.isfinite(high):
+        period = 2.0 * (high - low)
+        folded = np.abs((moved - low) % period)
+        moved = low + np.minimum(folded, period - folded)
+    elif np.isfinite(low):
+        moved = low + np.abs(moved - low)
+    return np.where((values <= low) | (values >= high), values, moved)
+
 
 _DAY: Final = 86_400.0
 _SMALL: Final = 16  #: Number of rows up to which each is a range of winds of its own.

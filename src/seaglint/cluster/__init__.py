@@ -4,8 +4,7 @@ Work is a :class:`~seaglint.cluster.job.Job` that each worker starts once and th
 results to files themselves; what comes back is a small record.
 """
 
-from seaglint.cluster.here import Here
 from seaglint.cluster.job import Done, Failed, Job, Workers
-from seaglint.cluster.local import LocalProcesses
+from seaglint.cluster.local import Here, LocalProcesses
 
 __all__ = ["Done", "Failed", "Here", "Job", "LocalProcesses", "Workers"]

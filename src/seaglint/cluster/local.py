@@ -1,4 +1,6 @@
-"""Processes on this machine: each is handed one unit at a time, and one that dies is replaced.
+"""Worker in this process: one unit after the other.
+
+Processes on this machine: each is handed one unit at a time, and one that dies is replaced.
 
 Our own and not the standard library's pool, of which one killed process breaks the whole. Processes are started fresh, not forked, since
 the kernels' threads do not survive a fork; each has its share of the processor's threads.
@@ -22,7 +24,29 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, Final
 
 from seaglint.base.errors import BackendError, DomainError, SeaglintError
-from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
+from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt, outgoing
+
+
+class Here:
+    """Worker that is the calling process itself."""
+
+    count = 1
+
+    @contextmanager
+    def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
+        """Yield the outcomes of all units in their order; see :class:`seaglint.cluster.job.Workers`."""
+        work = job.start(job.settings)
+
+        def outcomes() -> Iterator[Done[Unit, Record] | Failed[Unit]]:
+            for unit in units:
+                for tried in range(1, ATTEMPTS + 1):
+                    outcome = attempt(work, unit, "here", tried)
+                    if isinstance(outcome, Done):
+                        break
+                yield outcome
+
+        yield outcomes()
+
 
 MOST: Final = 1024  #: Largest number of processes.
 

@@ -1,17 +1,44 @@
-"""Functions that a Dask worker runs: it starts a job once, and then its units, one at a time."""
+"""Description of a worker: version and sources of its package, and its processor type.
+
+Functions that a Dask worker runs: it starts a job once, and then its units, one at a time.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import os
 import pickle
+import socket
 import threading
 import traceback
 import zlib
 from collections.abc import Callable
-from typing import Any, Final
+from functools import cache
+from typing import Any, Final, NamedTuple
 
 from seaglint.base.errors import one_line
 from seaglint.cluster.job import Done, Failed, Job, attempt, outgoing
+
+
+class Machine(NamedTuple):
+    """Machine of a process, with all that its results depend on."""
+
+    version: str  #: Version of seaglint.
+    sources: str  #: Digest of the sources of all kernels.
+    processor: str  #: Type of the processor, as stores record it: the last bits of results can differ between types.
+    host: str
+    process: int
+
+
+@cache
+def this_machine() -> Machine:
+    """Return the description of this process."""
+    from seaglint.base.kernel_cache import sources_digest
+    from seaglint.base.machine import processor
+    from seaglint.version import __version__
+
+    return Machine(__version__, sources_digest(), processor(), socket.gethostname(), os.getpid())
+
 
 #: Lock that lets the threads of one worker take turns: they share the threads of kernels and of linear algebra.
 _one_at_a_time: Final = threading.Lock()
@@ -25,9 +52,9 @@ def packed(job: Job[Any, Any, Any]) -> bytes:
 
 
 def describe() -> tuple[Any, ...] | None:
-    """Return the worker's :class:`seaglint.cluster.machine.Machine`; None where it lacks the package."""
+    """Return the worker's :class:`seaglint.cluster.remote.Machine`; None where it lacks the package."""
     try:
-        from seaglint.cluster.machine import this_machine
+        pass
     except ImportError:
         return None
     return tuple(this_machine())

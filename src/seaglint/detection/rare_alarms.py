@@ -55,7 +55,7 @@ class RareRate:
 
 
 class StatisticSteps(Protocol):
-    """Steps of a statistic, see :class:`seaglint.detection.stepped.Steps`."""
+    """Steps of a statistic, see :class:`seaglint.detection.stepped_tails.Steps`."""
 
     def below(self, threshold: float) -> float:
         """Middle between the two levels around a threshold [standard deviations]."""

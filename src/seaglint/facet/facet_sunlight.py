@@ -26,7 +26,7 @@ from seaglint.facet.roughness import Roughness, Sight
 from seaglint.facet.solar_disc import DiscLine, broadened, disc_at, disc_edge, disc_of, mirror_factor, sharp
 from seaglint.facet.sunlight import Sunlight
 from seaglint.facet.thermal import between
-from seaglint.sea.shadowing.lean import lean_kernel
+from seaglint.sea.shadowing.facet_lean import lean_kernel
 from seaglint.sea.shadowing.nested import HIGHEST, LOWEST, Shelter, counted_kernel, nested_exponent_kernel
 from seaglint.sea.shadowing.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing.smith import quick_visible_area_kernel
@@ -111,7 +111,7 @@ def sun_factor(
 ) -> tuple[float, float]:
     """Glint factor ``q S (1+Lambda_v)/(4 cos^4(beta) A+)`` [1/sr] and the cosine of incidence; ``grazing`` is its sine and cosine.
 
-    ``spread``: covariance (ee, en, nn) of resolved slopes about ``slope`` (:mod:`seaglint.imaging.sweep.pieces`), which ``q`` is averaged
+    ``spread``: covariance (ee, en, nn) of resolved slopes about ``slope`` (:mod:`seaglint.imaging.sweep.walk`), which ``q`` is averaged
     over.
     """
     vz, horizontal = grazing

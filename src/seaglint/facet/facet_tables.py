@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.facet.facet_sunlight import FacetLevels
-from seaglint.facet.haze import SunlitPath, sunlit_path
 from seaglint.facet.legs import FacetLaw
 from seaglint.facet.mirrored_haze import HazyFacets, Lines, haze_table, hazy_facets, turns_of
 from seaglint.facet.path_basis import TOGETHER, PathBasis, fewest_terms
 from seaglint.facet.roughness import Roughness, roughness_of
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import SunlitPath, sunlit_path
 from seaglint.facet.sunlight import Sunlight, sunlight
 from seaglint.facet.thermal import ThermalSources, azimuth_of, band_reflectance, thermal_axes, thermal_sources, thermal_table
 from seaglint.optics.sea_water import WaterIndex

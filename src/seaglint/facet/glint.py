@@ -1,4 +1,8 @@
-r"""Share of the viewed sea that mirrors the Sun, with the Sun a disc.
+r"""Scalar kernels of the mirrored Sun: the chance of :mod:`seaglint.facet.glint` for one view of one sea under one Sun.
+
+Facets of synthesised waves are in :mod:`seaglint.facet.solar_disc`; each quadrature is the other's check.
+
+Share of the viewed sea that mirrors the Sun, with the Sun a disc.
 
 A point of the sea shows the Sun or it does not. Seen from the direction **v**, facets that mirror the direction **l** have the slope
 
@@ -11,26 +15,247 @@ and the share of the visible projected area that mirrors the solar disc is
 A mirroring point shows :math:`\rho E / (\pi \epsilon^2)`. For a density much wider than the disc's image this is Eq. 8 of the source
 article, ``rho p S E / (4 cos^4(beta) cos(theta_v))``; for a calm sea, where that formula exceeds any possible value, P is the
 integral of the visible density over the disc and never above 1. The Sun is taken against the vertical of the place that is looked at
-(:mod:`seaglint.facet.local_sun`).
+(:mod:`seaglint.facet.sunlight`).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, unit_vector
 from seaglint.base.errors import DomainError
-from seaglint.base.jit import in_threads, njit
-from seaglint.facet.legs import NESTED, Legs, Shadowing, legs_of
-from seaglint.facet.local_sun import STEADY, SunTable, turn_kernel, visible_sun
-from seaglint.facet.mirror import FacetDensity, SunDisc, chance_kernel, sun_disc
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.base.jit import in_threads, kernel, njit
+from seaglint.facet.legs import NESTED, Legs, Shadowing, lean_of_legs, legs_of, local_leg, seen_and_lit_kernel
+from seaglint.facet.sunlight import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_sun
+from seaglint.sea.shadowing.nested import HIGHEST
+from seaglint.sea.shadowing.smith import visible_area_kernel
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, series_bracket
+
+#: Ratio of the Sun's radius in slopes to the rms slope below which seven points on the disc are exact to 1e-3 even at 4 sigma.
+_BROAD: Final = 0.4
+
+_WINDOW: Final = 6.0  # standard deviations of a narrow density that are integrated; the rest holds 2e-9
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
+
+# Disc of radius 1, exact for polynomials of degree 5 (Abramowitz and Stegun 25.4.61): centre and a hexagon.
+_HEX_ANGLE = np.arange(6) * np.pi / 3.0
+_HEX_X = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.cos(_HEX_ANGLE)])
+_HEX_Y = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.sin(_HEX_ANGLE)])
+_HEX_W = np.array([0.25] + 6 * [0.125])
+
+_NEGLIGIBLE: Final = 9.0  #: Rms slopes beyond which the density is taken as zero (3e-18 of its peak).
+
+_series_kernel = kernel(series_bracket)
+
+
+class FacetDensity(NamedTuple):
+    """Slope density as kernels read it."""
+
+    mss_up: float
+    mss_cross: float
+    deviation_up: float
+    deviation_cross: float
+    peak: float  #: Gaussian density of zero slope, over 4 [1/slope²].
+    wind_sine: float
+    wind_cosine: float
+    is_gaussian: bool
+    #: Coefficients of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples.
+    coefficients: FloatArray
+
+
+class SunDisc(NamedTuple):
+    """Solar disc as kernels read it, at the sensor's foot."""
+
+    points: FloatArray  #: Directions of the disc's centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)].
+    rule: FloatArray  #: Gauss-Legendre points and weights [(2, 24)].
+    first: float  #: First sine of elevation, steps and values of a :class:`~seaglint.facet.sunlight.SunTable`; an array, no nested tuple.
+    per_step: float
+    strength: FloatArray
+
+
+class SunPlace(NamedTuple):
+    """Place that a pixel sees: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
+
+    The Sun: its centre, visible share and the middle of that part (east, north, up).
+    """
+
+    away: tuple[float, float]
+    turn: tuple[float, float]
+    centre: tuple[float, float, float]
+    share: float
+    middle: tuple[float, float, float]
+
+
+def sun_disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> SunDisc:
+    """Return the constants of a Sun."""
+    points = np.empty((_HEX_W.size, 4))
+    aim_disc(points, float(solar_zenith), float(solar_azimuth))
+    return SunDisc(points, np.stack([_GAUSS_X, _GAUSS_W]), *sunlight)
+
+
+@njit
+def aim_disc(points: FloatArray, solar_zenith: float, solar_azimuth: float) -> None:
+    """Fill :attr:`SunDisc.points` of a Sun [(7, 4)]."""
+    sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
+    for i in range(points.shape[0]):
+        x, y = SOLAR_ANGULAR_RADIUS * _HEX_X[i], SOLAR_ANGULAR_RADIUS * _HEX_Y[i]
+        norm = 1.0 / math.sqrt(1.0 + x * x + y * y)
+        points[i, 0] = norm * (sz * sa + x * ca - y * cz * sa)
+        points[i, 1] = norm * (sz * ca - x * sa - y * cz * ca)
+        points[i, 2] = norm * (cz + y * sz)
+        # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
+        points[i, 3] = math.pi * SOLAR_ANGULAR_RADIUS**2 * _HEX_W[i] * norm**3
+
+
+@kernel
+def _facet_share(east: float, north: float, up: float, lean: tuple[float, float], sea: FacetDensity) -> float:
+    """Share ``p(s) / (4 cos^4(beta))`` of the mirroring facet; ``(east, north, up)`` is the sum of both directions.
+
+    ``lean`` is the shift of the density's mean, east and north.
+    """
+    # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
+    fall = -1.0 / max(up, 1e-12)
+    slope_east, slope_north = fall * east, fall * north
+    from_east, from_north = slope_east - lean[0], slope_north - lean[1]
+    along = (from_east * sea.wind_sine + from_north * sea.wind_cosine) / sea.deviation_up
+    cross = (from_east * sea.wind_cosine - from_north * sea.wind_sine) / sea.deviation_cross
+    q = along * along + cross * cross
+    if q > 1400.0:
+        return 0.0
+    share = sea.peak * math.exp(-0.5 * q)
+    if not sea.is_gaussian:
+        c = sea.coefficients
+        share *= max(_series_kernel(cross, -along, (c[0], c[1], c[2], c[3], c[4])), 0.0)
+    secant2 = 1.0 + slope_east * slope_east + slope_north * slope_north
+    return share * secant2 * secant2
+
+
+@kernel
+def place_kernel(away: tuple[float, float], turn: tuple[float, float], disc: SunDisc) -> SunPlace:
+    """Position and strength of the Sun at a place."""
+    foot = disc.points[0]
+    centre = turned_kernel(foot[0], foot[1], foot[2], away, turn)
+    share, lift = visible_part_kernel(centre[2])
+    # it stands on the horizon where a part is seen: raised by so little, its horizontal part keeps its length within 1e-5
+    middle = (centre[0] * (1.0 - lift * centre[2]), centre[1] * (1.0 - lift * centre[2]), centre[2] + lift)
+    return SunPlace(away, turn, centre, share, middle)
+
+
+@kernel
+def _wide(east: float, north: float, up: float, lean: tuple[float, float], disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
+    """Integral over the whole disc of a density that varies little on it; the first arguments are the view's direction."""
+    total = 0.0
+    for i in range(disc.points.shape[0]):
+        p = disc.points[i]
+        sun = turned_kernel(p[0], p[1], p[2], place.away, place.turn)
+        total += p[3] * _facet_share(east + sun[0], north + sun[1], up + sun[2], lean, sea)
+    return total
+
+
+@kernel
+def _narrow(east: float, north: float, up: float, lean: tuple[float, float], disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
+    """Integral over the part of the disc that is above the horizon and where the density is not negligible.
+
+    Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
+    window of a Gaussian density on that line is exact, however grazing the light.
+    """
+    radius = SOLAR_ANGULAR_RADIUS
+    east_sun, north_sun, cz = place.centre
+    sz = math.sqrt(east_sun * east_sun + north_sun * north_sun)
+    # at the zenith any azimuth serves
+    s, c = (east_sun / sz, north_sun / sz) if sz > 1e-9 else (0.0, 1.0)
+    # Up and down the disc: the slope towards the Sun's azimuth decides; a slope of sigma turns the mirrored ray by 2 sigma.
+    mirror_y = up * sz + (east * s + north * c) * cz
+    to_wind, off_wind = s * sea.wind_sine + c * sea.wind_cosine, s * sea.wind_cosine - c * sea.wind_sine
+    reach = 2.0 * _WINDOW * math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
+    bottom = max(-radius, -cz / sz) if sz > 0.0 else -radius
+    low, high = max(mirror_y - reach, bottom), min(mirror_y + reach, radius)
+    half = 0.5 * max(high - low, 0.0)
+    total = 0.0
+    # Across it: slope(x) = at_centre + x step, whose Gaussian has its centre and width where Q(x) = slope.C^-1.slope is least.
+    # (c, -s) is the disc's right, along and across the wind:
+    step_up, step_cross = c * sea.wind_sine - s * sea.wind_cosine, c * sea.wind_cosine + s * sea.wind_sine
+    step_q = step_up**2 / sea.mss_up + step_cross**2 / sea.mss_cross
+    for j in range(disc.rule.shape[1]):
+        y = 0.5 * (high + low) + half * disc.rule[0, j]
+        level = sz - y * cz
+        rise = max(up + cz + y * sz, 1e-12)
+        centre_east, centre_north = east + level * s, north + level * c
+        centre_up = centre_east * sea.wind_sine + centre_north * sea.wind_cosine
+        centre_cross = centre_east * sea.wind_cosine - centre_north * sea.wind_sine
+        middle = -(centre_up * step_up / sea.mss_up + centre_cross * step_cross / sea.mss_cross) / step_q
+        across = _WINDOW * rise / math.sqrt(step_q)
+        chord = math.sqrt(max(radius * radius - y * y, 0.0))
+        left, right = max(middle - across, -chord), min(middle + across, chord)
+        width = 0.5 * max(right - left, 0.0)
+        if width == 0.0:
+            continue
+        line = 0.0
+        for i in range(disc.rule.shape[1]):
+            x = 0.5 * (left + right) + width * disc.rule[0, i]
+            norm = 1.0 / math.sqrt(1.0 + x * x + y * y)
+            share = _facet_share(
+                east + norm * (level * s + x * c), north + norm * (level * c - x * s), up + norm * (cz + y * sz), lean, sea
+            )
+            line += disc.rule[1, i] * share * norm**3
+        total += disc.rule[1, j] * width * line
+    return half * total
+
+
+@kernel
+def chance_kernel(
+    view: tuple[float, float, float, float],
+    azimuth: float,
+    turn: tuple[float, float],
+    area: float,
+    sea: FacetDensity,
+    disc: SunDisc,
+    legs: Legs,
+) -> tuple[float, float, float]:
+    """Chance, cosine of incidence and strength of sunlight for one view, given by sine and cosine of its zenith, then of its azimuth.
+
+    A negative ``area`` asks for the A+ of a Gaussian sea.
+    """
+    sine, cosine, azimuth_sine, azimuth_cosine = view
+    east, north = sine * azimuth_sine, sine * azimuth_cosine
+    place = place_kernel((-azimuth_sine, -azimuth_cosine), turn, disc)
+    sun = place.middle
+    # cos(2 w) = v.l; the floor only keeps exact grazing from dividing by zero.
+    cos_incidence = math.sqrt(min(max(0.5 * (1.0 + east * sun[0] + north * sun[1] + cosine * sun[2]), 1e-18), 1.0))
+    # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
+    rise = max(cosine + sun[2], 1e-12)
+    upward = rise / (2.0 * cos_incidence)
+    image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
+    slope = math.sqrt(max(1.0 / upward**2 - 1.0, 0.0))
+    least, most = min(sea.deviation_up, sea.deviation_cross), max(sea.deviation_up, sea.deviation_cross)
+    if place.share == 0.0 or slope - 2.0 * image >= _NEGLIGIBLE * most:
+        return 0.0, cos_incidence, 0.0
+    to_wind = azimuth_sine * sea.wind_sine + azimuth_cosine * sea.wind_cosine
+    off_wind = azimuth_sine * sea.wind_cosine - azimuth_cosine * sea.wind_sine
+    deviation = math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
+    if area < 0.0:
+        area = visible_area_kernel(cosine, sine * deviation)
+    along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / (rise * deviation)
+    hidden, leg_edge = local_leg(legs, sun[2])
+    there = Legs(
+        legs.sun, hidden, legs.azimuth, legs.sine, legs.cosine, leg_edge, legs.deviation, legs.series,
+        legs.ratio, legs.coupling, legs.lean, legs.gains, legs.wind,
+    )  # fmt: skip
+    sunward = -((east + sun[0]) * legs.sine + (north + sun[1]) * legs.cosine) / (rise * legs.deviation)
+    edge = cosine / (sine * deviation) if sine > 0.0 else HIGHEST
+    lean = lean_of_legs((along, edge, deviation), azimuth, sunward, there)
+    wide = place.share == 1.0 and image < _BROAD * least
+    share = _wide(east, north, cosine, lean, disc, place, sea) if wide else _narrow(east, north, cosine, lean, disc, place, sea)
+    share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, there)
+    return share / area, cos_incidence, strength_kernel(SunTable(disc.first, disc.per_step, disc.strength), sun[2])
+
 
 #: Least rms slope of the quadrature [1]: a mirror's edge is blurred by 0.2 % of the Sun's radius and needs no formula of its own.
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
@@ -109,7 +334,7 @@ class GlintModel:
         """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
 
         ``view_azimuth`` is (columns,) or of each row its own (rows, columns). ``turn`` (rows,) is that of the vertical [rad],
-        :func:`~seaglint.facet.local_sun.turn_at` the row's arc. ``terms`` (rows, j) are Chebyshev coefficients in the cosine of
+        :func:`~seaglint.facet.sunlight.turn_at` the row's arc. ``terms`` (rows, j) are Chebyshev coefficients in the cosine of
         incidence of what a mirroring point shows, as :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their
         sum times the chance, the chance, and the cosine of incidence. The same bytes for any number of threads.
         """
@@ -169,7 +394,7 @@ def glint(
         Legs that are shadowed, and how.
     turn : array_like
         Turn of the vertical between the sensor's foot, where the Sun's angles hold, and the place [rad], broadcast;
-        :func:`~seaglint.facet.local_sun.turn_at` gives that of an arc. 0 takes the Sun's angles as those at the place.
+        :func:`~seaglint.facet.sunlight.turn_at` gives that of an arc. 0 takes the Sun's angles as those at the place.
 
     Returns
     -------

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
-from seaglint.sea.shadowing.along import bands_along
-from seaglint.sea.shadowing.lean import AZIMUTHS, gain_at, lean_gains, lean_kernel, lean_table
+from seaglint.sea.shadowing.facet_lean import AZIMUTHS, bands_along, gain_at, lean_gains, lean_kernel, lean_table
 from seaglint.sea.shadowing.nested import (
     HIGHEST,
     NO_SHELTER,
@@ -44,8 +43,8 @@ class FacetLaw:
     bands: float  #: Bands of equal slope variance; 1 is Smith's law, and less is less of it in the Sun's way.
     deviation: float  #: Rms slope of the whole sea along one direction [1].
     shelter: Shelter = NO_SHELTER  #: Shelter that geometry gives.
-    #: Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.lean.lean_gains`; empty
-    #: where they do not lean.
+    #: Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.facet_lean.lean_gains`;
+    #: empty where they do not lean.
     gains: FloatArray = field(default_factory=lambda: np.zeros(0))
     wind: float = 0.0  #: Azimuth that the gains count from [rad].
 
@@ -62,7 +61,9 @@ class Shadowing:
     #: Bands of equal slope variance of the nested law; 1 is Smith's. Where nothing is said, those of :meth:`settled`, or
     #: :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where no azimuth is known.
     bands: float | None = None
-    lean: bool = True  #: Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.lean`).
+    lean: bool = (
+        True  #: Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.facet_lean`).
+    )
 
     @classmethod
     def of(cls, word: str, bands: float | None = None) -> Shadowing:
@@ -114,7 +115,7 @@ class Shadowing:
         return FacetLaw(left, math.sqrt(0.5 * slopes.mss), shelter_of_facets(share), gains, slopes.wind_to_azimuth)
 
     def leaning(self, slopes: SlopeStatistics) -> tuple[FloatArray, FloatArray]:
-        """Table and gains of the lean of a sea's facets [1], :mod:`seaglint.sea.shadowing.lean`; no table where they do not lean."""
+        """Table and gains of the lean of a sea's facets [1], :mod:`seaglint.sea.shadowing.facet_lean`; no table where they do not lean."""
         bands = self.law_bands(slopes)
         return (lean_table(bands), lean_gains(slopes)) if self.lean and bands > 1.0 else (np.zeros((0, 0)), np.zeros(AZIMUTHS))
 
@@ -144,7 +145,7 @@ class Legs(NamedTuple):
     series: float  #: Ratio of ``1 + hidden`` to that of Gaussian slopes.
     ratio: FloatArray  #: Table of the nested law; empty for Smith's.
     coupling: FloatArray  #: Table of facets seen and lit; empty for independent legs.
-    lean: FloatArray  #: Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.lean`); empty for Smith's law.
+    lean: FloatArray  #: Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.facet_lean`); empty for Smith's law.
     gains: FloatArray  #: Gains of the lean over azimuths from the wind's [(azimuths,)].
     wind: float  #: Azimuth the wind blows TO [rad].
 

@@ -16,15 +16,15 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from seaglint.air.scattering.scattered_light import ScatteredTable, scattered_shares
-from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range, view_zenith_of_range
 from seaglint.base.jit import in_threads, kernel, njit
-from seaglint.facet.haze import is_dark
-from seaglint.facet.local_sun import turn_at, turn_kernel, turned_kernel
 from seaglint.facet.path_basis import PathBasis
 from seaglint.facet.roughness import Roughness, along
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import is_dark
+from seaglint.facet.sunlight import turn_at, turn_kernel, turned_kernel
 from seaglint.facet.thermal import FARTHEST_TURNED_AWAY, band_reflectance
 from seaglint.sea.shadowing.nested import nested_exponent_kernel
 

@@ -10,7 +10,7 @@ import numpy as np
 from seaglint.base.jit import kernel
 from seaglint.facet.legs import FacetLaw
 from seaglint.facet.sunlight import Sunlight
-from seaglint.sea.shadowing.lean import gain_at, lean_table
+from seaglint.sea.shadowing.facet_lean import gain_at, lean_table
 from seaglint.sea.shadowing.nested import Shelter, between_bands, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table
 from seaglint.sea.shadowing.smith import leg_passage_kernel
@@ -23,8 +23,8 @@ class Roughness(NamedTuple):
     Further fields are the deviation along the Sun's azimuth, the shelter that geometry gives, and the tables of their nested shadowing: of
     either leg (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together
     (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`); empty for Smith's. With them come the table of the lean of facets
-    (:mod:`seaglint.sea.shadowing.lean`), empty where they do not lean, its gains over azimuths from the wind's, the gain of the Sun's leg,
-    and that azimuth [rad].
+    (:mod:`seaglint.sea.shadowing.facet_lean`), empty where they do not lean, its gains over azimuths from the wind's, the gain of the Sun's
+    leg, and that azimuth [rad].
     """
 
     east_east: float

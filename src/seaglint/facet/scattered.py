@@ -24,12 +24,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.scattering.scattered_light import ScatteredTable, path_map, scattered_shares, shares_at, sky_map, sky_row
-from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, kernel, njit
-from seaglint.facet.local_sun import turn_at, turn_kernel
 from seaglint.facet.sea_view import SeaView, sea_arc
+from seaglint.facet.sunlight import turn_at, turn_kernel
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.sea.shadowing.nested import between_bands, nested_ratio_kernel, ratio_table
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, series_bracket

@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.protocol import Atmosphere
-from seaglint.air.scattering.scattered_file import SampledLight
-from seaglint.air.scattering.scattered_tables import ScatteredLight, scattered_in
+from seaglint.air.scattering.scattered_tables import SampledLight, ScatteredLight, scattered_in
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range
 from seaglint.base.errors import DomainError
 from seaglint.facet.legs import NESTED, Shadowing
-from seaglint.facet.local_sun import STEADY, SunTable, turn_at, visible_sun
+from seaglint.facet.sunlight import STEADY, SunTable, turn_at, visible_sun
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -68,7 +67,7 @@ class SeaView:
     sea_temperature: float  #: Temperature of the sea's skin [K].
     sensor_height: float  #: Height of the sensor [m].
     #: ``solar_zenith``, ``solar_azimuth``: Direction from the sea at the sensor's foot to the Sun's centre, apparent [rad]; below the
-    #: horizon is valid. Elsewhere it is that against the vertical there (:mod:`seaglint.facet.local_sun`).
+    #: horizon is valid. Elsewhere it is that against the vertical there (:mod:`seaglint.facet.sunlight`).
     solar_zenith: float
     solar_azimuth: float = 0.0
     sun_distance_factor: float = 1.0  #: ``1/d^2`` with d the distance of the Sun in au [1].

@@ -2,7 +2,7 @@
 
 The density of a facet's slopes is convolved with the disc, whose covariance is ``eps^2/4`` in every direction.
 
-Averages over slope statistics are in :mod:`seaglint.facet.mirror`; each quadrature is the other's check.
+Averages over slope statistics are in :mod:`seaglint.facet.glint`; each quadrature is the other's check.
 """
 
 from __future__ import annotations

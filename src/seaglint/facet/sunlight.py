@@ -1,16 +1,108 @@
-"""Sun over a scene as kernels read it: at the sensor's foot, and at a place in view."""
+r"""Direction of the Sun relative to the vertical of the place in view.
+
+The Sun's zenith angle and azimuth are those at the sensor's foot. At an arc r along the horizontal direction h of the line of sight the
+vertical is turned by ``psi = r/R`` about the horizontal axis across h, with R the true radius of the Earth: the effective one stands for
+refraction of the line of sight and has no part in where the Sun is. A direction l with ``along = l.h`` and ``up = l_z`` has there
+
+.. math:: along' = along \cos\psi - up \sin\psi, \qquad up' = along \sin\psi + up \cos\psi
+
+so that places farther towards the Sun see it higher: its zenith angle is less by ``psi cos(azimuth of the line of sight - that of the
+Sun)``. Components are along the foot's east and north, carried along the line of sight.
+
+Sun over a scene as kernels read it: at the sensor's foot, and at a place in view.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
-from seaglint.facet.local_sun import turn_kernel, turned_kernel
+
+_LEAST: Final = 1e-6  #: Turn of the vertical below which the Sun is that at the sensor's foot [rad]: an arc of 6 m.
+
+
+class SunTable(NamedTuple):
+    """Ratio of sunlight in the band to that at the sensor's foot, at even steps of the sine of the Sun's elevation; 1 without values.
+
+    The elevation is that of the middle of the visible part of the disc.
+    """
+
+    first: float
+    per_step: float
+    values: np.ndarray
+
+
+STEADY: Final = SunTable(0.0, 1.0, np.zeros(0))  #: Sun table with the same sunlight everywhere.
+
+
+def turn_at(arc: ArrayLike) -> FloatArray:
+    """Turn of the vertical at an arc from the sensor's foot [m], ``psi = r/R`` [rad].
+
+    >>> round(float(turn_at(63710.0)), 9)
+    0.01
+    """
+    return np.asarray(np.asarray(arc, dtype=np.float64) / EARTH_RADIUS)
+
+
+def solar_zenith_at(solar_zenith: float, relative_azimuth: ArrayLike, turn: ArrayLike) -> FloatArray:
+    """Zenith angle of the Sun at a place [rad], broadcast; ``relative_azimuth`` is the Sun's less that of the line of sight [rad].
+
+    >>> round(float(solar_zenith_at(1.0, 0.0, 0.01)), 9)
+    0.99
+    """
+    psi = np.asarray(turn, dtype=np.float64)
+    up = np.cos(solar_zenith) * np.cos(psi) + np.sin(solar_zenith) * np.cos(relative_azimuth) * np.sin(psi)
+    return np.asarray(np.arccos(np.clip(up, -1.0, 1.0)))
+
+
+@kernel
+def turn_kernel(psi: float) -> tuple[float, float]:
+    """Cosine and sine of a turn of the vertical [rad]; (1, 0) for turns below the least.
+
+    Series to the third term: within 1e-7 up to 0.3 rad, the horizon of a sensor 250 km high.
+    """
+    if psi < _LEAST:
+        return 1.0, 0.0
+    square = psi * psi
+    cosine = 1.0 - 0.5 * square * (1.0 - square * (1.0 / 12.0) * (1.0 - square * (1.0 / 30.0)))
+    return cosine, psi * (1.0 - square * (1.0 / 6.0) * (1.0 - square * (1.0 / 20.0)))
+
+
+@kernel
+def turned_kernel(east: float, north: float, up: float, away: tuple[float, float], turn: tuple[float, float]) -> tuple[float, float, float]:
+    """Direction in the frame of the place; ``away`` is the horizontal unit vector from the sensor, ``turn`` of :func:`turn_kernel`."""
+    along = east * away[0] + north * away[1]
+    change = along * turn[0] - up * turn[1] - along
+    return east + change * away[0], north + change * away[1], along * turn[1] + up * turn[0]
+
+
+def visible_sun(solar_zenith: float) -> tuple[float, float]:
+    """Fraction of the disc above the horizon, and the zenith angle of that part's centroid [rad].
+
+    A Sun cut by the horizon is cut. The zenith angle is the apparent one, at the sea. A Sun wholly below gives (0, solar_zenith).
+
+    >>> visible_sun(1.0)
+    (1.0, 1.0)
+    """
+    share, lift = visible_part_kernel(0.5 * math.pi - float(solar_zenith))
+    return float(share), float(solar_zenith - lift)
+
+
+@kernel
+def strength_kernel(table: SunTable, up: float) -> float:
+    """Ratio of sunlight of a Sun with the sine ``up`` of elevation to that at the sensor's foot [1]."""
+    if table.values.shape[0] < 2:
+        return 1.0
+    x = min(max((up - table.first) * table.per_step, 0.0), table.values.shape[0] - 1.0)
+    i = min(int(x), table.values.shape[0] - 2)
+    return float(table.values[i] + (x - i) * (table.values[i + 1] - table.values[i]))
 
 
 class Sunlight(NamedTuple):

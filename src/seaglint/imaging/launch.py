@@ -2,7 +2,7 @@
 
 Scenes prepare the tables that kernels read and call these functions for every frame; another device would bring its own module in place
 of this one. The tables themselves are filled where they are defined, once for each sensor height; Fourier transforms of the waves are in
-:mod:`seaglint.sea.field`, launches for bodies in :mod:`seaglint.objects.drawing.launch_bodies`.
+:mod:`seaglint.sea.wave_field`, launches for bodies in :mod:`seaglint.objects.drawing.launch_bodies`.
 """
 
 from __future__ import annotations
@@ -17,10 +17,9 @@ from seaglint.imaging.camera.imager import Quads, Resampling, SweepGrid, apply_w
 from seaglint.imaging.layers import BLOCK, CHANNELS, upright
 from seaglint.imaging.rays import RayTables, walk_pixels
 from seaglint.imaging.sparkle import SparkleRows, sparkle_columns
-from seaglint.imaging.spline import lay_rows
 from seaglint.imaging.sweep.sweep import Rows, Swept, skies_alone, sweep_columns
-from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, wander_rows
-from seaglint.sea.wander import Wander
+from seaglint.imaging.wave_surface import LONGEST_STRIP, Bounds, Surface, course, height, lay_rows, wander_rows
+from seaglint.sea.tiles import Wander
 
 
 def surface_of(
@@ -36,7 +35,7 @@ def surface_of(
     Parameters
     ----------
     lattices : tuple of ndarray
-        Each (n, n, 1) or (n, n, 2) as of :meth:`~seaglint.sea.field.WaveField.coefficients` [m]; n a power of two, 4 or more.
+        Each (n, n, 1) or (n, n, 2) as of :meth:`~seaglint.sea.wave_field.WaveField.coefficients` [m]; n a power of two, 4 or more.
     spacing, turn : ndarray
         Distance of lattice points [m] and turn from east [rad] of each.
     levels : tuple of tuples of int, optional

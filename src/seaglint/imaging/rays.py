@@ -19,18 +19,15 @@ from seaglint.base.conventions import FloatArray, horizon_depression, horizon_ra
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.facet.facet_tables import FacetDomain, PathTerms, facet_tables
-from seaglint.facet.haze import haze_between, haze_column
-from seaglint.facet.local_sun import SunTable, strength_kernel
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sea_view import SeaView
-from seaglint.facet.sky import SkyAbove, sky_above, sky_between
+from seaglint.facet.sky import SkyAbove, haze_between, haze_column, sky_above, sky_between
 from seaglint.facet.solar_disc import DiscLine, no_disc_line
-from seaglint.facet.sunlight import Sunlight, raised_sun, sunlight_at
+from seaglint.facet.sunlight import Sunlight, SunTable, raised_sun, strength_kernel, sunlight_at
 from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
 from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
-from seaglint.imaging.wave_shadow import sun_over_waves
-from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes
+from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes, sun_over_waves
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 #: Number of arcs at which the path is tabulated, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3.

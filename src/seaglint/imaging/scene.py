@@ -1,22 +1,184 @@
-"""Interface of a prepared scene: an image of it from a pose at a time."""
+"""Accuracy settings of the renderer and the error that each of them bounds.
+
+Levels of detail of a scene: the range from which each is used, and the sea of one instant at all of them.
+
+Interface of a prepared scene: an image of it from a pose at a time.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol, Self
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.imager import Imager
+from seaglint.imaging.camera.imager import Camera, Imager
 from seaglint.imaging.camera.pose import Pose
-from seaglint.imaging.detail_levels import Levels
+from seaglint.imaging.launch import surface_of
 from seaglint.imaging.layers import Layers
-from seaglint.imaging.wave_surface import Surface
-from seaglint.sea.field import WaveField
+from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Bounds, Surface, steepest_rise
+from seaglint.sea.wave_field import Detail, WaveField
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Accuracy settings of the renderer."""
+
+    step: float | None = None  #: Largest step of the sweep at the finest level of detail [m]; from ``steps_per_wave`` where it is None.
+    #: Steps of the sweep per shortest resolved wave, as many as its lattice has; twice as many move column means by less than 0.5 %.
+    steps_per_wave: float = 4.0
+    lines_per_column: int = 16  #: Most lines of sight in a column, a power of two; as many are used as ``variance_error`` asks for.
+    #: Columns that an octave's longest waves must span to stay geometry, whatever their share of the variance; 0 keeps all waves at any
+    #: range.
+    shortest_wave_columns: float = 2.0
+    #: Error of the variance of pixels, to first order in the slopes, up to which levels of detail leave waves out and lines stand apart.
+    #: With the default, deviations of pixels are within 5 % of those of finer pictures averaged down, from 10 m to 3 km.
+    variance_error: float = 0.02
+    #: Slope variance among neighbouring pieces of sea in a third of a row, over that of their facets, up to which they are shaded as one; 0
+    #: shades each for itself. Mean radiance moves by less than 0.1 %, the deviation of pixels by less than 1 %.
+    merged_spread: float = 0.1
+    crest: float = 1.25  #: Height above which no crest is expected, in significant heights: five standard deviations.
+    #: Share of the sea in the shadow of resolved waves, by Smith's law, below which none is drawn: glint changes by less than 0.3 %.
+    negligible_shadow: float = 1e-3
+    steepest_rise: float = 3.0  #: Rise of the sea along a shadow ray that is reckoned with, in rms slopes: one place in 700 is steeper.
+    #: Cells of the sweep across a pixel of a turned camera: waves of a pixel's size keep 96 % of their variance (two: 93 %, four: 97 %).
+    oversampling: int = 3
+    #: Elevation from which on downwards a turned camera's rays are walked one by one [rad]: they are cheap there, and columns of equal
+    #: azimuth get narrow.
+    walk_below: float = math.radians(-40.0)
+    #: Ratio of the sensor heights for which the air is prepared: transmittances of a moving sensor are within that of a height 2 % lower.
+    height_step: float = 1.02
+
+    def __post_init__(self) -> None:
+        lines = self.lines_per_column
+        if lines < 1 or lines & (lines - 1):
+            raise DomainError(f"lines_per_column = {lines} is no power of two; give 1, 2, 4, 8 or 16")
+        if self.oversampling < 1:
+            raise DomainError(f"oversampling = {self.oversampling} is outside 1 and more; give a whole number from 1 on")
+
+    def of_cells(self) -> Accuracy:
+        """Return the settings for the sweep's cells of a turned camera, with as many lines in a pixel of the camera for any cells."""
+        return replace(
+            self,
+            lines_per_column=max(self.lines_per_column >> (self.oversampling.bit_length() - 1), 1),
+            shortest_wave_columns=self.shortest_wave_columns * self.oversampling,
+        )
+
+
+_ARCS = 2000  #: Number of ranges at which the beginning of levels is searched: to half a per cent.
+
+
+#: Number of lines that sample a wave, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km.
+_LINES_PER_WAVE = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Levels of detail of a scene, with the arcs from which on they are used.
+
+    The fields are ``begins`` [m], the arc from which on each is used, ``steps`` [m], its largest step, and ``shortest`` [m], its shortest
+    wave; at the arcs ``parts`` [m] every line of a column splits in two.
+    """
+
+    detail: Detail
+    begins: FloatArray
+    steps: FloatArray
+    shortest: FloatArray
+    parts: FloatArray
+
+    @classmethod
+    def calm(cls) -> Levels:
+        """Levels of a sea without resolved waves."""
+        return cls(Detail.calm(), np.zeros(1), np.zeros(1), np.full(1, np.inf), np.empty(0))
+
+    @classmethod
+    def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float) -> Levels:
+        """Levels that begin before the arc ``last`` [m].
+
+        Raises
+        ------
+        DomainError
+            Steps that do not suit the lattices.
+        """
+        columns, step = accuracy.shortest_wave_columns, accuracy.step
+        detail = Detail.of(waves, None if columns > 0.0 else 1)
+        shortest = np.array([level.shortest_wave for level in detail.levels])
+        begins, parts = _plan(detail, shortest, camera, accuracy, last)
+        used = max(int(np.count_nonzero(begins < last)), 1)
+        detail, begins, shortest = detail.first(used), begins[:used], shortest[:used]
+        steps = shortest / accuracy.steps_per_wave if step is None else shortest * (step / shortest[0])
+        cells = [detail.parts[level.parts[-1]].tiles[0].spacing for level in detail.levels]
+        if np.any(steps * STRIP >= LONGEST_STRIP * np.array(cells)):
+            raise DomainError(
+                f"step = {steps[0]:g} m does not suit lattices of {cells[0]:g} m; allowed are less than {LONGEST_STRIP // STRIP} cells"
+            )
+        return cls(detail, begins, steps, shortest, parts)
+
+    @property
+    def spacing(self) -> FloatArray:
+        """Spacing of lattice points of every part [m]."""
+        return np.array([part.tiles[0].spacing for part in self.detail.parts])
+
+    def lattices(self, time: float) -> tuple[NDArray[np.float32], ...]:
+        """Heights [m] and slopes [1] of every part at a time [s]."""
+        return self.detail.surfaces(time, workers=numba.get_num_threads())
+
+    def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float]) -> Surface:
+        """Sea of one instant, with the sensor above ``origin``, east and north [m]."""
+        turn = np.array([part.tiles[0].rotation for part in self.detail.parts])
+        wander = tuple(part.wander[0] for part in self.detail.parts if part.wander)
+        return surface_of(lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin, wander)
+
+    def bounds(self, lattices: tuple[NDArray[np.float32], ...]) -> Bounds:
+        """Bounds of the sea that determine the steps of rays over the finest level."""
+        parts = self.detail.levels[0].parts
+        if not parts:
+            return Bounds(0.0, 0.0, 1.0)
+        crest = sum(float(lattices[p][..., 0].max()) for p in parts)
+        spacing = self.spacing[list(parts)]
+        return Bounds(crest, steepest_rise(tuple(lattices[p] for p in parts), spacing), float(spacing.min()))
+
+
+def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> tuple[FloatArray, FloatArray]:
+    """Arc from which on each level is used, and arcs at which lines split in two [m], at the least cost for a given variance of pixels.
+
+    A pixel averages waves that are shorter than it is wide or long, so that a band of slope variance ``m`` and length ``L`` adds
+    ``m min(1, L/width) min(1, L/length)`` to the variance of pixels, to first order in the slopes. A level loses the part of the bands that
+    it leaves out; with lines farther apart than ``L`` a band counts as often as they are.
+    """
+    mss = np.array([sum(level.mss) for level in detail.levels])
+    bands = np.append(mss[:-1] - mss[1:], mss[-1])[:, None]
+    waves = np.append(np.sqrt(shortest[:-1] * shortest[1:]), 2.0 * shortest[-1])[:, None]
+    far = max(last, camera.height)
+    arcs = np.geomspace(1e-2 * min(camera.height, far), far, _ARCS)
+    width, length = arcs * camera.column_step, camera.row_step * (arcs**2 + camera.height**2) / camera.height
+    shown = bands * np.minimum(1.0, waves / width) * np.minimum(1.0, waves / length)
+    shown /= shown.sum(axis=0)
+    lost = np.concatenate([np.zeros((1, arcs.size)), np.cumsum(shown, axis=0)[:-1]])
+    best, chosen = np.full(arcs.size, np.inf), np.zeros((2, arcs.size), np.int64)
+    most = accuracy.variance_error
+    for doublings in range(accuracy.lines_per_column.bit_length()):
+        again = shown * np.maximum(_LINES_PER_WAVE * width / (waves * (1 << doublings)) - 1.0, 0.0)
+        gained = np.cumsum(again[::-1], axis=0)[::-1]
+        for level in range(shortest.size):
+            error = np.abs(gained[level] - lost[level])
+            allowed = (width * accuracy.shortest_wave_columns >= shortest[level]) | (level == 0)
+            good = allowed & (error <= most) & (lost[level] <= 3.0 * most)
+            # where no level is good enough the one with the smallest error is used, always behind a good one
+            cost = np.where(good, (1 << doublings) / shortest[level], np.where(allowed, 1e6 * (1.0 + error), np.inf))
+            better = cost < best
+            best[better], chosen[0, better], chosen[1, better] = cost[better], level, doublings
+    levels, lines = np.maximum.accumulate(chosen, axis=1)
+    begins = np.array([0.0] + [float(arcs[np.argmax(levels >= k)]) if levels[-1] >= k else np.inf for k in range(1, shortest.size)])
+    parts = np.array([float(arcs[np.argmax(lines >= k)]) for k in range(1, int(lines[-1]) + 1)])
+    return begins, parts
 
 
 class Instant(NamedTuple):

@@ -19,9 +19,9 @@ from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
-from seaglint.facet.haze import is_dark
-from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import is_dark
+from seaglint.facet.sunlight import visible_sun
 
 #: Number of chords of the disc in a column, at even steps of the arc sine of their distance from the middle: within 1e-5 of its area.
 CHORDS: Final = 32

@@ -1,10 +1,16 @@
-"""Reading of the synthesised sea: splines on periodic lattices, at any level of detail, and bounds of its height.
+"""Cubic B-splines on periodic lattices: rows of their coefficients, and weights of the 16 points around a place.
 
-A level of detail (:mod:`seaglint.sea.detail`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line makes a
-:func:`course` of it once: where it starts on every lattice of the level and how it moves over it.
+What stands at the lattice points are coefficients, not heights: :meth:`seaglint.sea.wave_field.WaveField.coefficients` makes them.
+
+Reading of the synthesised sea: splines on periodic lattices, at any level of detail, and bounds of its height.
+
+A level of detail (:mod:`seaglint.sea.wave_field`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line
+makes a :func:`course` of it once: where it starts on every lattice of the level and how it moves over it.
 
 Most samples of a grazing line are hidden. A line is read in strips, lattice by lattice, longest waves first, and a strip is left as soon as
 the largest heights that the other lattices hold cannot bring it into view.
+
+Shadows of waves under a low Sun: the share of the solar disc that a point of the resolved sea sees over the crests towards it.
 """
 
 from __future__ import annotations
@@ -15,10 +21,90 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
-from seaglint.imaging.spline import cell, gradient, spline_value
-from seaglint.sea.wander import Wander
+from seaglint.facet.sunlight import Sunlight
+from seaglint.sea.tiles import Wander
+
+
+@kernel
+def lay_rows(lattice: np.ndarray, k: int, rows: np.ndarray) -> None:
+    """Lay the numbers ``k`` of a periodic lattice (n, n, 1 or 2) out in rows of n + 3 points.
+
+    With one more point before and two beyond along either axis the points around any cell lie at fixed distances from its address.
+    """
+    size = lattice.shape[0]
+    for y in range(size + 3):
+        source, at = (y - 1) & (size - 1), y * (size + 3)
+        rows[at], rows[at + size + 1], rows[at + size + 2] = lattice[source, size - 1, k], lattice[source, 0, k], lattice[source, 1, k]
+        for x in range(size):
+            rows[at + 1 + x] = lattice[source, x, k]
+
+
+@kernel
+def spline_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float32]:
+    """Weights of the four points around a place on a cubic B-spline, ``f`` cells beyond the second of them."""
+    one, sixth = np.float32(1.0), np.float32(1.0 / 6.0)
+    e = one - f
+    first, last = e * e * e * sixth, f * f * f * sixth
+    second = f * f * (np.float32(0.5) * f - one) + np.float32(2.0 / 3.0)
+    return first, second, one - first - second - last, last
+
+
+@kernel
+def slope_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float32]:
+    """Derivatives of the :func:`spline_weights` [1/cell]."""
+    half = np.float32(0.5)
+    e = np.float32(1.0) - f
+    first, last = -half * e * e, half * f * f
+    second = f * (np.float32(1.5) * f - np.float32(2.0))
+    return first, second, -first - second - last, last
+
+
+@kernel
+def cell(size: int, u: float, v: float) -> tuple[int, np.float32, np.float32]:
+    """Address of the cell of a lattice position, and the fractions (v, u) within it. The lattice ``size`` is a power of two."""
+    lower_u, lower_v = math.floor(u), math.floor(v)
+    return (int(lower_v) & (size - 1)) * (size + 3) + (int(lower_u) & (size - 1)), np.float32(v - lower_v), np.float32(u - lower_u)
+
+
+@kernel
+def spline_value(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.float32) -> np.float32:
+    """Cubic B-spline ``f`` along u and ``g`` along v into a cell, whose first point of 16 is at ``at``, with ``row`` points a row."""
+    a0, a1, a2, a3 = spline_weights(f)
+    b0, b1, b2, b3 = spline_weights(g)
+    one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
+    total = b0 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three])
+    at += row
+    total += b1 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three])
+    at += row
+    total += b2 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three])
+    at += row
+    return np.float32(total + b3 * (a0 * z[at] + a1 * z[at + one] + a2 * z[at + two] + a3 * z[at + three]))
+
+
+@kernel
+def gradient(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.float32) -> tuple[np.float32, np.float32]:
+    """Derivatives along u and v [m/cell] of a cubic B-spline; arguments as of :func:`spline_value`."""
+    a0, a1, a2, a3 = spline_weights(f)
+    c0, c1, c2, c3 = slope_weights(f)
+    b0, b1, b2, b3 = spline_weights(g)
+    d0, d1, d2, d3 = slope_weights(g)
+    i, j, k, m = at, at + row, at + row + row, at + row + row + row
+    z0, z1, z2, z3 = z[i], z[j], z[k], z[m]
+    along, across = c0 * (b0 * z0 + b1 * z1 + b2 * z2 + b3 * z3), a0 * (d0 * z0 + d1 * z1 + d2 * z2 + d3 * z3)
+    one = np.uint64(1)
+    i, j, k, m = i + one, j + one, k + one, m + one
+    z0, z1, z2, z3 = z[i], z[j], z[k], z[m]
+    along, across = along + c1 * (b0 * z0 + b1 * z1 + b2 * z2 + b3 * z3), across + a1 * (d0 * z0 + d1 * z1 + d2 * z2 + d3 * z3)
+    i, j, k, m = i + one, j + one, k + one, m + one
+    z0, z1, z2, z3 = z[i], z[j], z[k], z[m]
+    along, across = along + c2 * (b0 * z0 + b1 * z1 + b2 * z2 + b3 * z3), across + a2 * (d0 * z0 + d1 * z1 + d2 * z2 + d3 * z3)
+    i, j, k, m = i + one, j + one, k + one, m + one
+    z0, z1, z2, z3 = z[i], z[j], z[k], z[m]
+    return along + c3 * (b0 * z0 + b1 * z1 + b2 * z2 + b3 * z3), across + a3 * (d0 * z0 + d1 * z1 + d2 * z2 + d3 * z3)
+
 
 STRIP = 64  #: Number of samples of a line that are read together.
 
@@ -46,12 +132,12 @@ KNOTS_PER_PERIOD = 12
 class Surface(NamedTuple):
     """Sea of one instant as kernels read it.
 
-    ``lattice`` is all lattices one after another, row by row (:func:`seaglint.imaging.spline.lay_rows`). ``part[i] = (address of the
+    ``lattice`` is all lattices one after another, row by row (:func:`seaglint.imaging.wave_surface.lay_rows`). ``part[i] = (address of the
     heights, points along a side, address of the spline, 1 where the heights are read from that spline and 0 where linearly)``; see
     :func:`point_height` and :func:`slopes`. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``:
     parts of the level, -1 where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m]. ``wander[i, w] =
     (u, v, east, north, phase)``: amplitude [cells], wave vector [cycles/m] and phase under the sensor [cycles] of the waves that make up a
-    part's displacement (:mod:`seaglint.sea.wander`); none where tiles lie still.
+    part's displacement (:mod:`seaglint.sea.tiles`); none where tiles lie still.
     """
 
     lattice: np.ndarray
@@ -383,3 +469,42 @@ def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArra
         row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
         row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
     return out
+
+
+FARTHEST = 4000  #: Number of steps after which a Sun at the very horizon counts as visible.
+
+
+@kernel
+def sun_over_waves(
+    surface: Surface, level: int, line: SurfaceLine, sunward: SurfaceLine, r: float, march: tuple[float, float], sun: Sunlight
+) -> tuple[float, float]:
+    """Share of the solar disc visible from the sea ``r`` metres along a line, over the waves of a level towards the Sun there.
+
+    With it comes the height of that part's middle above the whole disc's [rad].
+
+    The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
+    most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out. Tiles are
+    displaced on the whole way as where it begins.
+    """
+    step, rise = march
+    tiles = line.part.shape[0]
+    own = height(surface, line, 0, tiles, r)
+    low = max(sun.lower_tangent, 1e-4)
+    steps = min((surface.crest[level, 0] - own) / (low * step), float(FARTHEST))
+    # most waves that shade a place are near it: the first step is taken in parts
+    skyline, n = -1.0, 0.25
+    while n <= steps:
+        d, z = n * step, 0.0
+        for j in range(tiles):
+            u, v = position(line, j, r)
+            u, v = u + d * sunward.step[j, 0, 0], v + d * sunward.step[j, 0, 1]
+            z += point_height(surface, line, j, u, v)
+        skyline = max(skyline, (z - own) / d)
+        if skyline >= sun.upper_tangent:
+            return 0.0, 0.0
+        # the sea cannot rise to the ray before it has made up for the gap
+        ray = max(low, skyline)
+        n = max(2.0 * n if n < 1.0 else n + 1.0, math.floor(n + (own + d * ray - z) / (max(rise - ray, 1e-6) * step)))
+    if skyline <= low:
+        return 1.0, 0.0
+    return visible_part_kernel(math.asin(sun.up) - math.atan(skyline))

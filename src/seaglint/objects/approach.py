@@ -11,8 +11,8 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.objects.body import Body, GasPlume, PointSource, Solid
-from seaglint.objects.checks import inside
 from seaglint.objects.floating import Afloat
+from seaglint.objects.mesh_checks import inside
 from seaglint.objects.motion import Keyframed
 
 CLEARANCE: Final = 0.1  #: Distance from the sensor that a point needs [m].

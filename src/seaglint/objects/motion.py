@@ -1,4 +1,14 @@
-"""Motion of bodies: at rest, on a straight course, or by keyframes; every place and velocity is a function of time alone.
+"""Attitude of a body: heading clockwise from north, pitch (nose up), roll (starboard side down), as a rotation of its axes.
+
+::
+
+    east, north, up = H(heading) X(pitch) Y(roll) (starboard, forward, upward)
+
+Conversion of latitude and longitude to metres east and north of a place, by the geodesic on the WGS 84 ellipsoid.
+
+Vincenty, T. 1975: Direct and inverse solutions of geodesics on the ellipsoid with application of nested equations. Survey Review 23, 88-93.
+
+Motion of bodies: at rest, on a straight course, or by keyframes; every place and velocity is a function of time alone.
 
 Positions by keyframes follow a cubic spline, whose velocity and acceleration are continuous and which has no acceleration at its ends, or
 straight lines. Attitudes turn at an even rate from keyframe to keyframe, the shortest way (Shoemake 1985, quaternions).
@@ -9,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -18,8 +28,105 @@ from scipy.spatial.transform import Rotation, Slerp
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import MOST_SPEED, MOST_TURN
-from seaglint.objects.attitude import rotation
 from seaglint.objects.body import Placement
+
+
+def rotation(heading: float, pitch: float = 0.0, roll: float = 0.0) -> FloatArray:
+    """Rotation matrix from a body's axes to east, north and up for three angles [rad, (3, 3)].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> bool(np.allclose(rotation(np.pi / 2) @ [0, 1, 0], [1, 0, 0]))  # heading east: forward is east
+    True
+    >>> bool((rotation(0.0, roll=0.1) @ [1, 0, 0])[2] < 0)  # starboard side down
+    True
+    """
+    sh, ch, sp, cp, sr, cr = (f(angle) for angle in (heading, pitch, roll) for f in (math.sin, math.cos))
+    level = np.array([[ch, sh, 0.0], [-sh, ch, 0.0], [0.0, 0.0, 1.0]])
+    pitched = np.array([[1.0, 0.0, 0.0], [0.0, cp, -sp], [0.0, sp, cp]])
+    rolled = np.array([[cr, 0.0, sr], [0.0, 1.0, 0.0], [-sr, 0.0, cr]])
+    return np.asarray(level @ pitched @ rolled)
+
+
+def heading_of(turned: FloatArray) -> float:
+    """Heading of a rotation [rad]: azimuth of the body's forward axis."""
+    return math.atan2(float(turned[0, 1]), float(turned[1, 1]))
+
+
+def tilt(heading: float, starboard: float, forward: float) -> FloatArray:
+    """Rotation that lays a body's level deck on a plane, without turning its forward axis aside.
+
+    Parameters
+    ----------
+    heading : float
+        Heading of the body [rad].
+    starboard, forward : float
+        Slope of the plane towards its starboard and forward [1].
+
+    Returns
+    -------
+    ndarray
+        Acts on east, north and up [(3, 3)].
+    """
+    level = rotation(heading)
+    ahead = np.array([0.0, 1.0, forward]) / math.hypot(1.0, forward)
+    normal = np.array([-starboard, -forward, 1.0])
+    normal /= np.linalg.norm(normal)
+    return np.asarray(level @ np.stack([np.cross(ahead, normal), ahead, normal], axis=1) @ level.T)
+
+
+SEMI_MAJOR_AXIS: Final = 6_378_137.0  #: Semi-major axis of the WGS 84 ellipsoid [m].
+
+FLATTENING: Final = 1.0 / 298.257223563  #: Flattening of the WGS 84 ellipsoid [1].
+
+
+def east_north(latitude: float, longitude: float, start: tuple[float, float]) -> tuple[float, float]:
+    """Metres towards east and north from ``start = (latitude, longitude)`` [rad], by range and bearing.
+
+    Raises
+    ------
+    DomainError
+        A place near the other side of the Earth, for which the series does not converge.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> east, north = east_north(np.radians(37.0), np.radians(-76.0), (np.radians(36.9), np.radians(-76.0)))
+    >>> round(east, 3), round(north, 1)
+    (0.0, 11097.7)
+    """
+    f = FLATTENING
+    u1, u2 = (math.atan((1.0 - f) * math.tan(angle)) for angle in (start[0], latitude))
+    difference = math.remainder(longitude - start[1], 2.0 * math.pi)
+    s1, c1, s2, c2 = math.sin(u1), math.cos(u1), math.sin(u2), math.cos(u2)
+    reduced = difference
+    for _ in range(200):
+        s, c = math.sin(reduced), math.cos(reduced)
+        sine = math.hypot(c2 * s, c1 * s2 - s1 * c2 * c)
+        if sine == 0.0:
+            return 0.0, 0.0
+        cosine = s1 * s2 + c1 * c2 * c
+        arc = math.atan2(sine, cosine)
+        sin_a = c1 * c2 * s / sine
+        cos2_a = 1.0 - sin_a * sin_a
+        middle = cosine - 2.0 * s1 * s2 / cos2_a if cos2_a > 1e-15 else 0.0
+        k = f / 16.0 * cos2_a * (4.0 + f * (4.0 - 3.0 * cos2_a))
+        before = reduced
+        reduced = difference + (1.0 - k) * f * sin_a * (arc + k * sine * (middle + k * cosine * (2.0 * middle**2 - 1.0)))
+        if abs(reduced - before) < 1e-13:
+            break
+    else:
+        raise DomainError("a place on the other side of the Earth; give latitude_deg and longitude_deg near [place]")
+    square = cos2_a * ((1.0 / (1.0 - f)) ** 2 - 1.0)
+    a = 1.0 + square / 16384.0 * (4096.0 + square * (-768.0 + square * (320.0 - 175.0 * square)))
+    b = square / 1024.0 * (256.0 + square * (-128.0 + square * (74.0 - 47.0 * square)))
+    last = b / 6.0 * middle * (4.0 * sine**2 - 3.0) * (4.0 * middle**2 - 3.0)
+    bend = b * sine * (middle + b / 4.0 * (cosine * (2.0 * middle**2 - 1.0) - last))
+    length = (1.0 - f) * SEMI_MAJOR_AXIS * a * (arc - bend)
+    azimuth = math.atan2(c2 * math.sin(reduced), c1 * s2 - s1 * c2 * math.cos(reduced))
+    return length * math.sin(azimuth), length * math.cos(azimuth)
+
 
 SLOWEST = 1e-6  #: Speed below which a body has no course [m s-1].
 

@@ -1,10 +1,17 @@
-"""Solids from meshes: materials, placement in a body, and their union, intersection and difference."""
+"""Closed surfaces of simple solids, about the centre of their bounding boxes, with fine triangles.
+
+A polyhedron with its corners on a sphere is smaller than the sphere. By Cauchy's formula the mean area that a convex body shows over all
+directions is a quarter of its surface, so curved solids are scaled until that is right; what is left depends on the direction.
+
+Solids from meshes: materials, placement in a body, and their union, intersection and difference.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal, assert_never
+from functools import cache
+from typing import Any, Final, Literal, assert_never
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +20,122 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.optional import optional
 from seaglint.objects.body import GasPlume, Solid
-from seaglint.objects.primitives import Mesh
+
+# Corners (vertices, 3) [m] and triangles (triangles, 3), counterclockwise seen from outside.
+Mesh = tuple[FloatArray, NDArray[np.int32]]
+
+#: Number of parts of an icosahedron's edges for a sphere: 2000 triangles show its area within 0.05 % in every direction, 0.014 % rms.
+PARTS: Final = 10
+
+SIDES: Final = 128  #: Number of sides of a cylinder or cone: the area of a cap is 0.02 % too small, the width is within 0.01 %.
+
+_BOX: Final = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+
+
+def box(size: tuple[float, float, float]) -> Mesh:
+    """Box of sides along x, y and z [m]."""
+    x, y, z = (0.5 * s for s in size)
+    corners = np.array([(-x, -y, -z), (x, -y, -z), (x, y, -z), (-x, y, -z), (-x, -y, z), (x, -y, z), (x, y, z), (-x, y, z)])
+    return corners, _triangles(_BOX)
+
+
+def wedge(size: tuple[float, float, float]) -> Mesh:
+    """Half of a box of sides along x, y and z [m]: full height aft, decreasing to zero at its forward edge."""
+    x, y, z = (0.5 * s for s in size)
+    corners = np.array([(-x, -y, -z), (x, -y, -z), (x, y, -z), (-x, y, -z), (-x, -y, z), (x, -y, z)])
+    return corners, np.array([(0, 2, 1), (0, 3, 2), (0, 1, 5), (0, 5, 4), (1, 2, 5), (0, 4, 3), (4, 5, 2), (4, 2, 3)], np.int32)
+
+
+def sphere(radius: float) -> Mesh:
+    """Sphere of a radius [m]."""
+    return ellipsoid((radius, radius, radius))
+
+
+def ellipsoid(semi_axes: tuple[float, float, float]) -> Mesh:
+    """Ellipsoid of semi-axes along x, y and z [m].
+
+    The shadow of a stretched body is the stretched shadow: the relative error of what it shows is the sphere's, in another direction.
+    """
+    corners, triangles = _unit_sphere()
+    return corners * np.asarray(semi_axes), triangles
+
+
+def cylinder(radius: float, length: float) -> Mesh:
+    """Capped cylinder about z [m]."""
+    return cone(radius, length, radius)
+
+
+def cone(radius: float, length: float, top_radius: float = 0.0) -> Mesh:
+    """Capped cone about z, or part of one [m]; its tip, or its end of ``top_radius``, is up.
+
+    The polygon has the circle's perimeter, so that by Cauchy's formula its mean width is right.
+    """
+    turn = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    circle = np.stack([np.cos(turn), np.sin(turn), np.zeros(SIDES)], axis=1) * (np.pi / SIDES) / np.sin(np.pi / SIDES)
+    up = np.array([0.0, 0.0, 0.5 * length])
+    here = np.arange(SIDES)
+    there, foot = (here + 1) % SIDES, np.full(SIDES, SIDES)
+    bottom = np.stack([foot, there, here], axis=1)
+    if top_radius == 0.0:
+        corners = np.concatenate([radius * circle - up, [-up, up]])
+        sides = np.stack([here, there, np.full(SIDES, SIDES + 1)], axis=1)
+        return corners, np.concatenate([bottom, sides]).astype(np.int32)
+    corners = np.concatenate([radius * circle - up, [-up], top_radius * circle + up, [up]])
+    above, beside = here + SIDES + 1, there + SIDES + 1
+    sides = np.concatenate([np.stack([here, there, beside], axis=1), np.stack([here, beside, above], axis=1)])
+    top = np.stack([np.full(SIDES, 2 * SIDES + 1), above, beside], axis=1)
+    return corners, np.concatenate([bottom, sides, top]).astype(np.int32)
+
+
+def surface_area(mesh: Mesh) -> float:
+    """Area of all triangles [m2]."""
+    return float(0.5 * np.linalg.norm(doubled_areas(mesh), axis=1).sum())
+
+
+def doubled_areas(mesh: Mesh) -> FloatArray:
+    """Outward normals of the triangles, of twice their areas [m2, (triangles, 3)]."""
+    a, b, c = (mesh[0][mesh[1][:, i]] for i in range(3))
+    return np.cross(b - a, c - a)
+
+
+def volume(mesh: Mesh) -> float:
+    """Volume inside [m3], negative where the triangles turn the wrong way round."""
+    corners = mesh[0] - mesh[0].mean(axis=0)
+    a, b, c = (corners[mesh[1][:, i]] for i in range(3))
+    return float(np.sum(a * np.cross(b, c)) / 6.0)
+
+
+def _triangles(faces: tuple[tuple[int, int, int, int], ...]) -> NDArray[np.int32]:
+    return np.array([t for a, b, c, d in faces for t in ((a, b, c), (a, c, d))], np.int32)
+
+
+@cache
+def _unit_sphere() -> Mesh:
+    """Subdivided icosahedron with the surface area of the unit sphere."""
+    g = 0.5 * (1.0 + np.sqrt(5.0))
+    corners = np.array(
+        [
+            *((-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g)),
+            *((0, -1, -g), (0, 1, -g), (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)),
+        ]
+    )
+    faces = "0 11 5 0 5 1 0 1 7 0 7 10 0 10 11 1 5 9 5 11 4 11 10 2 10 7 6 7 1 8 "
+    faces += "3 9 4 3 4 2 3 2 6 3 6 8 3 8 9 4 9 5 2 4 11 6 2 10 8 6 7 9 8 1"
+    triangles = np.array(faces.split(), np.int32).reshape(-1, 3)
+    n = PARTS
+    rows = [(i, j) for i in range(n + 1) for j in range(n + 1 - i)]
+    number = {place: k for k, place in enumerate(rows)}
+    small = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in rows if i + j < n]
+    small += [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in rows if i + j < n - 1]
+    weights = np.array([(n - i - j, i, j) for i, j in rows]) / n
+    every = (weights @ corners[triangles]).reshape(-1, 3)
+    # corners on the border of two faces are made twice, equal but for rounding
+    _, first, back = np.unique(np.round(every, 9), axis=0, return_index=True, return_inverse=True)
+    corners = every[first] / np.linalg.norm(every[first], axis=1, keepdims=True)
+    turned = np.arange(len(triangles))[:, None, None] * len(rows) + np.array(small)
+    triangles = back.reshape(-1)[turned.reshape(-1, 3)].astype(np.int32)
+    return corners * np.sqrt(4.0 * np.pi / surface_area((corners, triangles))), triangles
+
 
 Operation = Literal["union", "intersection", "difference"]
 

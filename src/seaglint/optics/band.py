@@ -1,4 +1,7 @@
-"""Spectral bands: quadrature over a response, and the apparent temperature of a band radiance."""
+"""Spectral bands: quadrature over a response, and the apparent temperature of a band radiance.
+
+Spectra averaged to a coarser resolution by a triangle, as an instrument or a band model has them.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
+
 
 ARTICLE_UNIT: Final = 100.0  #: Number of uW cm-2 sr-1 in one W m-2 sr-1: factor for plots and reports in the source article's unit.
 
@@ -228,3 +232,27 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
     labelled.name = "apparent_temperature"
     labelled.attrs = {"units": "K", "long_name": "apparent temperature"}
     return labelled  # type: ignore[no-any-return]
+
+
+def triangular_average(wavenumber_cm: FloatArray, spectrum: FloatArray, centres_cm: FloatArray, width_cm: float = 20.0) -> FloatArray:
+    """Average a spectrum with a triangle about each centre, of a full width at half maximum ``width_cm`` [unit of spectrum, (n,)].
+
+    Parameters
+    ----------
+    wavenumber_cm : ndarray
+        Ascending samples [cm-1, (m,)]; they may lie unevenly.
+    spectrum : ndarray
+        Values there, linear between them [(m,)].
+    centres_cm : ndarray
+        Middles of the triangles [cm-1, (n,)]. A triangle that reaches beyond the samples is cut there.
+    width_cm : float
+        Full width at half maximum [cm-1]; the triangle ends this far from its middle.
+
+    Examples
+    --------
+    >>> nu = np.arange(900.0, 1000.5, 0.5)
+    >>> triangular_average(nu, nu, np.array([950.0]))
+    array([950.])
+    """
+    weight = np.maximum(1.0 - np.abs(centres_cm[:, None] - wavenumber_cm) / width_cm, 0.0) * np.gradient(wavenumber_cm)
+    return np.asarray(weight @ spectrum / weight.sum(axis=1))

@@ -9,11 +9,9 @@ from typing import Final
 from seaglint.analysis import Analysis
 from seaglint.analysis.summary import AnalysisSummary
 from seaglint.base.conventions import Progress
-from seaglint.files.outputs import refuse_existing
-from seaglint.files.text_file import write_text
-from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, unit_of
-from seaglint.plot.new_figure import png
-from seaglint.plot.page import ABSENT, all_numbers, bullets, figure, interval, notes, number, page, section, table
+from seaglint.plot.clutter_pictures import FAMILY_NAMES, PICTURES, unit_of
+from seaglint.plot.figures_and_pages import ABSENT, all_numbers, bullets, figure, interval, notes, number, page, png, section, table
+from seaglint.store.outputs import refuse_existing, write_text
 from seaglint.version import __version__
 
 _SIGMA: Final = {

@@ -1,16 +1,157 @@
-"""Report of a detection study: one HTML file with tables and pictures inside."""
+"""Pictures of detection in rendered scenes: false alarms over the field, chips, sweeps, and ranges about the Sun.
+
+Report of a detection study: one HTML file with tables and pictures inside.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
 
 from seaglint.base.free_form import JsonObject, TableRow
-from seaglint.files.detection_case import DetectionCase
-from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_sweep
-from seaglint.plot.new_figure import png
-from seaglint.plot.page import all_numbers, bullets, figure, interval, notes, number, page, section, table
+from seaglint.plot.figures_and_pages import all_numbers, bullets, figure, interval, new_figure, notes, number, page, png, section, table
+from seaglint.store.detection_results import DetectionCase
 from seaglint.version import __version__
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from seaglint.store.detection_results import Chips, DetectionRange, FalseAlarmMap
+
+
+MOST_CURVES: Final = 6  #: Characteristics drawn, evenly chosen from the contrasts.
+
+
+def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], unit: str) -> Figure:
+    """Operating characteristics with bands, and P_d against contrast."""
+    figure = new_figure(10.0, 4.0)
+    left, right = figure.subplots(1, 2)
+    contrast = np.asarray(roc["contrast"])
+    values = np.unique(contrast)
+    for value in values[np.unique(np.linspace(0, values.size - 1, min(values.size, MOST_CURVES)).astype(int))]:
+        one = contrast == value
+        p_fa, p_d, low, high = (np.asarray(roc[name])[one] for name in ("p_fa", "p_d", "p_d_low", "p_d_high"))
+        seen = p_fa > 0
+        (line,) = left.plot(p_fa[seen], p_d[seen], linewidth=1.3, label=f"{value:g} {unit}".strip())
+        left.fill_between(p_fa[seen], low[seen], high[seen], color=line.get_color(), alpha=0.2, linewidth=0)
+    left.set(xscale="log", xlabel="P_fa per pixel and frame", ylabel="P_d", ylim=(-0.02, 1.02))
+    left.legend(fontsize=8, frameon=False)
+    ordered = sorted(rows, key=lambda row: row["contrast"])
+    x = [row["contrast"] for row in ordered]
+    right.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, color="0.2")
+    ends = [[row["p_d"] if row[name] is None else row[name] for row in ordered] for name in ("p_d_low", "p_d_high")]
+    right.fill_between(x, ends[0], ends[1], color="0.2", alpha=0.2, linewidth=0)
+    right.set(xlabel=f"contrast [{unit}]" if unit else "contrast", ylabel="P_d", ylim=(-0.02, 1.02))
+    if min(x) > 0 and max(x) > 8 * min(x):
+        from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+        right.set_xscale("log")
+        right.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        right.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        right.xaxis.set_minor_formatter(NullFormatter())
+    right.set_title(f"at {ordered[0]['threshold_sigma']:.3g} sigma, P_fa {ordered[0]['p_fa']:.2g}", fontsize=10)
+    return figure
+
+
+def draw_map(found: FalseAlarmMap) -> Figure:
+    """P_fa over azimuth and elevation; tiles without a pixel that is judged are left out."""
+    figure = new_figure(7.0, 3.6)
+    axes = figure.subplots()
+    pixels = np.asarray(found.pixels, float)
+    rate = np.asarray(found.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
+    grid = found.in_degrees
+    drawn = axes.pcolormesh(found.right, found.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
+    if not grid:
+        axes.invert_yaxis()
+    axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
+    bar = figure.colorbar(drawn, ax=axes)
+    bar.set_label("P_fa per pixel and frame")
+    return figure
+
+
+def draw_chips(found: Chips, threshold_sigma: float) -> Figure | None:
+    """Missed objects above, false alarms below; None where there are neither."""
+    lines = [(name, some) for name, some in (("missed", found.missed), ("false", found.false)) if some]
+    if not lines:
+        return None
+    columns = max(len(items) for _, items in lines)
+    figure = new_figure(1.6 * columns, 1.95 * len(lines))
+    axes = figure.subplots(len(lines), columns, squeeze=False)
+    for (name, items), row in zip(lines, axes, strict=True):
+        for k, one in enumerate(row):
+            one.set(xticks=[], yticks=[])
+            if k >= len(items):
+                one.set_axis_off()
+                continue
+            pixels = np.array([[np.nan if v is None else v for v in line] for line in items[k].pixels], float)
+            one.imshow(pixels, cmap="gray", interpolation="nearest")
+            middle = pixels.shape[0] // 2
+            one.add_patch(_square(middle, "#4cc9f0" if name == "missed" else "#f94144"))
+            one.set_title(f"{'missed' if name == 'missed' else 'false alarm'}, {items[k].score:.3g} σ", fontsize=8)
+    figure.suptitle(f"threshold {threshold_sigma:.3g} σ", fontsize=9)
+    return figure
+
+
+def _square(middle: int, colour: str) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((middle - 3.0, middle - 3.0), 6.0, 6.0, fill=False, edgecolor=colour, linewidth=0.9)
+
+
+def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
+    """P_d and P_fa against a number that was varied; a line for each of what else was varied and each contrast."""
+    figure = new_figure(10.0, 4.0)
+    left, right = figure.subplots(1, 2)
+    lines: dict[str, list[TableRow]] = {}
+    for row in rows:
+        lines.setdefault(row["_line"], []).append(row)
+    for name, some in lines.items():
+        ordered = sorted(some, key=lambda row: row[key])
+        x = [row[key] for row in ordered]
+        (line,) = left.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, label=name)
+        low, high = ([row["p_d"] if row[end] is None else row[end] for row in ordered] for end in ("p_d_low", "p_d_high"))
+        left.fill_between(x, low, high, color=line.get_color(), alpha=0.15, linewidth=0)
+        right.plot(x, [row["p_fa"] or np.nan for row in ordered], marker="o", markersize=3, color=line.get_color())
+    left.set(xlabel=key, ylabel="P_d", ylim=(-0.02, 1.02))
+    right.set(xlabel=key, ylabel="P_fa per pixel and frame", yscale="log")
+    if len(lines) <= 12:
+        left.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
+    """Ranges of detection: about the bearing from the Sun as polar curves where there are several bearings, else P_d against range."""
+    lines: dict[str, list[DetectionRange]] = {}
+    for one in found:
+        lines.setdefault(one.named, []).append(one)
+    polar = len({one.bearing_deg for one in found}) > 1
+    figure = new_figure(5.6, 5.2)
+    axes: Any = figure.add_subplot(projection="polar" if polar else None)
+    for name, some in lines.items():
+        if polar:
+            axes.set_theta_zero_location("N")
+            axes.set_theta_direction(-1)
+            ordered = sorted(some, key=lambda one: one.bearing_deg or 0.0)
+            theta = np.radians([one.bearing_deg or 0.0 for one in ordered])
+            metres = [((one.range_interval_m[0] or 0.0) if one.range_m is None else one.range_m) / 1e3 for one in ordered]
+            around = np.diff(theta, append=theta[0] + 2.0 * np.pi).max() < 0.6 * np.pi  # closed where no wide gap is left
+            x, y = ([*v, v[0]] if around else v for v in (theta, metres))
+            (line,) = axes.plot(x, y, marker="o", markersize=3, label=name or None)
+            open_ended = [k for k, one in enumerate(ordered) if one.range_m is None]
+            axes.plot(theta[open_ended], np.array(metres)[open_ended], "o", markersize=7, fillstyle="none", color=line.get_color())
+        else:
+            for one in some:
+                points = one.points
+                axes.plot([p.range_m / 1e3 for p in points], [p.p_d for p in points], marker="o", markersize=3, label=name or None)
+            axes.set(xscale="log", xlabel="range [km]", ylabel="P_d", ylim=(-0.02, 1.02))
+    if polar:
+        axes.set_title("range of detection [km] by bearing from the Sun", fontsize=10)
+    if any(lines):
+        axes.legend(fontsize=8, frameon=False)
+    return figure
 
 
 def study_report(title: str, cases: Sequence[DetectionCase], stopped: str | None) -> str:

@@ -9,8 +9,8 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.base.schema import VARIABLES
-from seaglint.files.outputs import moved_when_whole
-from seaglint.plot.new_figure import new_figure
+from seaglint.plot.figures_and_pages import new_figure
+from seaglint.store.outputs import moved_when_whole
 
 if TYPE_CHECKING:
     import xarray as xr

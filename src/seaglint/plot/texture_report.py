@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.brightness import scale_limits
-from seaglint.files.outputs import refuse_existing
-from seaglint.files.text_file import write_text
-from seaglint.plot.new_figure import new_figure, png
-from seaglint.plot.page import bullets, figure, notes, number, page, section, table
+from seaglint.plot.figures_and_pages import bullets, figure, new_figure, notes, number, page, png, section, table
+from seaglint.store.outputs import refuse_existing, write_text
 from seaglint.textures.long_tails import interior
 from seaglint.textures.quality import LIMITS, Comparison, TextureDistances
 

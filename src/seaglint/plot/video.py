@@ -1,7 +1,12 @@
-"""A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV)."""
+"""Formats of videos: their endings, codecs, and the frame rates that they hold.
+
+A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,17 +19,46 @@ from seaglint.base.brightness import Scale, eight_bit
 from seaglint.base.conventions import Progress
 from seaglint.base.optional import missing
 from seaglint.base.schema import VARIABLES
-from seaglint.files.counts import pictures
-from seaglint.files.directions import below_horizon
-from seaglint.files.outputs import moved_when_whole
-from seaglint.files.provenance import stored_band
-from seaglint.files.recording.labelled import stored_frame_rate
-from seaglint.files.sequence_summary import Images, images, to_temperature
+from seaglint.formats.recording.labelled_arrays import stored_frame_rate
 from seaglint.plot.scale import Kind, scale_of
-from seaglint.plot.video_formats import video_format
+from seaglint.store.outputs import moved_when_whole
+from seaglint.store.provenance import stored_band
+from seaglint.store.stored_images import Images, below_horizon, images, pictures, to_temperature
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+@dataclass(frozen=True)
+class VideoFormat:
+    """Format of a video."""
+
+    ending: str  #: Ending of its files, and without the dot its name in PyAV.
+    #: ``codec``, ``pixels``: Codec and type of pixels of PyAV.
+    codec: str
+    pixels: str
+    rates: tuple[float, float]  #: Least and greatest number of frames per second [Hz].
+    options: Mapping[str, str] = field(default_factory=dict)  #: Options of the codec.
+
+
+#: All formats of videos. Help texts, lists in errors and writing follow from it.
+VIDEOS: Final = (
+    VideoFormat(".mp4", "libx264", "yuv420p", (0.01, 1000.0), {"crf": "18", "preset": "veryfast"}),
+    # players show GIFs of shorter delays than 20 ms at a tenth of their speed
+    VideoFormat(".gif", "gif", "pal8", (0.01, 50.0)),
+)
+
+VIDEO_ENDINGS: Final = tuple(form.ending for form in VIDEOS)
+
+
+def video_format(ending: str) -> VideoFormat:
+    """Return the format of an ending, which one of the formats has.
+
+    >>> video_format(".gif").codec
+    'gif'
+    """
+    return next(form for form in VIDEOS if form.ending == ending)
+
 
 _SHOWN_WIDTH: Final = 1024  # small images are enlarged to about this, by whole factors, so that pixels stay pixels
 _MAX_SIDE: Final = 4096  # what H.264 decoders take; wider panoramas are averaged down

@@ -21,8 +21,8 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import VIEWER
-from seaglint.facet.local_sun import solar_zenith_at, turn_at, visible_sun
 from seaglint.facet.sea_view import BandSum, SeaView
+from seaglint.facet.sunlight import solar_zenith_at, turn_at, visible_sun
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries

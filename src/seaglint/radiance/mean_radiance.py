@@ -17,10 +17,10 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith
 from seaglint.base.errors import DomainError
 from seaglint.facet.glint import GlintModel
-from seaglint.facet.local_sun import turn_at
 from seaglint.facet.scattered import Around, ScatteredMap, ScatteredSun, SeaRows
 from seaglint.facet.sea_view import SeaView, sea_arc
 from seaglint.facet.sky import thermal_at, thermal_sky
+from seaglint.facet.sunlight import turn_at
 from seaglint.facet.surface_spectra import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries

@@ -1,4 +1,6 @@
-r"""Variance of glint seen by a detector of any size: Eqs. 11-19 of the source article, corrected.
+r"""Correlation length of glint on the sea from its correlation time, by the dispersion of short waves.
+
+Variance of glint seen by a detector of any size: Eqs. 11-19 of the source article, corrected.
 
 A point of the sea mirrors the Sun or it does not. With P the share of the *viewed* area that does and :math:`L_g - L_b` what the mirrored
 Sun adds there, the mean of the Sun's part is :math:`\langle L\rangle = P (L_g - L_b)` and its variance at a point
@@ -20,16 +22,64 @@ depression and a Sun at 60 deg.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.protocol import slant_range as slant_range_of
+from seaglint.base.constants import SEA_WATER_DENSITY
 from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.base.conventions import view_zenith as view_zenith_of
 from seaglint.base.errors import DomainError
-from seaglint.facet.local_sun import visible_sun
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import visible_sun
 from seaglint.radiance.mean_radiance import SeaRadiance
+from seaglint.sea.dispersion import wavenumber
+
+#: Surface tension in Eq. 17 of the source article [N m-1] (76.3 dyn/cm; its text calls it a viscosity).
+ARTICLE_SURFACE_TENSION: Final = 76.3e-3
+
+
+def _angular_frequency(correlation_time: float) -> float:
+    if not (np.isfinite(correlation_time) and correlation_time > 0.0):
+        raise DomainError(f"correlation_time = {correlation_time:g} s; give a time > 0 s, e.g. 0.07")
+    return 2.0 * np.pi / correlation_time
+
+
+def correlation_length(correlation_time: float) -> float:
+    """Length ``l = 1/k`` of the wave of angular frequency ``2 pi / T_c``, with gravity and surface tension [m].
+
+    Parameters
+    ----------
+    correlation_time : float
+        Time after which glint at a point is forgotten [s].
+
+    Returns
+    -------
+    float
+        Correlation length [m].
+
+    Examples
+    --------
+    >>> [round(100.0 * correlation_length(t), 3) for t in (0.07, 0.3)]
+    [0.257, 2.268]
+    """
+    return float(1.0 / wavenumber(_angular_frequency(correlation_time)))
+
+
+def capillary_length(correlation_time: float) -> float:
+    """Length ``l = 1/k`` by surface tension alone, ``omega^2 = T k^3 / rho`` with 76.3 dyn/cm: Eq. 17 of the source article as printed [m].
+
+    Gravity is not negligible there: :func:`correlation_length` gives 0.257 and 2.27 cm for 70 and 300 ms.
+
+    Examples
+    --------
+    >>> [round(100.0 * capillary_length(t), 3) for t in (0.07, 0.3)]
+    [0.21, 0.554]
+    """
+    omega = _angular_frequency(correlation_time)
+    return float((ARTICLE_SURFACE_TENSION / (SEA_WATER_DENSITY * omega**2)) ** (1.0 / 3.0))
 
 
 def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:
@@ -85,7 +135,7 @@ def patches(
     solid_angle : array_like
         Solid angle of the detector's view [sr]: for a rectangular pixel the product of its two angular widths.
     correlation_length : float
-        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.glint_correlation`.
+        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.variance`.
 
     Returns
     -------

@@ -20,9 +20,9 @@ from seaglint.base.free_form import TomlTables
 from seaglint.scenario.keys import key_at, table_keys
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.sensor_presets import TABLES
-from seaglint.scenario.records.quantity import convert
-from seaglint.scenario.records.sensor_detector import PhotonDetector, ThermalDetector
+from seaglint.scenario.presets import TABLES
+from seaglint.scenario.records.record import convert
+from seaglint.scenario.records.sensor_table import PhotonDetector, ThermalDetector
 
 #: Camera in the words of a data sheet, for help texts and messages.
 EXAMPLE: Final = "pitch_um=17,pixels=640x512,focal_length_mm=35,f_number=1.1,netd_mk=50,band_um=7.5-13.5"

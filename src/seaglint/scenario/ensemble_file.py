@@ -15,13 +15,10 @@ from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.base.free_form import TomlTables
 from seaglint.scenario.load import parse_scenario, say_moments
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.scene_presets import PRESETS
-from seaglint.scenario.presets.sensor_presets import with_sensor
-from seaglint.scenario.records.dataset_table import Dataset
-from seaglint.scenario.records.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
-from seaglint.scenario.records.objects import with_names
-from seaglint.scenario.records.quantity import Quantity
-from seaglint.scenario.records.record import Record, rule
+from seaglint.scenario.presets import PRESETS, with_sensor
+from seaglint.scenario.records.ensemble_tables import Choice, Dataset, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
+from seaglint.scenario.records.object_tables import with_names
+from seaglint.scenario.records.record import Quantity, Record, rule
 
 Sampling = Literal["random", "latin_hypercube", "sobol"]
 

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import Quantity
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def key_at(location: tuple[str | int, ...]) -> Key | None:
 
 
 def named_key(dotted: str) -> Key | None:
-    """Return the key of a dotted name as :func:`seaglint.scenario.setting.set_key` takes it; None where no such key exists.
+    """Return the key of a dotted name as :func:`seaglint.scenario.changed_scenario.set_key` takes it; None where no such key exists.
 
     >>> named_key("objects.ferry.course_deg").path, named_key("sensor.fov_deg.0").path, named_key("wind.speed")
     (('objects', 'course_deg'), ('sensor', 'fov_deg'), None)

@@ -17,9 +17,9 @@ from pydantic_core import ErrorDetails
 from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, kinds_with, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.sensor_presets import with_sensor
-from seaglint.scenario.records.objects import with_names
-from seaglint.scenario.records.quantity import meant_in
+from seaglint.scenario.presets import with_sensor
+from seaglint.scenario.records.object_tables import with_names
+from seaglint.scenario.records.record import meant_in
 from seaglint.scenario.text import display  # noqa: F401 - scenarios show themselves in notebooks
 
 log = logging.getLogger(__name__)

@@ -23,19 +23,12 @@ from seaglint.base.limits import (
     TABLE_BANDS_UM,
 )
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
-from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
-from seaglint.scenario.records.mean_table import Mean
-from seaglint.scenario.records.objects import Object, in_degrees, with_names
-from seaglint.scenario.records.place import Place, Sun, Time
-from seaglint.scenario.records.platform import Platform
-from seaglint.scenario.records.quantity import Quantity
-from seaglint.scenario.records.record import YEARS, Record, rule
-from seaglint.scenario.records.render_table import Render
-from seaglint.scenario.records.sea import Sea
-from seaglint.scenario.records.sea_slopes import FlatSlopes, SpectrumSlopes
+from seaglint.scenario.records.object_tables import Object, in_degrees, with_names
+from seaglint.scenario.records.record import YEARS, Quantity, Record, rule
+from seaglint.scenario.records.sea_tables import FlatSlopes, Sea, SpectrumSlopes, Wind
 from seaglint.scenario.records.sensor_table import Sensor
-from seaglint.scenario.records.wind import Wind
+from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT, BandSettings, Mean, Place, Platform, Render, Sun, Time
 
 
 class Scenario(Record):

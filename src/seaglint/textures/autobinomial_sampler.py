@@ -1,20 +1,198 @@
-"""Samples of an autobinomial field: Gibbs sweeps in parallel colours, and Metropolis exchanges that keep the histogram."""
+"""Kernels of the autobinomial field: exact binomial deviates from random bits, sweeps, exchanges and sums over pairs.
+
+Every random number is a function of (seed, sweep, pixel): bytes depend neither on threads nor on what was drawn before.
+
+Samples of an autobinomial field: Gibbs sweeps in parallel colours, and Metropolis exchanges that keep the histogram.
+
+Convergence of Gibbs chains of a field: energy traces, effective sample size and R-hat (arviz-stats).
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.base.keyed_random import WORD
-from seaglint.base.random import stream
-from seaglint.textures import autobinomial_kernels as kernels
-from seaglint.textures.autobinomial import Autobinomial, IntArray, check_shape, checked_field
-from seaglint.textures.neighbourhood import colours
+from seaglint.base.jit import kernel, njit, njit_parallel
+from seaglint.base.optional import optional
+from seaglint.base.random import WORD, bits, cell_key, stream, uniform
+from seaglint.textures.autobinomial import Autobinomial, IntArray, check_shape, checked_field, colours
+
+PRECISION = 56  #: Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`.
+
+UNROLLED = 4  #: Number of bits between two tests whether any trial is undecided: a quarter less time than a test after each.
+
+TRIALS = 63  #: Number of trials drawn at once, a bit each of a 64-bit integer that stays positive.
+
+
+class Law(NamedTuple):
+    """Parameters of a pixel's conditional distribution: one half of the offsets, the coupling and class of each."""
+
+    down: NDArray[np.int64]
+    right: NDArray[np.int64]
+    coupling: FloatArray
+    alpha: float
+    most: int
+    group: NDArray[np.int64]
+
+
+class ColourPlan(NamedTuple):
+    """Pixels in the order of their colours, rows and columns apart, and the periodic indices of rows and columns beyond the edge.
+
+    Pixels within ``margin`` rows and columns of the edge are held.
+    """
+
+    rows: NDArray[np.int64]
+    row_starts: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    column_starts: NDArray[np.int64]
+    wrap_rows: NDArray[np.int64]
+    wrap_columns: NDArray[np.int64]
+    far: NDArray[np.int64]
+    margin: NDArray[np.int64]
+
+
+@kernel
+def set_bits(x: int) -> int:
+    """Number of bits that are set, of 32."""
+    x -= (x >> 1) & 0x55555555
+    x = (x & 0x33333333) + ((x >> 2) & 0x33333333)
+    x = (x + (x >> 4)) & 0x0F0F0F0F
+    return (x * 0x01010101 & WORD) >> 24
+
+
+@kernel
+def binomial(probability: float, trials: int, key: tuple[int, int]) -> int:
+    """Binomial deviate, exact to the last bit of the probability, from ``trials`` uniform numbers compared bit by bit at once.
+
+    Each trial's number is drawn from its highest bit down until it differs from the probability's: some log2(trials) + 2 words of random
+    bits, whatever the probability.
+    """
+    if probability >= 1.0:
+        return trials
+    whole = int(probability * 2.0**PRECISION)
+    count, number = 0, 0
+    while trials > 0:
+        taken = min(trials, TRIALS)
+        trials -= taken
+        open_trials, won = 0x7FFFFFFFFFFFFFFF >> (TRIALS - taken), 0
+        place = PRECISION
+        while open_trials > 0 and place > 0:
+            for _ in range(UNROLLED):
+                place -= 1
+                word = bits(key, number) | (bits(key, number + 1) & 0x7FFFFFFF) << 32
+                number += 2
+                digit = -((whole >> place) & 1)  # all bits set, or none
+                won |= open_trials & ~word & digit
+                open_trials &= ~(word ^ digit)
+        count += set_bits(won & WORD) + set_bits(won >> 32)
+    return count
+
+
+@kernel
+def neighbour_sum(field: NDArray[np.int16], law: Law, plan: ColourPlan, y: int, x: int) -> float:
+    """Sum of the neighbours of a pixel, weighted with their couplings."""
+    up, left = plan.far[0], plan.far[1]
+    total = 0.0
+    for k in range(law.coupling.shape[0]):
+        dy, dx = law.down[k], law.right[k]
+        after = field[plan.wrap_rows[y + dy + up], plan.wrap_columns[x + dx + left]]
+        before = field[plan.wrap_rows[y - dy + up], plan.wrap_columns[x - dx + left]]
+        total += law.coupling[k] * (int(after) + int(before))
+    return float(total)
+
+
+@njit
+def draw_row(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: tuple[int, int], y: int, colour: int) -> None:
+    """Draw the pixels of one colour in a row from their conditional distribution."""
+    for j in range(plan.column_starts[colour], plan.column_starts[colour + 1]):
+        x = int(plan.columns[j])
+        logit = law.alpha + neighbour_sum(field, law, plan, y, x)
+        field[y, x] = binomial(1.0 / (1.0 + math.exp(-logit)), law.most, cell_key(seed, y, x, 0))
+
+
+@njit
+def gibbs(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
+    """Run Gibbs sweeps from number ``first`` on, colour by colour, in place."""
+    for sweep in range(first, first + sweeps):
+        now = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
+        for down in range(plan.row_starts.shape[0] - 1):
+            for across in range(plan.column_starts.shape[0] - 1):
+                for i in range(plan.row_starts[down], plan.row_starts[down + 1]):
+                    draw_row(field, law, plan, now, int(plan.rows[i]), across)
+
+
+@njit_parallel
+def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
+    """Run :func:`gibbs` with the rows of a colour divided among threads: pixels of one colour are no neighbours."""
+    for sweep in range(first, first + sweeps):
+        first_word, second_word = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
+        for down in range(plan.row_starts.shape[0] - 1):
+            for across in range(plan.column_starts.shape[0] - 1):
+                for i in numba.prange(plan.row_starts[down], plan.row_starts[down + 1]):
+                    draw_row(field, law, plan, (first_word, second_word), int(plan.rows[i]), across)
+
+
+@kernel
+def coupling_between(law: Law, shape: tuple[int, int], down: int, right: int) -> float:
+    """Coupling of two pixels of a torus at a given distance; 0 where they are no neighbours."""
+    rows, columns = shape
+    for k in range(law.coupling.shape[0]):
+        dy, dx = law.down[k], law.right[k]
+        if (down - dy) % rows == 0 and (right - dx) % columns == 0:
+            return float(law.coupling[k])
+        if (down + dy) % rows == 0 and (right + dx) % columns == 0:
+            return float(law.coupling[k])
+    return 0.0
+
+
+@njit
+def exchange_kernel(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> int:
+    """Run Metropolis exchanges of random pairs of pixels, half as many in a sweep as there are pixels; return the number accepted."""
+    rows, columns = field.shape
+    pixels = rows * columns
+    taken = 0
+    for sweep in range(first, first + sweeps):
+        now = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 2)
+        for proposal in range(pixels // 2):
+            key = cell_key(now, proposal, proposal, 0)
+            one, other = int(uniform(key, 0) * pixels), int(uniform(key, 1) * pixels)
+            y, x, v, u = one // columns, one % columns, other // columns, other % columns
+            step = int(field[v, u]) - int(field[y, x])
+            if step == 0:
+                continue
+            gain = step * (neighbour_sum(field, law, plan, y, x) - neighbour_sum(field, law, plan, v, u))
+            gain -= step * step * coupling_between(law, (rows, columns), v - y, u - x)
+            if gain >= 0.0 or uniform(key, 2) < math.exp(gain):
+                field[y, x] += step
+                field[v, u] -= step
+                taken += 1
+    return taken
+
+
+@njit
+def pair_sums(field: NDArray[np.int16], law: Law, plan: ColourPlan, sums: FloatArray) -> None:
+    """Add to ``sums`` the levels of all drawn pixels, and for each class the products of all pairs with one of them."""
+    rows, columns = field.shape
+    up, left, high, wide = plan.far[0], plan.far[1], plan.margin[0], plan.margin[1]
+    for y in range(high, rows - high):
+        for x in range(wide, columns - wide):
+            here = int(field[y, x])
+            sums[0] += here
+            for k in range(law.coupling.shape[0]):
+                dy, dx = law.down[k], law.right[k]
+                total = int(field[plan.wrap_rows[y + dy + up], plan.wrap_columns[x + dx + left]])
+                # The opposite pair is counted from its other end, unless that pixel is fixed.
+                if high + wide > 0 and (y - dy < high or not wide <= x - dx < columns - wide):
+                    total += int(field[y - dy, x - dx])
+                sums[1 + law.group[k]] += here * total
+
 
 #: Number of pixels from which a sweep runs in threads; for fewer, starting them takes longer than the work.
 IN_THREADS_FROM: Final = 64 * 64
@@ -22,16 +200,16 @@ IN_THREADS_FROM: Final = 64 * 64
 CUT_MARGIN: Final = 16  #: Margin on each side from which a sample without periods is cut, in reaches of the neighbourhood.
 
 
-def law(model: Autobinomial) -> kernels.Law:
+def sampling_law(model: Autobinomial) -> Law:
     """Parameters of the model as kernels read them."""
     flat = [(dy, dx, beta, k) for k, (one, beta) in enumerate(zip(model.neighbours, model.beta, strict=True)) for dy, dx in one]
     down, right, coupling, group = (np.array(column) for column in zip(*flat, strict=True))
-    return kernels.Law(
+    return Law(
         down.astype(np.int64), right.astype(np.int64), coupling.astype(np.float64), float(model.alpha), model.most, group.astype(np.int64)
     )
 
 
-def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = False) -> kernels.ColourPlan:
+def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = False) -> ColourPlan:
     """Colours of a lattice; with ``held_border`` the pixels without all their neighbours in the picture stay unchanged."""
     check_shape(shape, model)
     far = model.reach
@@ -42,7 +220,7 @@ def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = Fal
         orders.append(np.array([place for group in groups for place in group], dtype=np.int64))
         starts.append(np.cumsum([0, *map(len, groups)], dtype=np.int64))
         wraps.append(np.arange(-distance, size + distance, dtype=np.int64) % size)
-    return kernels.ColourPlan(orders[0], starts[0], orders[1], starts[1], wraps[0], wraps[1], np.array(far), np.array(margin))
+    return ColourPlan(orders[0], starts[0], orders[1], starts[1], wraps[0], wraps[1], np.array(far), np.array(margin))
 
 
 def words(seed: int, purpose: str) -> NDArray[np.int64]:
@@ -50,18 +228,16 @@ def words(seed: int, purpose: str) -> NDArray[np.int64]:
     return stream(seed, purpose).integers(0, WORD, size=2, endpoint=True)
 
 
-def sweep(
-    field: NDArray[np.int16], held: kernels.Law, lattice: kernels.ColourPlan, key: NDArray[np.int64], first: int, sweeps: int
-) -> None:
+def sweep(field: NDArray[np.int16], held: Law, lattice: ColourPlan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Run Gibbs sweeps in place, in threads for large pictures; the bytes are the same either way."""
-    run = kernels.gibbs_in_threads if field.size >= IN_THREADS_FROM else kernels.gibbs
+    run = gibbs_in_threads if field.size >= IN_THREADS_FROM else gibbs
     run(field, held, lattice, key, first, sweeps)
 
 
-def sums(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.ColourPlan) -> FloatArray:
+def sums_of(field: NDArray[np.int16], held: Law, lattice: ColourPlan) -> FloatArray:
     """Sufficient statistics: sum of levels, and of the products of each class of pairs [level, level²]."""
     result = np.zeros(2 + int(held.group.max()))
-    kernels.pair_sums(field, held, lattice, result)
+    pair_sums(field, held, lattice, result)
     return result
 
 
@@ -91,7 +267,7 @@ def sample(
     shape : (int, int)
         Rows and columns.
     sweeps : int
-        Sweeps over all pixels; :func:`seaglint.textures.mixing.mixing` says whether they are enough.
+        Sweeps over all pixels; :func:`seaglint.textures.autobinomial_sampler.mixing` says whether they are enough.
     seed : int
         Same seed, same bytes, whatever the threads.
     periodic : bool
@@ -129,7 +305,7 @@ def sample(
                 f"start has {field.shape[0]} x {field.shape[1]} pixels, shape asks for {shape[0]} x {shape[1]}: give a start of that shape"
             )
         field = np.ascontiguousarray(np.pad(field, ((down, down), (across, across)), mode="symmetric"))
-    sweep(field, law(model), plan(model, whole), words(seed, "autobinomial-gibbs"), 0, sweeps)
+    sweep(field, sampling_law(model), plan(model, whole), words(seed, "autobinomial-gibbs"), 0, sweeps)
     return np.ascontiguousarray(field[down : whole[0] - down, across : whole[1] - across])
 
 
@@ -168,5 +344,63 @@ def exchange(image: IntArray, model: Autobinomial, sweeps: int, seed: int) -> ND
     if sweeps < 0:
         raise DomainError(f"sweeps = {sweeps}: allowed are 0 or more", name="sweeps", value=sweeps)
     field = checked_field(image, model)
-    kernels.exchange(field, law(model), plan(model, field.shape), words(seed, "autobinomial-exchange"), 0, sweeps)
+    exchange_kernel(field, sampling_law(model), plan(model, field.shape), words(seed, "autobinomial-exchange"), 0, sweeps)
     return field
+
+
+LARGEST_RHAT: Final = 1.01  #: R-hat below which chains count as mixed (Vehtari et al. 2021).
+
+
+@dataclass(frozen=True)
+class Mixing:
+    """Traces of several chains, and their convergence diagnostics."""
+
+    energy: FloatArray  #: Minus the exponent of the joint density, per pixel and without the count of choices [nat].
+    sums: FloatArray  #: Mean level, and mean product with each class of neighbours, per pair [level, level²].
+    rhat: FloatArray  #: Rank-normalised split R-hat of the energy and of each sum [1].
+    effective: FloatArray  #: Effective sample sizes (bulk) of the same, all chains [1].
+
+    @property
+    def mixed(self) -> bool:
+        """True if every R-hat is below :data:`LARGEST_RHAT`."""
+        return bool((self.rhat < LARGEST_RHAT).all())
+
+
+def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: int = 4, warm: int = 200, draws: int = 400) -> Mixing:
+    """Run chains from distant starts (levels even over the range from low to high) and evaluate their convergence.
+
+    Parameters
+    ----------
+    model : Autobinomial
+        The field.
+    shape : (int, int)
+        Rows and columns, on a torus.
+    seed : int
+        Seed of the chains; each has its own stream.
+    chains, warm, draws : int
+        Chains, sweeps left out of each, and sweeps of which each is a draw.
+
+    References
+    ----------
+    A. Vehtari et al., "Rank-normalization, folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021), 667-718.
+    """
+    judge = optional("arviz_stats.base.array", "the judgement of chains").array_stats
+
+    if chains < 2 or draws < 8:
+        raise DomainError(f"chains = {chains}, draws = {draws}: R-hat compares 2 chains or more of 8 draws or more")
+    law, lattice = sampling_law(model), plan(model, shape)
+    traces = np.empty((chains, draws, 1 + len(model.beta)))
+    for chain in range(chains):
+        field = np.full(shape, round(model.most * chain / (chains - 1)), dtype=np.int16)
+        key = words(seed, f"autobinomial-chain-{chain}")
+        sweep(field, law, lattice, key, 0, warm)
+        for draw in range(draws):
+            sweep(field, law, lattice, key, warm + draw, 1)
+            traces[chain, draw] = sums_of(field, law, lattice)
+    energy = -(traces @ model.parameters) / (shape[0] * shape[1])
+    pairs = np.array([1, *map(len, model.neighbours)]) * (shape[0] * shape[1])
+    watched = np.concatenate([energy[..., None], traces], axis=-1)
+    columns = [np.ascontiguousarray(watched[..., k]) for k in range(watched.shape[-1])]
+    rhat = np.array([judge.rhat(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
+    effective = np.array([judge.ess(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
+    return Mixing(energy, traces / pairs, rhat, effective)

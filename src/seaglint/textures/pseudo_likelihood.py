@@ -11,8 +11,7 @@ from scipy.special import expit, gammaln, log_expit
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.textures.autobinomial import Autobinomial, IntArray, checked_field
-from seaglint.textures.neighbourhood import Classes, reach
+from seaglint.textures.autobinomial import Autobinomial, Classes, IntArray, checked_field, reach
 
 MOST_STEPS: Final = 100
 

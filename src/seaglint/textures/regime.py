@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.textures import autobinomial_sampler as sampler
-from seaglint.textures.autobinomial import Autobinomial
-from seaglint.textures.neighbourhood import Classes
+from seaglint.textures.autobinomial import Autobinomial, Classes
 
 Name = Literal["usable", "frozen", "molten"]
 

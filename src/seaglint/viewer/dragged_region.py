@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import AnalysisOptions, analyze
+from seaglint.analysis.analyze_recording import FEWEST_PIXELS
+from seaglint.analysis.recording import survey
 from seaglint.analysis.region import Gatherer
-from seaglint.analysis.run import FEWEST_PIXELS
 from seaglint.analysis.summary import number
-from seaglint.analysis.survey import survey
-from seaglint.base.absent_numbers import absent_numbers
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import absent_numbers
 from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise

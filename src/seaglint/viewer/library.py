@@ -10,14 +10,14 @@ from typing import Final
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
-from seaglint.files.recording import images
-from seaglint.files.recording import video_file as video
+from seaglint.formats.recording import pictures as video
+from seaglint.formats.recording import reader_choice
 from seaglint.viewer.frame_source import ViewerSource, open_source
 
 #: Endings of the files offered in a folder; raw files need a layout and are given by name.
 ENDINGS: Final = frozenset({
     ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts", ".fz",
-    *images.ENDINGS, *video.ENDINGS,
+    *reader_choice.ENDINGS, *video.VIDEO_ENDINGS,
 })  # fmt: skip
 
 MOST_LISTED: Final = 300  #: Largest number of files of a folder that are offered.
@@ -35,7 +35,7 @@ class Library:
     folder : path, optional
         Folder of further files; the folders of the given files by default.
     variable, channel, axes : str, optional
-        Name of the array in files that hold several, channel, and order of axes, as in :func:`seaglint.files.recording.open_recording`.
+        Name of the array in files that hold several, channel, and order of axes, as in :func:`seaglint.formats.recording.open_recording`.
 
     Raises
     ------

@@ -1,4 +1,10 @@
-"""Addresses of the page of sequences: the requests of its script.
+"""Analyses that take longer than an answer may: one thread each, with progress, stopped when no browser asks for them.
+
+Probe and trace: a pixel's values in every layer, its direction, and its values over time.
+
+Downloads of the viewer: a frame as picture or numbers, a clip, and statistics as a table.
+
+Addresses of the page of sequences: the requests of its script.
 
 Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path.
 """
@@ -6,29 +12,276 @@ Sources, frames and layers are numbers and names that are looked up in lists; no
 from __future__ import annotations
 
 import base64
+import io
+import itertools
 import json
 import math
-from collections.abc import Callable
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, get_args
+from typing import TYPE_CHECKING, Any, Final, get_args
 
 import numpy as np
 from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from seaglint.base.brightness import Scale
 from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import JsonObject
+from seaglint.base.optional import optional
 from seaglint.clutter.filters import NAMES
-from seaglint.plot.video import Colours, palette, video_available
+from seaglint.formats.tables.table_text import csv_text
+from seaglint.plot.video import Colours, palette, video_available, write_video
 from seaglint.version import __version__
-from seaglint.viewer.downloads import TYPES, clip, frame_file, table
 from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
 from seaglint.viewer.frame_source import GoneError, ViewerSource
-from seaglint.viewer.jobs import Jobs
 from seaglint.viewer.library import Library
-from seaglint.viewer.picture import Scales, Show, tag
-from seaglint.viewer.probe import probe, trace
-from seaglint.viewer.scaling import KINDS
+from seaglint.viewer.picture import KINDS, Scales, Show, tag
+
+if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
+
+
+PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser is closed [s].
+
+MOST: Final = 4  #: Largest number of jobs at the same time.
+
+
+class _StoppedError(Exception):
+    """Error that ends a job whose result nobody waits for."""
+
+
+@dataclass
+class AnalysisJob:
+    """One analysis: its progress, and its result or the text of its error."""
+
+    done: int = 0
+    total: int = 1
+    result: JsonObject | None = None
+    error: str | None = None
+    asked: float = field(default_factory=time.monotonic)
+    finished: threading.Event = field(default_factory=threading.Event)
+
+    def progress(self, done: int, total: int) -> None:
+        """Record the progress; raise where nobody waits for the result."""
+        self.done, self.total = done, max(total, 1)
+        if time.monotonic() - self.asked > PATIENCE:
+            raise _StoppedError
+
+
+class Jobs:
+    """Running jobs and the last finished ones."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._jobs: dict[int, AnalysisJob] = {}
+        self._numbers = itertools.count()
+
+    def start(self, work: Callable[[Progress], JsonObject]) -> int:
+        """Start ``work(progress)`` in a thread and return its number.
+
+        Raises
+        ------
+        DataError
+            Too many run already.
+        """
+        with self._lock:
+            if sum(not job.finished.is_set() for job in self._jobs.values()) >= MOST:
+                raise DataError(f"{MOST} analyses run already; wait for one of them")
+            while len(self._jobs) >= 4 * MOST:
+                self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
+            number, job = next(self._numbers), AnalysisJob()
+            self._jobs[number] = job
+
+        def run() -> None:
+            try:
+                job.result = work(job.progress)
+            except _StoppedError:
+                job.error = "stopped: nobody waited for it"
+            except SeaglintError as error:
+                job.error = str(error)
+            except Exception as error:
+                job.error = f"failed: {type(error).__name__}: {error}"
+                raise
+            finally:
+                job.finished.set()
+
+        threading.Thread(target=run, name=f"analysis {number}", daemon=True).start()
+        return number
+
+    def get(self, number: int) -> AnalysisJob:
+        """Return the job of a number, and restart its time-out.
+
+        Raises
+        ------
+        DataError
+            No such job.
+        """
+        job = self._jobs.get(number)
+        if job is None:
+            raise DataError(f"analysis {number}: is not known any more; start it again")
+        job.asked = time.monotonic()
+        return job
+
+
+def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject:
+    """Return the values of a pixel of one frame, by layer, with units; direction and objects where they are known.
+
+    Raises
+    ------
+    DataError
+        A pixel outside the image, or a frame that is not there.
+    """
+    opened = source.opened
+    require_pixel(source, row, column)
+    values = []
+    for layer in opened.layers.values():
+        value = float(source.read(index, layer.name)[row, column])
+        values.append({"name": layer.name, "label": layer.label, "unit": layer.unit, "value": value if np.isfinite(value) else None})
+    azimuth, elevation = towards(source, index, row, column)
+    boxes = source.boxes(index)
+    inside = [b.name for b in boxes if b.left <= column < b.left + b.width and b.top <= row < b.top + b.height]
+    return {
+        "frame": index,
+        "row": row,
+        "column": column,
+        "azimuth_deg": azimuth,
+        "elevation_deg": elevation,
+        "values": values,
+        "objects": inside,
+    }
+
+
+def require_pixel(source: ViewerSource, row: int, column: int) -> None:
+    """Refuse a pixel outside the image."""
+    opened = source.opened
+    if not (0 <= row < opened.rows and 0 <= column < opened.columns):
+        raise DataError(f"pixel at row {row}, column {column}: the image has {opened.rows} rows and {opened.columns} columns, from 0")
+
+
+def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[float | None, float | None]:
+    """Return azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
+    angles = source.directions(index)
+    if angles is None:
+        return None, None
+    azimuth, elevation = angles
+    if azimuth.ndim == 1:
+        return float(azimuth[column]), float(elevation[row])
+    return float(azimuth[row, column]), float(elevation[row, column])
+
+
+def trace(source: ViewerSource, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> JsonObject:
+    """Return the values of a pixel over time, around a frame or ``spread`` over all: frames, times [s] where known, values.
+
+    Raises
+    ------
+    DataError
+        A pixel outside the image, or a layer that does not exist.
+    """
+    require_pixel(source, row, column)
+    opened, chosen = source.opened, source.layer(layer)
+    frames, values = source.trace(row, column, around, layer, spread=spread)
+    times = None
+    if opened.times is not None:
+        times = opened.times[frames].tolist()
+    elif opened.frame_rate is not None:
+        times = (frames / opened.frame_rate).tolist()
+    return {
+        "frames": frames.tolist(),
+        "times_s": times,
+        "values": [value if np.isfinite(value) else None for value in values.tolist()],
+        "label": chosen.label,
+        "unit": chosen.unit,
+        "whole": bool(frames.size == source.done().size),
+    }
+
+
+MOST_CLIP: Final = 400_000_000  #: Largest size of a clip's frames in memory [bytes].
+
+TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif": "image/tiff"}  #: Media types by ending.
+
+
+def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:
+    """Return one frame as a file: PNG as shown, one pixel a pixel; NumPy or TIFF with the values and their unit.
+
+    Raises
+    ------
+    DataError
+        An unknown ending.
+    """
+    image = show.image(index)
+    out = io.BytesIO()
+    if ending == ".png":
+        from PIL import Image
+        from PIL.PngImagePlugin import PngInfo
+
+        chosen, about = show.source.layer(show.layer), PngInfo()
+        about.add_text("Description", f"{chosen.label} [{chosen.unit}], frame {index}, {scaling.low:.6g} to {scaling.high:.6g}")
+        Image.fromarray(palette(colours)[scaling.levels(image)]).save(out, "PNG", pnginfo=about)
+    elif ending == ".npy":
+        np.save(out, image)
+    elif ending == ".tif":
+        tifffile = optional("tifffile", "TIFF")
+
+        chosen = show.source.layer(show.layer)
+        about_text = json.dumps({"name": chosen.name, "long_name": chosen.label, "units": chosen.unit, "frame": index}, ensure_ascii=True)
+        tifffile.imwrite(out, image.astype(np.float32), description=about_text, metadata=None)
+    else:
+        raise DataError(f"{ending}: a frame is saved as {', '.join(TYPES)}; choose one of them")
+    return out.getvalue()
+
+
+def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) -> bytes:
+    """Return frames ``first`` to ``last`` (included) as MP4, on one linear scale between the limits of the displayed scale.
+
+    Raises
+    ------
+    DataError
+        No such frames, or more than fit into memory.
+    BackendError
+        PyAV is not installed.
+    """
+    import xarray as xr
+
+    opened, chosen = show.source.opened, show.source.layer(show.layer)
+    done = show.source.done()
+    frames = done[(done >= first) & (done <= last)]
+    if not frames.size:
+        raise DataError(f"clip of frames {first} to {last}: none of them is there; choose others")
+    most = max(MOST_CLIP // (4 * opened.rows * opened.columns), 1)
+    if frames.size > most:
+        raise DataError(f"clip of {frames.size} frames: at most {most} of this size; choose fewer, or use 'seaglint export'")
+    scaling = scales.of(show, int(frames[0]))
+    low, high = scaling.low, scaling.high if scaling.high > scaling.low else scaling.low + 1.0
+    block = np.stack([show.image(int(index)).astype(np.float32) for index in frames])
+    times = frames / (opened.frame_rate or 25.0) if opened.times is None else opened.times[frames]
+    name = chosen.name
+    dataset = xr.Dataset({name: (("time", "y", "x"), block, {"units": chosen.unit})}, coords={"time": times})
+    with tempfile.TemporaryDirectory(prefix="seaglint-clip-") as folder:
+        made = Path(folder) / "clip.mp4"
+        write_video(dataset, made, variable=name, colours=colours, limits=(low, high), rate=opened.frame_rate)
+        return made.read_bytes()
+
+
+def table(result: JsonObject) -> str:
+    """Return statistics as CSV, one row for each number: ``fits.gamma.shape,3.21``."""
+    return csv_text([("quantity", "value"), *_flat("", result)])
+
+
+def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from _flat(f"{prefix}.{key}" if prefix else str(key), inner)
+    elif isinstance(value, list):
+        for place, inner in enumerate(value):
+            yield from _flat(f"{prefix}[{place}]", inner)
+    else:
+        yield prefix, "" if value is None else value
+
 
 STATIC: Final = Path(__file__).parent / "static"
 _FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.suffix in (".js", ".css", ".html", ".svg")}

@@ -1,27 +1,246 @@
-"""Server of the viewer: an address and its pages; no data leave the machine."""
+"""Access control of the viewer and limits of requests: the outermost layer of the server.
+
+A page of another site that a user has open can send requests to this machine, and a name that its owner points here (DNS rebinding)
+makes the browser believe that both are one site. Requests are therefore refused unless ``Host`` is a name that the server was started
+with, and ``Origin``, where a browser sends one, is that same host. Beyond the own machine a token is asked for as well.
+
+Server of the viewer: an address and its pages; no data leave the machine.
+"""
 
 from __future__ import annotations
 
 import errno
 import gc
+import hmac
 import os
+import secrets
 import shutil
 import socket
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator, MutableMapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from http.cookies import CookieError, SimpleCookie
+from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import parse_qs, quote, urlsplit
 
 from seaglint.base.errors import DataError
 from seaglint.base.optional import missing
-from seaglint.viewer.safety import MOST_BODY, Application, Guard, is_loopback, new_token
 
 if TYPE_CHECKING:
     from seaglint.viewer.library import Library
+
+
+Scope = MutableMapping[str, Any]
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1"})  #: Names of the local machine.
+
+MOST_BODY: Final = 1_000_000  #: Largest size of a request's body or of a websocket's message [bytes].
+
+MOST_ADDRESS: Final = 4096  #: Largest size of a request's path and query [bytes].
+
+# Scripts of NiceGUI's pages are written into them. Nothing may be asked for from elsewhere, whatever a page holds.
+_POLICY: Final = "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; frame-ancestors 'none'; form-action 'self'"
+_STRICT: Final = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+)
+_HEADERS: Final = (
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+    (b"referrer-policy", b"no-referrer"),
+)
+
+
+def is_loopback(host: str) -> bool:
+    """Return true for an address of the local machine.
+
+    >>> is_loopback("localhost"), is_loopback("127.0.0.2"), is_loopback("0.0.0.0")
+    (True, True, False)
+    """
+    if host in LOOPBACK:
+        return True
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def new_token() -> str:
+    """Return a random token, fit for an address."""
+    return secrets.token_urlsafe(24)
+
+
+class Guard:
+    """Middleware that refuses requests that do not come from the viewer's own pages.
+
+    Parameters
+    ----------
+    app : callable
+        ASGI application behind it.
+    host : str
+        Address that the server is bound to.
+    token : str or None
+        Word that the first request must have in its query (``?token=``) and later ones in a cookie; none on the own machine.
+    """
+
+    def __init__(self, app: Application, *, host: str = "127.0.0.1", token: str | None = None) -> None:
+        self.app, self.token = app, token
+        self._everywhere = host in ("0.0.0.0", "::", "")
+        self._names = {*LOOPBACK, host.lower()}
+        if self._everywhere or not is_loopback(host):
+            self._names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or pass it on."""
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        refused = self._refusal(scope)
+        if refused is not None:
+            await _refuse(scope, receive, send, *refused)
+            return
+        if self.token is not None and not self._known(scope):
+            await self._greet(scope, receive, send)
+            return
+        if scope["type"] == "websocket":
+            await self.app(scope, _bounded_messages(receive, send), send)
+        else:
+            await self._answer(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> tuple[int, str] | None:
+        """Return status and reason of a request that is refused."""
+        headers = _headers(scope)
+        host = headers.get("host", "")
+        if not self._is_ours(host):
+            return 403, "this host name is not the viewer's; open the address that 'seaglint view' printed"
+        origin = headers.get("origin")
+        if origin is not None and not _same_place(origin, host):
+            return 403, "requests of other sites are refused"
+        if headers.get("sec-fetch-site") in ("cross-site", "same-site") and headers.get("sec-fetch-mode") != "navigate":
+            return 403, "requests of other sites are refused"
+        if len(scope.get("raw_path") or b"") + len(scope.get("query_string") or b"") > MOST_ADDRESS:
+            return 414, f"the address is longer than {MOST_ADDRESS} bytes"
+        length = headers.get("content-length", "0")
+        if not (length.isascii() and length.isdigit()):
+            return 400, "Content-Length is no number"
+        if int(length[:20]) > MOST_BODY:
+            return 413, f"the message is larger than {MOST_BODY} bytes"
+        return None
+
+    def _is_ours(self, host: str) -> bool:
+        try:
+            name = (urlsplit("//" + host).hostname or "").lower()
+        except ValueError:
+            return False
+        if name in self._names or is_loopback(name):
+            return True
+        if not self._everywhere:
+            return False
+        try:
+            ip_address(name)  # a number cannot be rebound
+        except ValueError:
+            return False
+        return True
+
+    def _cookie(self, scope: Scope) -> str:
+        server = scope.get("server") or ("", 0)
+        return f"seaglint-{server[1]}"  # cookies are shared by the ports of a host
+
+    def _known(self, scope: Scope) -> bool:
+        try:
+            cookie = SimpleCookie(_headers(scope).get("cookie", "")).get(self._cookie(scope))
+        except CookieError:
+            return False
+        return cookie is not None and hmac.compare_digest(cookie.value.encode(), (self.token or "").encode())
+
+    async def _greet(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Move the token from the address into a cookie, so that it is in no history and no link."""
+        query = parse_qs(bytes(scope.get("query_string") or b"").decode("ascii", "replace"))
+        given = query.get("token", [""])[-1]
+        if scope["type"] != "http" or not hmac.compare_digest(given.encode(), (self.token or "").encode()):
+            await _refuse(scope, receive, send, 401, "the token is missing or wrong; open the whole address that 'seaglint view' printed")
+            return
+        cookie = f"{self._cookie(scope)}={self.token}; Path=/; HttpOnly; SameSite=Strict"
+        # One slash: two would be an address of another host.
+        place = quote("/" + str(scope["path"]).lstrip("/\\"))
+        await send(
+            {"type": "http.response.start", "status": 303, "headers": [(b"location", place.encode()), (b"set-cookie", cookie.encode())]}
+        )
+        await send({"type": "http.response.body", "body": b""})
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on with a bounded body, and with headers that keep the answer within this site."""
+        path = str(scope["path"])
+        own = path in ("/", "/favicon.ico") or path.startswith(("/static/", "/api/"))
+        policy = (b"content-security-policy", (_STRICT if own else _POLICY).encode())
+
+        async def sealed(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                message = {**message, "headers": [*message.get("headers", []), *_HEADERS, policy]}
+            await send(message)
+
+        await self.app(scope, _bounded_body(receive), sealed)
+
+
+def _headers(scope: Scope) -> dict[str, str]:
+    return {bytes(name).decode("latin-1").lower(): bytes(value).decode("latin-1") for name, value in scope["headers"]}
+
+
+def _same_place(origin: str, host: str) -> bool:
+    """Return true where an ``Origin`` has the host of the request."""
+    try:
+        parts = urlsplit(origin)
+    except ValueError:
+        return False
+    return parts.scheme in ("http", "https") and parts.netloc.lower() == host.lower()
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, reason: str) -> None:
+    if scope["type"] == "websocket":
+        await receive()  # the handshake; closing before accepting it is the refusal
+        await send({"type": "websocket.close", "code": 1008})
+        return
+    body = (reason + "\n").encode()
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode()), (b"connection", b"close")]
+    await send({"type": "http.response.start", "status": status, "headers": [*headers, *_HEADERS]})
+    await send({"type": "http.response.body", "body": body})
+
+
+def _bounded_body(receive: Receive) -> Receive:
+    """Return a receiver that ends a body without a length where it becomes too large."""
+    taken = 0
+
+    async def bounded() -> Message:
+        nonlocal taken
+        message = await receive()
+        taken += len(message.get("body") or b"")
+        return {"type": "http.disconnect"} if taken > MOST_BODY else message
+
+    return bounded
+
+
+def _bounded_messages(receive: Receive, send: Send) -> Receive:
+    """Return a receiver that ends a websocket whose message is too large."""
+
+    async def bounded() -> Message:
+        message = await receive()
+        if message["type"] == "websocket.receive" and len(message.get("bytes") or message.get("text") or "") > MOST_BODY:
+            await send({"type": "websocket.close", "code": 1009})
+            return {"type": "websocket.disconnect", "code": 1009}
+        return message
+
+    return bounded
+
 
 PORT: Final = 8420  #: First port that the viewer tries.
 
@@ -60,7 +279,7 @@ def require_installed() -> None:
 
 
 def make_app(library: Library, pages: Sequence[Page] = (), *, host: str = "127.0.0.1", token: str | None = None) -> Application:
-    """Return the ASGI application: sequences at ``/``, the pages at their paths, behind the :class:`~seaglint.viewer.safety.Guard`."""
+    """Return the ASGI application: sequences at ``/``, the pages at their paths, behind the :class:`~seaglint.viewer.server.Guard`."""
     from seaglint.viewer.routes import routes
 
     links = [{"path": page.path, "title": page.title} for page in pages]

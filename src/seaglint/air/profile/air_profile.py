@@ -1,23 +1,139 @@
-"""Profiles of pressure, temperature and water vapour from the sea to 100 km: model atmospheres, and soundings that one of them continues.
+"""Shipped file of the numbers that LOWTRAN7 computes with: model atmospheres, band laws, aerosols, sunlight outside the air.
+
+Built by ``tools/build_lowtran_numbers.py`` for 0.7-14.7 um in channels every 5 cm-1. Nothing in it is a result.
+
+Ozone of a sounding in the air of a model atmosphere: joined to the model's above the highest level that has it, and its whole amount.
+
+Profiles of pressure, temperature and water vapour from the sea to 100 km: model atmospheres, and soundings that one of them continues.
 
 References
 ----------
 Anderson, G. P., et al. (1986), AFGL atmospheric constituent profiles (0-120 km), AFGL-TR-86-0110, Table 1; the numbers are those of
 LOWTRAN7 (block data MLATMB). Between them LOWTRAN7 interpolates by Lagrange's cubic (subroutine DEFALT).
+
+Humidity above the highest level of a sounding that has one: that of a model atmosphere, joined to the sounding.
+
+Relative humidity is what differs least between airs of different temperature, so it is the model's relative humidity that goes on in the
+air of the sounding. Where air is dry by its history, in the stratosphere, it is the model's mixing ratio.
+
+References
+----------
+Manabe, S., and R. T. Wetherald (1967), Thermal equilibrium of the atmosphere with a given distribution of relative humidity, J. Atmos.
+Sci. 24, 241-259.
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from functools import lru_cache
+from importlib import resources
+from io import BytesIO
+from lzma import LZMAError
+from types import MappingProxyType
+from typing import Any, Final
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.air.profile.lowtran_numbers import lowtran_numbers
-from seaglint.air.profile.ozone_above import joined_ozone
 from seaglint.base.conventions import FloatArray
-from seaglint.base.errors import DomainError
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
+
+FILE: Final = "lowtran7_numbers.npz"
+
+
+@lru_cache(maxsize=1)
+def lowtran_numbers() -> Mapping[str, Any]:
+    """Return the arrays of the file by name, and its ``sha256``; read once a process, read-only.
+
+    Raises
+    ------
+    DataError
+        If the file in the package is missing or damaged.
+    """
+    try:
+        content = resources.files("seaglint.air").joinpath("data", FILE).read_bytes()
+        with np.load(BytesIO(content)) as archive:
+            held: dict[str, Any] = {name: archive[name] for name in archive.files}
+    except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
+        raise DataError(f"the numbers of LOWTRAN7 {FILE} in the package are damaged ({error}); install seaglint again") from error
+    for name, array in held.items():
+        if array.dtype == np.float32:
+            held[name] = array.astype(np.float64)
+        held[name].flags.writeable = False
+    return MappingProxyType(held | {"sha256": hashlib.sha256(content).hexdigest()})
+
+
+def numbers_provenance() -> JsonObject:
+    """Source of the file."""
+    held = lowtran_numbers()
+    recorded: JsonObject = json.loads(str(held["provenance"]))
+    return recorded | {"sha256": str(held["sha256"])}
+
+
+def channels_of(wavenumber_cm: FloatArray) -> FloatArray:
+    """Indices [(n,)] of channels among those of the file.
+
+    Raises
+    ------
+    DomainError
+        Channels that the file does not hold.
+    """
+    grid = lowtran_numbers()["wavenumber_cm"]
+    keep = np.clip(np.searchsorted(grid, wavenumber_cm - 1e-6), 0, grid.size - 1)
+    if not np.allclose(grid[keep], wavenumber_cm, rtol=0.0, atol=1e-6):
+        raise DomainError(
+            f"LOWTRAN7's numbers are held every 5 cm-1 from {grid[0]:g} to {grid[-1]:g} cm-1 "
+            f"({1e4 / grid[-1]:.2g}-{1e4 / grid[0]:.3g} um); choose a band inside"
+        )
+    return np.asarray(keep)
+
+
+#: Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft.
+OZONE_JOIN_M: Final = 5000.0
+
+LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
+
+BOLTZMANN: Final = 1.380649e-23  #: [J K-1].
+
+DOBSON: Final = 2.6867e20  #: Molecules of one Dobson unit [m-2].
+
+
+def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) -> FloatArray:
+    """Ozone [1e-6 of the volume, (levels,)] of a sounding, with the model's above its highest known level.
+
+    The ratio of both at that level goes to 1 as ``exp(-(z - z_last) / 5 km)`` in its logarithm, so that no step is made. Missing values
+    between known levels are linear in height; below the lowest known level its value holds.
+
+    Parameters
+    ----------
+    height, of_model : ndarray
+        Ascending levels [m] and the model's ozone there [1e-6 of the volume]; (levels,).
+    given : ndarray
+        The sounding's ozone at the first of these levels [1e-6 of the volume], NaN where missing.
+    """
+    known = np.flatnonzero(np.isfinite(given))
+    if not known.size:
+        return of_model
+    last = int(known[-1])
+    ratio = np.clip(given[last] / of_model[last], 1.0 / LARGEST_RATIO, LARGEST_RATIO)
+    above = of_model[last + 1 :] * ratio ** np.exp(-(height[last + 1 :] - height[last]) / OZONE_JOIN_M)
+    return np.concatenate([np.interp(height[: last + 1], height[known], given[known]), above])
+
+
+def ozone_dobson(height: FloatArray, pressure: FloatArray, temperature: FloatArray, ozone: FloatArray) -> float:
+    """Ozone above the lowest level [Dobson units] of levels [m], [hPa], [K], [1e-6 of the volume], exponential between them."""
+    density = 1e-6 * ozone * 100.0 * pressure / (BOLTZMANN * temperature)
+    a, b = density[:-1], density[1:]
+    both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
+    ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
+    mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
+    return float(np.sum(mean * np.diff(height)) / DOBSON)
+
 
 MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)  #: Levels of LOWTRAN7's own models [m].
 
@@ -198,3 +314,47 @@ def sounding_profile(
         ozone = GASES.index("O3")
         gas[ozone] = joined_ozone(z, gas[ozone], ozone_ppmv)
     return AirProfile(name, z, p, kelvin, vapour, gas, 6371.23e3, "spring")
+
+
+#: Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour.
+HUMIDITY_JOIN_M: Final = 2000.0
+
+
+TROPOSPHERE_HPA: Final = 200.0  #: Pressure down to which the relative humidity is the model's [hPa].
+
+#: Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated.
+STRATOSPHERE_HPA: Final = 100.0
+
+
+def continued_humidity(
+    model: str, height: FloatArray, pressure: FloatArray, temperature: FloatArray, relative_humidity: FloatArray
+) -> FloatArray:
+    """Relative humidity over water [%, (levels,)] with its missing values above the last known one filled by a model atmosphere's.
+
+    The ratio of both at the last known level goes to 1 as ``exp(-(z - z_last) / 2 km)``, and air is never above saturation.
+
+    Parameters
+    ----------
+    model : str
+        Model atmosphere.
+    height, pressure, temperature : ndarray
+        Ascending levels [m], [hPa], [K].
+    relative_humidity : ndarray
+        Over water [%]; NaN above the last known level.
+    """
+    known = np.isfinite(relative_humidity)
+    if known.all():
+        return relative_humidity
+    last = int(np.flatnonzero(known)[-1])
+    z, p, kelvin = height[last:], pressure[last:], temperature[last:]
+    model_p, model_kelvin, vapour, _ = model_levels(model, z)
+    of_model = 100.0 * vapour / saturation_density(model_kelvin)
+    # the model's mixing ratio in this air: densities are as the pressures over the temperatures
+    of_ratio = 100.0 * vapour * (p / model_p) * (model_kelvin / kelvin) / saturation_density(kelvin)
+    share = np.clip(np.log(TROPOSPHERE_HPA / p) / np.log(TROPOSPHERE_HPA / STRATOSPHERE_HPA), 0.0, 1.0)
+    law = np.exp((1.0 - share) * np.log(of_model) + share * np.log(of_ratio))
+    start = np.clip(relative_humidity[last] / law[0], 1.0 / LARGEST_RATIO, LARGEST_RATIO)
+    joined = law * start ** np.exp(-(z - z[0]) / HUMIDITY_JOIN_M)
+    out = relative_humidity.copy()
+    out[last + 1 :] = np.clip(joined[1:], 0.0, 100.0)
+    return out

@@ -17,8 +17,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq
 
-from seaglint.air.profile.air_profile import AirProfile
-from seaglint.air.profile.lowtran_numbers import lowtran_numbers
+from seaglint.air.profile.air_profile import AirProfile, lowtran_numbers
 from seaglint.base.conventions import FloatArray
 
 VISIBILITIES: Final = (50.0, 23.0, 10.0, 5.0, 2.0)  #: Visibilities of the profiles up to 2 km [km].

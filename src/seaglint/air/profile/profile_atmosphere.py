@@ -1,29 +1,36 @@
-"""Air of a profile as every model asks for it: spectra of paths, sky and sunlight, splined between rays that are computed when asked for.
+"""Nodes of a spline, added where the values between them need them: spectra of rays that pass layers of any sounding.
+
+Two splines, each through every other node, are compared with the nodes left out. Where they differ much, rays are added in the middle
+between nodes until the spline was right there. Smooth air costs no ray more than the first nodes.
+
+Air of a profile as every model asks for it: spectra of paths, sky and sunlight, splined between rays that are computed when asked for.
 
 A path is named by height and range, over the straight lines of :mod:`seaglint.base.conventions`; the sky between the horizontal and the
 sea's horizon by its share of the dip. So the camera's standard refraction and that of the profile meet at the same horizon.
+
+Transmittance and sunlight of one profile at many winds: gases are summed once, the wind's aerosol for each.
+
+Transmittance is ``exp(-gases - aerosol)``, and only the aerosol knows the wind. For what needs no emission: likelihoods of sunlight.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import decode_optical_depth, encode_optical_depth, straight_sea_cosine, straight_slant
 from seaglint.air.profile.air_profile import AirProfile
-from seaglint.air.profile.air_sums import AirSums
-from seaglint.air.profile.band_numbers import Spectroscopy
-from seaglint.air.profile.gas_rays import GasRays
+from seaglint.air.profile.air_sums import CUTS, AirSums, GasRays, laid_lines
+from seaglint.air.profile.band_laws import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.ray_paths import LayeredIndex
-from seaglint.air.profile.refined_nodes import LIMIT, refined_nodes
 from seaglint.air.protocol import ClearAir, require_height, require_line, require_solar_zenith, slant_range
-from seaglint.air.sky_spline import brightness_temperature, radiance_of
+from seaglint.air.sun_and_sky import brightness_temperature, radiance_of
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
@@ -32,6 +39,77 @@ from seaglint.base.reports import REPORTS
 
 if TYPE_CHECKING:
     from seaglint.air.scattering.scattering_laws import ScatteringAir
+
+
+LIMIT: Final = 0.01  #: Error between nodes from which on one more is added [K].
+
+#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: a smooth spline is 16 times better with
+#: twice the nodes, one over a corner at least twice.
+DOUBTED: Final = 4.0
+
+MOST_TIMES: Final = 4  #: Largest number of nodes, in parts of the first ones.
+
+DEEPEST: Final = 5  #: Number of times that an interval between two of the first nodes may be halved.
+
+Values = Callable[[FloatArray], FloatArray]
+Errors = Callable[[FloatArray, FloatArray], FloatArray]
+
+
+class RefinedNodes(NamedTuple):
+    """Places [(n,)] and values [(n, ...)] of nodes, and the largest error between them that is left [K]."""
+
+    place: FloatArray
+    value: FloatArray
+    left: float
+
+
+def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedNodes:
+    """Add nodes until a spline through them is right in the middle between those that are in doubt.
+
+    Parameters
+    ----------
+    place : ndarray
+        First nodes, ascending [1, (n,)].
+    values : callable
+        Values at places [(m,)] (m, ...).
+    errors : callable
+        Errors of splined values (m, ...) against values (m, ...) [K, (m,)].
+
+    Returns
+    -------
+    RefinedNodes
+        Nodes, and the largest error [K] of the last ones added where there may be no more; 0 where all were right.
+    """
+    x, y = place, values(place)
+    doubt, left = _doubtful(x, y, errors), 0.0
+    for _ in range(DEEPEST):
+        at = np.flatnonzero(doubt)
+        if at.size == 0 or x.size + at.size > MOST_TIMES * place.size:
+            break
+        middle = 0.5 * (x[at] + x[at + 1])
+        new = values(middle)
+        error = errors(CubicSpline(x, y, axis=0)(middle), new)
+        order = np.argsort(np.concatenate([x, middle]), kind="stable")
+        wrong = np.concatenate([np.zeros(x.size, dtype=bool), error > LIMIT])[order]
+        x, y = np.concatenate([x, middle])[order], np.concatenate([y, new])[order]
+        # both halves, and their neighbours
+        doubt = wrong[:-1] | wrong[1:]
+        doubt[1:] |= wrong[:-2]
+        doubt[:-1] |= wrong[2:]
+        left = float(error.max()) if doubt.any() else 0.0
+    return RefinedNodes(x, y, left)
+
+
+def _doubtful(x: FloatArray, y: FloatArray, errors: Errors) -> NDArray[np.bool_]:
+    """Intervals beside nodes that a spline through every other node misses [(n - 1,)]."""
+    off = np.zeros(x.size)
+    for first in (1, 2):
+        out = np.arange(first, x.size - 1, 2)
+        kept = np.setdiff1d(np.arange(x.size), out)
+        off[out] = errors(CubicSpline(x[kept], y[kept], axis=0)(x[out]), y[out])
+    bad = off > DOUBTED * LIMIT
+    return np.asarray(bad[:-1] | bad[1:])
+
 
 Levels = Literal["continuous", "lowtran"]
 
@@ -104,7 +182,7 @@ class ProfileAtmosphere(ClearAir):
     Notes
     -----
     Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined, with more
-    rays where two splines through half of them disagree (:mod:`seaglint.air.profile.refined_nodes`); errors of band temperatures above
+    rays where two splines through half of them disagree (:mod:`seaglint.air.profile.profile_atmosphere`); errors of band temperatures above
     0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 100 km.
     """
 
@@ -375,3 +453,96 @@ def _sky_coordinate(elevation: ArrayLike) -> FloatArray:
 def _sky_elevation(coordinate: ArrayLike) -> FloatArray:
     """Inverse of :func:`_sky_coordinate` [rad]."""
     return np.asarray(SKY_SCALE * np.sinh(coordinate))
+
+
+@dataclass(frozen=True, eq=False)
+class _LaidPaths:
+    """Paths or rays laid end to end, and the optical depth of their gases.
+
+    Heights of the cuts [m], lengths of the parts [m], first piece of each path, and depths [1, (paths, n)].
+    """
+
+    height: FloatArray
+    length: FloatArray
+    first: NDArray[np.intp]
+    gases: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class WindyAir:
+    """Profile with the Navy's aerosol at any wind. Make it with :meth:`of`.
+
+    Examples
+    --------
+    >>> from seaglint.air.profile.air_profile import model_profile
+    >>> air = WindyAir.of(model_profile("tropical"), np.arange(2000.0, 2861.0, 5.0))
+    >>> calm, storm = (air.at(wind).transmittance(20.0, [5000.0]).mean() for wind in (1.0, 18.0))
+    >>> bool(storm < calm)
+    True
+    """
+
+    sums: AirSums
+    _paths: dict[tuple[float, ...], _LaidPaths] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, profile: AirProfile, wavenumber_cm: FloatArray, spectroscopy: Spectroscopy = "lblrtm") -> WindyAir:
+        """Air of a profile on channels [cm-1, (n,)]."""
+        return cls(AirSums(profile, HazeWeather(), wavenumber_cm, spectroscopy=spectroscopy))
+
+    def at(self, wind: float) -> AirAtWind:
+        """The air at a wind [m s-1], also that of the last 24 hours."""
+        sums = self.sums
+        haze = HazeWeather(wind=wind, wind_24h=wind)
+        return AirAtWind(self, AirSums(sums.profile, haze, sums.laws.wavenumber_cm, spectroscopy=sums.spectroscopy))
+
+    def paths(self, height: float, slant: FloatArray) -> _LaidPaths:
+        """Paths from the sea to a height [m] of lengths [m, (paths,)]."""
+        key = (height, *slant.tolist())
+        if key not in self._paths:
+            lines = [self.sums.cut_line(height, 0.0, float(s)) for s in slant]
+            gases = np.array([self.sums.gas_depth(*self.sums.line_amounts(*line)) for line in lines])
+            self._paths[key] = _LaidPaths(*laid_lines(lines), gases)
+        return self._paths[key]
+
+    def rays(self, zenith: FloatArray) -> _LaidPaths:
+        """Rays from the sea at zenith angles [rad, (rays,)] to the Sun."""
+        key = (0.0, *zenith.tolist())
+        if key not in self._paths:
+            rays = [self.sums.air.ray(0.0, float(z)) for z in zenith]
+            lines = [(ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS)) for ray in rays]
+            gases = np.array([self.sums.gas_depth(*self.sums.ray_amounts(ray)) for ray in rays])
+            self._paths[key] = _LaidPaths(*laid_lines(lines), gases)
+        return self._paths[key]
+
+
+@dataclass(frozen=True, eq=False)
+class AirAtWind:
+    """Transmittance and sunlight of :class:`WindyAir` at one wind."""
+
+    air: WindyAir  #: What does not depend on the wind.
+    sums: AirSums  #: The aerosol.
+    _light: dict[tuple[float, ...], FloatArray] = field(default_factory=dict)
+
+    @property
+    def wavenumber_cm(self) -> FloatArray:
+        """Channels [cm-1, (n,)]."""
+        return self.sums.laws.wavenumber_cm
+
+    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
+        """Transmittance [1, (m, n)] of the paths from the sea at arcs [m, (m,)] to a height [m]."""
+        return self._passed(self.air.paths(height, slant_range(height, np.atleast_1d(np.asarray(range_m, np.float64)))))
+
+    def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
+        """Sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (m, n)]; 0 beyond a zenith angle of pi/2."""
+        zenith = np.atleast_1d(require_solar_zenith(solar_zenith))
+        key = tuple(zenith.tolist())
+        if key not in self._light:
+            up = zenith <= 0.5 * np.pi
+            self._light[key] = np.zeros((zenith.size, self.wavenumber_cm.size))
+            if up.any():
+                self._light[key][up] = self.sums.laws.source * self._passed(self.air.rays(zenith[up]))
+        return self._light[key]
+
+    def _passed(self, paths: _LaidPaths) -> FloatArray:
+        haze = np.add.reduceat(self.sums.haze_amounts(paths.height, paths.length), paths.first, axis=0)
+        return np.asarray(np.exp(-paths.gases - self.sums.haze_depth(haze)))

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.coordinates import ELEVATION_SCALE
-from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import in_threads, kernel, njit

@@ -23,7 +23,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.air.scattering.band_transmittance import optical_depths, passed
+from seaglint.air.scattering.gas_bands import optical_depths, passed
 from seaglint.air.scattering.lowtran_ray import (
     AEROSOLS,
     MOLECULES,
@@ -36,7 +36,7 @@ from seaglint.air.scattering.lowtran_ray import (
     sun_amounts,
     trace,
 )
-from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sun_and_sky import visible_part_kernel
 from seaglint.base.jit import njit
 
 #: Scatterers: boundary layer at relative humidities of 0, 70, 80 and 99 %, troposphere, stratosphere, meteoric dust, molecules.

@@ -2,7 +2,7 @@
 
 From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`), whatever the height, direction and
 Sun: a table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
-for any profile and haze, :mod:`seaglint.files.lowtran.laws_of_run` of a run of LOWTRAN7.
+for any profile and haze, :mod:`seaglint.formats.lowtran.lowtran_sample` of a run of LOWTRAN7.
 """
 
 from __future__ import annotations

@@ -1,7 +1,15 @@
-"""Messages of the commands: lines for the user on stderr, results for a program on stdout, errors in the words of the command line."""
+"""Messages of the commands: lines for the user on stderr, results for a program on stdout, errors in the words of the command line.
+
+Log messages of the package, printed as plain lines on stderr.
+
+Numbers as they are typed and told by ``seaglint detect``.
+
+Plain text tables of results.
+"""
 
 from __future__ import annotations
 
+import logging
 import re
 import sys
 import unicodedata
@@ -17,6 +25,7 @@ from seaglint.base.errors import DomainError, Mistake, ScenarioError
 if TYPE_CHECKING:
     from seaglint.analysis.recording import Recording
     from seaglint.scenario.model import Scenario
+    from seaglint.studies.article.headline import ArticleRow
 
 
 LONGEST_WORD: Final = 500  #: Characters from which a word is cut: longer than the path of any file that a user gives a name.
@@ -113,7 +122,7 @@ def say_air(scenarios: Scenario | Sequence[Scenario], ranges: Sequence[float] | 
 
     Of several scenarios each line is printed once.
     """
-    from seaglint.studies.prepare.air_contrast import air_line
+    from seaglint.studies.mean.air_contrast import air_line
 
     several = scenarios if isinstance(scenarios, Sequence) else [scenarios]
     for line in dict.fromkeys(air_line(one, ranges) for one in several):
@@ -163,3 +172,95 @@ def print_json(value: Any) -> None:
     import json
 
     typer.echo(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+class _Stderr(logging.Handler):
+    """The standard error of the moment: tests and notebooks exchange it. A warning is printed once a command."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.warned: set[str] = set()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one line."""
+        text = record.getMessage()
+        if record.levelno >= logging.WARNING:
+            fact = str(getattr(record, "fact", text))  # what stays the same where numbers in the text follow a scene
+            if fact in self.warned:
+                return  # a study prepares the same air for every height, hour and scene
+            self.warned.add(fact)
+        log(text)
+
+
+def begin_logs() -> None:
+    """Print the warnings of a command that begins, each once."""
+    show_logs(quiet=True)
+    for handler in logging.getLogger("seaglint").handlers:
+        if isinstance(handler, _Stderr):
+            handler.warned.clear()
+
+
+def show_logs(*, quiet: bool = False) -> None:
+    """Print progress and warnings of the package's loggers; ``quiet`` leaves the warnings."""
+    logger = logging.getLogger("seaglint")
+    if not any(isinstance(handler, _Stderr) for handler in logger.handlers):
+        logger.addHandler(_Stderr())
+        logger.propagate = False
+    logger.setLevel(logging.WARNING if quiet else logging.INFO)
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # fonts that are missing change no number
+
+
+MOST_CONTRASTS = 200
+
+
+def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
+    """Numbers of an option: one, several, or a range of them.
+
+    Raises
+    ------
+    DataError
+        What is no such thing, or too many.
+    """
+    import numpy as np
+
+    from seaglint.base.errors import DataError
+
+    wrong = DataError(f"{option} {text}: give a number, several as 1,2,4, or FIRST:LAST:STEP as 1:8:0.5, at most {MOST_CONTRASTS}")
+    try:
+        if ":" not in text:
+            contrasts = tuple(float(part) for part in text.split(","))
+        else:
+            first, last, step = (float(part) for part in text.split(":"))
+            count = int((last - first) / step + 1.0 + 1e-9) if step and (last - first) / step < MOST_CONTRASTS else 0
+            contrasts = tuple(float(v) for v in np.round(first + step * np.arange(max(count, 0)), 12))
+    except ValueError:
+        raise wrong from None
+    if not 0 < len(contrasts) <= MOST_CONTRASTS:
+        raise wrong
+    return contrasts
+
+
+def between(ends: list[float] | None) -> str:
+    """An interval in brackets."""
+    return " (no interval)" if ends is None else f" ({ends[0]:.3g} to {ends[1]:.3g})"
+
+
+def _number(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, list | tuple):
+        return " to ".join(_number(item) for item in value)
+    return f"{value:.4g}" if isinstance(value, int | float) else str(value)
+
+
+def table(rows: Mapping[str, ArticleRow]) -> list[str]:
+    """Lines of a table: what, the numbers that all rows have, unit; the settings of each row under it."""
+    width = max((len(key) for key in rows), default=4)
+    heads = next((list(row.numbers) for row in rows.values()), ["article", "ours"])
+    out = ["  ".join([f"{'what':{width}}", *(f"{head:>12}" for head in heads), "unit"])]
+    for key, row in rows.items():
+        cells = (f"{_number(value):>12}" for value in row.numbers.values())
+        out.append("  ".join([f"{key:{width}}", *cells, row.unit]).rstrip())
+        if row.settings:
+            out.append(f"{'':{width}}  {'; '.join(f'{name} = {_number(value)}' for name, value in row.settings.items())}")
+    return out

@@ -20,20 +20,16 @@ import numpy as np
 from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
-from seaglint.facet.haze import haze_between, haze_column, path_along
-from seaglint.facet.local_sun import SunTable, strength_kernel
 from seaglint.facet.roughness import Sight, line_of_sight
-from seaglint.facet.sky import SkyAbove, sky_column, thermal_between
+from seaglint.facet.sky import SkyAbove, haze_between, haze_column, path_along, sky_column, thermal_between
 from seaglint.facet.solar_disc import DISC_ROWS, DiscLine, disc_line
-from seaglint.facet.sunlight import Sunlight, raised_sun, sunlight_at
+from seaglint.facet.sunlight import Sunlight, SunTable, raised_sun, strength_kernel, sunlight_at
 from seaglint.facet.thermal import ThermalLine, facet_thermal, thermal_along
 from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SLOPE, SPREAD, SUN, TOTAL
 from seaglint.imaging.sparkle import Sparkle, facet_spread
 from seaglint.imaging.sun_in_sky import NO_SUN, SunInSky, add_disc
-from seaglint.imaging.sweep.pieces import Merging, Pieces, merge, new_pieces, read_slopes
-from seaglint.imaging.sweep.walk import Walk, bend, elevation, walk_line
-from seaglint.imaging.wave_shadow import sun_over_waves
-from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip
+from seaglint.imaging.sweep.walk import Merging, Pieces, Walk, bend, elevation, merge, new_pieces, read_slopes, walk_line
+from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip, sun_over_waves
 
 NEGLIGIBLE_SUN = 3e-4  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
 
@@ -77,7 +73,7 @@ class Line(NamedTuple):
     """Line of sight of a column in one stage: its level of detail, its course and the course to the Sun over the sea, and its tables.
 
     These are the tables of its facets (:func:`~seaglint.facet.thermal.thermal_along`, :func:`~seaglint.facet.solar_disc.disc_line`), the
-    radiance of its path (:func:`~seaglint.facet.haze.path_along`), and its share and the width of the column [rad].
+    radiance of its path (:func:`~seaglint.facet.sky.path_along`), and its share and the width of the column [rad].
     """
 
     level: int

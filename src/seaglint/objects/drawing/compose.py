@@ -1,23 +1,45 @@
-"""Composition of bodies with the image of the sea, by coverage; pixels without a body keep their bytes."""
+r"""Composition of bodies with the image of the sea, by coverage; pixels without a body keep their bytes.
+
+Shadows of bodies on the glint: facets mirror no Sun where a body stands between the mean sea and the Sun.
+
+The shadow is the body laid on the mean sea along the Sun's rays: a vertex :math:`p` goes to :math:`p - t s`, where the line to the
+Sun :math:`s` leaves the sphere,
+
+.. math:: t = \frac{c}{q\cdot s + \sqrt{(q\cdot s)^2 - c}}, \qquad c = |q|^2 - R'^2, \qquad q = p + (0, 0, R' + h)
+
+and what is under water to the surface above it. Its share of a pixel is found as that of a body; the pixel's mirrored Sun is less by it.
+The Sun is a point for this, and waves do not bend the shadow's edge.
+
+Bodies through air that bends the lines of sight: each is drawn with standard refraction, its rows shifted for its own distance.
+
+A part is shifted as a whole for the arc of its middle. In a mirage rows of it are seen several times, upright and inverted. What the sea
+hides is told by the rays; waves hide as in the standard picture, for bodies nearer than :data:`WAVES_WITHIN` of its horizon.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_range
+from seaglint.imaging.camera.imager import Attitude
+from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.imaging.refraction import RefractedScene, pixels_of
 from seaglint.objects.body import PointSource
-from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage
-from seaglint.objects.drawing.eye import Stand
+from seaglint.objects.drawing.draw import Drawer, DrawnBodies, PixelPatch, Stage, solid_angles
+from seaglint.objects.drawing.eye import Stand, TangentPlane, grid_over
+from seaglint.objects.drawing.launch_bodies import hit_cells
 from seaglint.objects.drawing.light import Surroundings
+from seaglint.objects.drawing.prepared_bodies import Mesh, Placed
 from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, DRY, EMITTED, MIRRORED, PATH, SEEN, SUMS, SUN, WHOLE
-from seaglint.objects.drawing.whole_shapes import solid_angles
 from seaglint.optics.blackbody import planck_wavenumber
 
 #: Least share of a body outside the picture: what its parts sum to in windows of the picture and in whole differs by less.
@@ -270,3 +292,170 @@ def _beside(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
 def _direction(place: Stand) -> tuple[float, float, float]:
     east, north, up = (float(x) for x in place.place)
     return math.sqrt(east * east + north * north + up * up), math.atan2(east, north), math.atan2(up, math.hypot(east, north))
+
+
+def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surroundings) -> Layers:
+    """Return the image of the sea with the shadows of bodies on its glint.
+
+    Parameters
+    ----------
+    layers : Layers
+        Image of the sea alone: the pixels that ``stage`` draws.
+    stage : Stage
+        Camera, pose and pixels.
+    placed : sequence of Placed
+        Parts of all bodies; gas and points cast none.
+    light : Surroundings
+        The view's.
+
+    Returns
+    -------
+    Layers
+        Pixels without shadow keep their bytes.
+    """
+    if not light.shines:
+        return layers
+    dark = np.zeros(layers.radiance.shape)
+    for one in placed:
+        if isinstance(one.part.kind, Mesh):
+            _add(dark, stage, laid(one, light.sun, stage.pose.height))
+    touched = (dark > LEAST_COVER) & (layers.glint_radiance > 0.0)
+    if not touched.any():
+        return layers
+    share = np.minimum(dark, 1.0)
+    if "coverage" in layers:  # only the sea is shadowed
+        share = np.minimum(dark / np.maximum(layers["coverage"], LEAST_COVER), 1.0)
+    lost = layers.glint_radiance * share
+    out = {name: image.copy() for name, image in layers.items()}
+    for name in ("radiance", "glint_radiance"):
+        out[name][touched] = np.maximum(out[name] - lost, 0.0)[touched]
+    if "glint_share" in out:
+        out["glint_share"][touched] = share_of_glint(out["glint_radiance"], out["radiance"])[touched]
+    return Layers(out)
+
+
+def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
+    """Part projected on the mean sea along the Sun's rays; None where the rays pass over the sea."""
+    p, radius = one.surface, EFFECTIVE_EARTH_RADIUS
+    above = eye + p[:, 2]
+    c = p[:, 0] ** 2 + p[:, 1] ** 2 + above * (2.0 * radius + above)
+    along = p @ sun + (radius + eye) * sun[2]
+    under = along**2 - c
+    if np.any((under < 0.0) | (along <= 0.0)) or c.max() <= 0.0:
+        return None
+    way = np.maximum(c, 0.0) / (along + np.sqrt(under))
+    # points under water are moved straight up
+    level = np.hypot(p[:, 0], p[:, 1])
+    surface = p - way[:, None] * sun
+    sunken = c < 0.0
+    surface[sunken, 2] = np.sqrt(radius**2 - level[sunken] ** 2) - radius - eye
+    middle = 0.5 * (surface.min(axis=0) + surface.max(axis=0))
+    return replace(one, surface=surface, place=middle, radius=float(np.sqrt(((surface - middle) ** 2).sum(axis=1).max())))
+
+
+def _add(dark: FloatArray, stage: Stage, flat: Placed | None) -> None:
+    """Add the share of each pixel that a part's shadow covers."""
+    if flat is None:
+        return
+    plane = TangentPlane.to(flat.place)
+    faces = stage.faces(flat, plane, flat)
+    box = stage.box(faces)
+    (left, right), (top, bottom), circle = stage.columns, stage.rows, stage.window.circle
+    if box is None or not (box[2] < bottom and box[3] > top):
+        return
+    across = (box[0], box[1]) if circle else (max(box[0], float(left)), min(box[1], float(right)))
+    if circle and across[1] - across[0] > circle:
+        across = (0.0, float(circle))
+    if not across[0] < across[1]:
+        return
+    grid = grid_over((*across, max(box[2], float(top)), min(box[3], float(bottom))))
+    for some, hit in hit_cells(grid, stage.lens, plane.axes, faces):
+        columns = (some.begin[0] + np.arange(some.size[0])) // some.cells[0]
+        rows = (some.begin[1] + np.arange(some.size[1])) // some.cells[1]
+        columns = columns % circle if circle else columns
+        inner = np.ix_((rows >= top) & (rows < bottom), (columns >= left) & (columns < right))
+        where = np.ix_(rows[inner[0].ravel()] - top, columns[inner[1].ravel()] - left)
+        np.add.at(dark, where, hit[inner] / (some.cells[0] * some.cells[1]))
+
+
+MARGIN: Final = 0.015  #: Angle by which bodies are drawn beyond the rows of the sea [rad]: their rows are shifted by another amount.
+
+WAVES_WITHIN: Final = 0.8  #: Share of the arc of the standard horizon within which waves hide bodies.
+
+
+def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time: float) -> DrawnBodies:
+    """Contributions of the bodies to a refracted image at a time [s]."""
+    shift = scene.shift
+    standard = shift.wider(MARGIN)
+    attitude = Attitude(stage.pose.attitude.azimuth, standard.elevation)
+    straight = replace(
+        stage,
+        imager=pixels_of(standard),
+        pose=Pose(stage.pose.east, stage.pose.north, stage.pose.height, attitude),
+        rows=(0, standard.rows),
+        sea_hides=WAVES_WITHIN * horizon_range(stage.pose.height),
+    )
+    picture = drawer.picture(straight, time)
+    patches: list[PixelPatch] = []
+    for patch in picture.patches:
+        near, far = patch.placed.span[0].arc
+        arc, waves = 0.5 * (near + far), near <= straight.sea_hides
+        if patch.placed.radius == 0.0:
+            elevation = standard.top - float(patch.sums[DOWN]) * standard.row_step
+            shown, images = ([one for one in shift.images(arc, elevation, into_sea=how) if _inside(stage, one[0])] for how in (True, waves))
+            if patch.clear > 0.0 and images:
+                patches += [_image(patch, *one) for one in images]
+            elif shown:  # in the picture, and hidden
+                row = np.array([math.floor(shown[0][0])])
+                patches.append(replace(patch, rows=row, lines=np.array([[1.0], [0.0]]), clear=0.0))
+        else:
+            mixed = shift.objects(arc, standard, into_sea=waves)
+            unhidden = mixed[0] if waves else shift.objects(arc, standard, into_sea=True)[0]
+            patches += _shifted(patch, mixed, unhidden, stage)
+    return DrawnBodies(picture.bodies, picture.stands, tuple(patches), picture.placed)
+
+
+def _inside(stage: Stage, row: float) -> bool:
+    return stage.rows[0] <= math.floor(row) < stage.rows[1]
+
+
+def _image(patch: PixelPatch, row: float, magnification: float) -> PixelPatch:
+    """Image of a point source in a row [pixels], as much brighter as it is larger."""
+    sums: FloatArray = patch.sums.copy()
+    sums[DOWN] = row
+    return replace(patch, rows=np.array([math.floor(row)]), sums=sums, clear=patch.clear * magnification)
+
+
+def _shifted(patch: PixelPatch, mixed: tuple[csr_array, csr_array], unhidden: csr_array, stage: Stage) -> list[PixelPatch]:
+    """Patch with its rows shifted; none where no ray comes near it. ``unhidden``: shares of rows where the sea hides nothing."""
+    shares, places, unhidden = (matrix[:, patch.rows] for matrix in (*mixed, unhidden))
+    lines = _lines(patch.lines, shares, unhidden)
+    rows = np.arange(*stage.rows)
+    shares, places = shares[rows], places[rows]
+    touched = np.flatnonzero((np.diff(shares.indptr) > 0) | (lines[0, rows] > 0.0))
+    if touched.size == 0:
+        return []
+    shares, places, rows = shares[touched], places[touched], rows[touched]
+    planes = np.stack([shares @ plane for plane in patch.planes])
+    pixel = stage.imager.solid_angle(stage.pose.attitude, patch.columns + 0.5, rows[:, None] + 0.5)
+    pixel = np.broadcast_to(pixel, planes[COVER].shape)
+    sums = patch.sums.copy()
+    sums[SEEN] = float((planes[COVER] * pixel).sum())
+    sums[DOWN] = float(((places @ patch.planes[COVER]) * pixel).sum())
+    sums[ACROSS] *= sums[SEEN] / patch.sums[SEEN] if patch.sums[SEEN] > 0.0 else 0.0
+    sums[WHOLE] = max(float(sums[WHOLE]), float(sums[SEEN]))
+    return [PixelPatch(patch.placed, rows, patch.columns, planes, sums, lines[:, rows])]
+
+
+def _lines(lines: FloatArray, shares: csr_array, unhidden: csr_array) -> FloatArray:
+    """Lines of a patch by the rows of the picture, each row of the standard picture shared out among its images in them [sr, (2, rows)]."""
+    total = np.asarray(unhidden.sum(axis=0)).ravel()
+    each = lines / np.where(total > 0.0, total, np.inf)
+    out = np.stack([unhidden @ each[0], shares @ each[1]])
+    met = np.flatnonzero(total)
+    if met.size:
+        # rows between images that no ray meets are in the picture, and hidden
+        dark = np.arange(met[0], met[-1])[total[met[0] : met[-1]] == 0.0]
+        for row in dark:
+            out[0, unhidden[:, [met[met < row][-1]]].nonzero()[0][0]] += lines[0, row]
+    return out

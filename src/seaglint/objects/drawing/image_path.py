@@ -15,7 +15,7 @@ from seaglint.imaging.camera.imager import Imager
 from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.objects.body import GasPlume, Motion, PointSource
 from seaglint.objects.drawing.eye import image_point, lens, project, stand
-from seaglint.objects.drawing.parts import DrawnPart, Mesh
+from seaglint.objects.drawing.prepared_bodies import DrawnPart, Mesh
 
 NEAR: Final = 2e-3  #: Distance from its interpolation within which a path is taken as known [pixels].
 

@@ -13,13 +13,13 @@ import numpy as np
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
-from seaglint.imaging.detail_levels import Levels
+from seaglint.imaging.scene import Levels
 from seaglint.imaging.sweep.walk import sight_lines
 from seaglint.imaging.wave_surface import Surface
 from seaglint.objects.drawing.crests import STEEP, Crests, Span, calm, walk_crests
 from seaglint.objects.drawing.eye import Grid, Lens, strips
 from seaglint.objects.drawing.light import Arriving
-from seaglint.objects.drawing.raster import Faces, Samples, lay_samples, meet, outline, whole_solid_angle
+from seaglint.objects.drawing.raster import Faces, Samples, SunMap, lay_samples, meet, outline, sun_map, whole_solid_angle
 from seaglint.objects.drawing.sample_sums import (
     PLANES,
     SUMS,
@@ -30,7 +30,6 @@ from seaglint.objects.drawing.sample_sums import (
     shade_gas,
     shade_solid,
 )
-from seaglint.objects.drawing.self_shadow import SunMap, sun_map
 
 LINES_PER_WAVE = 4.0  #: Number of azimuth lines across the shortest wave that the picture has at a body.
 
@@ -128,7 +127,7 @@ def sampled_solid(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float,
 
 
 def shadow_map(vertex: FloatArray, corner: np.ndarray, axes: tuple[FloatArray, FloatArray], cells: int, lift: float) -> SunMap:
-    """Shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.self_shadow.sun_map`."""
+    """Shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.raster.sun_map`."""
     result: SunMap = sun_map(vertex, corner, axes, cells, lift)
     return result
 

@@ -26,12 +26,11 @@ from seaglint.air.protocol import slant_range
 from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
-from seaglint.facet.haze import is_dark
 from seaglint.facet.sea_view import SeaView
-from seaglint.facet.sky import mirrored_sky
+from seaglint.facet.sky import is_dark, mirrored_sky
 from seaglint.facet.surface_spectra import SeaSurface
 from seaglint.objects.body import GasPlume
-from seaglint.objects.drawing.plume_spectra import plume_emissivity
+from seaglint.objects.combustion_gas import plume_emissivity
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 
@@ -56,7 +55,7 @@ class Arriving(NamedTuple):
     radiance, and the radiance as it is counted.
 
     Of corner p: ``emitted[q, p, k]`` of a blackbody at the body's k-th temperature, or of a plume along its k-th chord
-    (:func:`~seaglint.objects.drawing.plume_spectra.chord_shares`), ``mirrored[q, p, m, a]`` of light diffusely reflected by a white facet
+    (:func:`~seaglint.objects.combustion_gas.chord_shares`), ``mirrored[q, p, m, a]`` of light diffusely reflected by a white facet
     of the m-th and a-th of :data:`NORMALS`, ``sun[q, p]`` of the Sun at normal incidence on it, ``path[q, p]`` of the path.
 
     ``cover[k]``: share of the light behind it that a plume absorbs along its k-th chord [1]; empty for other bodies. ``clear``:

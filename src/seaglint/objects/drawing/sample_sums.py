@@ -13,8 +13,7 @@ from seaglint.imaging.sweep.walk import elevation
 from seaglint.objects.drawing.crests import Crests, in_sight
 from seaglint.objects.drawing.eye import Grid, Lens
 from seaglint.objects.drawing.light import Arriving
-from seaglint.objects.drawing.raster import Samples, chord, in_semi_axes
-from seaglint.objects.drawing.self_shadow import SunMap, lit
+from seaglint.objects.drawing.raster import Samples, SunMap, chord, in_semi_axes, lit
 
 COVER: Final = 0  #: Plane of the share of a pixel that a body covers [1].
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.schema import MOST_SMALL, NUMBERS
 from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.objects.drawing.compose import BodySight
-from seaglint.objects.drawing.truth_names import MOST_SMALL, NUMBERS
 
 SURROUND: Final = 10  #: Width of the frame around a body's box in which its clutter is evaluated [pixels].
 
@@ -64,7 +64,7 @@ def labels(
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Numbers and masks of bodies in an image, and the number of the body in each pixel.
 
-    The numbers are :data:`~seaglint.objects.drawing.truth_names.NUMBERS`, the masks (rows, columns); a pixel has the number of the body
+    The numbers are :data:`~seaglint.base.schema.NUMBERS`, the masks (rows, columns); a pixel has the number of the body
     that covers most of it, from 1.
 
     Parameters
@@ -89,7 +89,7 @@ def labels(
 def size_classes(labels: Mapping[str, NDArray[np.float64]], imager: Imager, attitude: Attitude) -> FloatArray:
     """Class of each object's size in pixels of its place: 0 point, 1 small, 2 extended.
 
-    Their names are :data:`~seaglint.objects.drawing.truth_names.SIZES`. Where the place is not known it is the picture's middle.
+    Their names are :data:`~seaglint.base.schema.SIZES`. Where the place is not known it is the picture's middle.
     """
     column, row = (
         np.nan_to_num(labels[name] + 0.5, nan=0.5 * size) for name, size in (("column_px", imager.columns), ("row_px", imager.rows))

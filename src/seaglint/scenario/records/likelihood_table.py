@@ -6,8 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, field_validator, model_validator
 
-from seaglint.scenario.records.quantity import Quantity
-from seaglint.scenario.records.record import InputFile, Record, rule
+from seaglint.scenario.records.record import InputFile, Quantity, Record, rule
 
 Case = Literal["single-look", "trajectory", "field-of-view"]
 

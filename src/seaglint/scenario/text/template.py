@@ -14,9 +14,9 @@ from seaglint.base.free_form import JsonObject
 from seaglint.scenario.camera import CameraTables, with_camera
 from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list, tag_name, tags
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.scene_presets import PRESETS, Preset
+from seaglint.scenario.presets import PRESETS, Preset
 from seaglint.scenario.records.sensor_table import Sensor
-from seaglint.scenario.text.toml_text import inline
+from seaglint.scenario.text.toml_writing import inline
 
 DATA: Final = Path(__file__).parents[1] / "data"  #: Folder of the files that presets name.
 

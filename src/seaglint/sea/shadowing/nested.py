@@ -45,7 +45,7 @@ from scipy.special import erf
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit
-from seaglint.base.kept_tables import kept
+from seaglint.base.table_cache import kept
 from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -151,7 +151,9 @@ def bands_of(mss: float) -> float:
 
 
 def bands_of_breadth(breadth: float) -> float:
-    """Number of bands [1] for waves of a :func:`~seaglint.sea.shadowing.along.breadth` along the view: ``2.17 breadth - 0.4``, 1.3 to 4.6.
+    """Number of bands [1] for waves of a breadth along the view: ``2.17 breadth - 0.4``, 1.3 to 4.6.
+
+    The breadth is that of :func:`seaglint.sea.shadowing.facet_lean.breadth`.
 
     Fitted to brute force in the vertical plane of the Sun, 0.5-10 deg down, Suns 2-20 deg high: isotropic and directional Elfouhaily seas
     of 2-12 m/s, and the seas of scenarios, whose ripples make up Cox and Munk's slopes.

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
-from seaglint.base.kept_tables import kept
+from seaglint.base.table_cache import kept
 from seaglint.sea.shadowing.nested import HIGHEST, REACH, nested_ratio_kernel, ratio_table
 
 _ONE: Final = np.uint64(1)

@@ -10,8 +10,7 @@ import math
 from typing import Final
 
 from seaglint.base.limits import BREON_HENRIOT_WIND
-from seaglint.sea.slopes.light_winds import LIGHTEST, joined_in_calm
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, joined_in_calm
 from seaglint.sea.wind_profile import require_wind, u10_of_wind
 
 _CROSSING: Final = 0.002 / (0.00316 - 0.00185)  #: Wind at 10 m where the fits along and across the wind cross [m/s]: 1.53.
@@ -22,7 +21,7 @@ def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 
 
     ``mss_up = 0.001 + 0.00316 W``, ``mss_cross = 0.003 + 0.00185 W``, ``c21 = -9.1e-4 W^2``, ``c03 = -0.45/(1 + exp(7 - W))``,
     ``c40 = 0.3``, ``c22 = 0.12``, ``c04 = 0.4``, ``W`` the wind at 10 m. Below 1.53 m/s, where the fit has more variance across the
-    wind than along it, both have half of the total and the coefficients fall to 0, :mod:`seaglint.sea.slopes.light_winds`.
+    wind than along it, both have half of the total and the coefficients fall to 0, :mod:`seaglint.sea.slopes.slope_statistics`.
 
     Parameters
     ----------

@@ -10,8 +10,7 @@ from functools import cache
 from typing import Final
 
 from seaglint.base.limits import COX_MUNK_SLICK_WIND, COX_MUNK_WIND
-from seaglint.sea.slopes.light_winds import LIGHTEST, joined_in_calm
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, joined_in_calm
 from seaglint.sea.wind_profile import require_wind, u10_of_wind, wind_at_height
 
 WIND_HEIGHT: Final = 12.5  #: Height of Cox and Munk's wind measurement [m].
@@ -91,7 +90,7 @@ def cox_munk_anisotropic(wind_speed: float, wind_to_azimuth: float, *, height: f
     ``mss_up = 0.00316 W + 0.000``, ``mss_cross = 0.003 + 0.00192 W``, ``W`` the wind at 12.5 m.
 
     Below 2.42 m/s the fit has more variance across the wind than along it, and none along it at 0 m/s. There both have half of its total,
-    ``0.0015 + 0.00254 W``, :mod:`seaglint.sea.slopes.light_winds`.
+    ``0.0015 + 0.00254 W``, :mod:`seaglint.sea.slopes.slope_statistics`.
 
     Parameters
     ----------
@@ -172,7 +171,7 @@ def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float =
 
     ``mss_up = 0.005 + 0.00078 W``, ``mss_cross = 0.003 + 0.00084 W``, ``c21 = 0``, ``c03 = 0.02``, ``c40 = 0.36``, ``c22 = 0.10``,
     ``c04 = 0.26``, ``W`` the wind at 12.5 m. Below 1.99 m/s, where the fit has more variance along the wind than a clean sea, each
-    variance is the smaller one of both seas and the coefficients fall to 0, :mod:`seaglint.sea.slopes.light_winds`.
+    variance is the smaller one of both seas and the coefficients fall to 0, :mod:`seaglint.sea.slopes.slope_statistics`.
 
     Parameters
     ----------

@@ -16,8 +16,8 @@ from scipy.interpolate import PchipInterpolator
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.sea.spectra.directional import cosine_power, power_of_width
 from seaglint.sea.spectra.measured import TAIL_BANDS, MeasuredSpectrum
-from seaglint.sea.spectra.spreading import cosine_power, power_of_width
 
 _UNEVEN: Final = 0.02  # share by which steps of direction may differ: files round to 0.1 deg
 _FINE: Final = float(np.radians(2.5))  # largest step of direction that is drawn as a straight line
@@ -121,7 +121,7 @@ def of_cosine(
     Raises
     ------
     DomainError
-        Widths outside those of :mod:`seaglint.sea.spectra.spreading`.
+        Widths outside those of :mod:`seaglint.sea.spectra.directional`.
     DataError
         Values that are missing or negative.
     """

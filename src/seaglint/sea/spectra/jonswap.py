@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.sea.spectra.directional import DirectionalSpectrum
-from seaglint.sea.spectra.spreading import cosine_power, power_of_width, second_moment
+from seaglint.sea.spectra.directional import DirectionalSpectrum, cosine_power, power_of_width, second_moment
 
 HEIGHTS: Final = (0.01, 30.0)  #: Allowed significant heights [m].
 
@@ -58,7 +57,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     peak_period: float  #: Period of the largest density per frequency [s].
     to_azimuth: float  #: Azimuth the waves travel TO [rad].
     gamma: float = 3.3  #: Peak enhancement [1].
-    width: float = float(np.radians(30.0))  #: Circular width of the directions [rad]; see :mod:`seaglint.sea.spectra.spreading`.
+    width: float = float(np.radians(30.0))  #: Circular width of the directions [rad]; see :mod:`seaglint.sea.spectra.directional`.
     wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
 
     def __post_init__(self) -> None:

@@ -1,4 +1,6 @@
-"""The source article's headline numbers, computed anew: each row with the article's value, ours and the settings.
+"""A number of the source article beside ours.
+
+The source article's headline numbers, computed anew: each row with the article's value, ours and the settings.
 
 Nothing here is a constant but the article's own values and the settings; a change of any model shows in these rows.
 """
@@ -6,7 +8,7 @@ Nothing here is a constant but the article's own values and the settings; a chan
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,16 +16,49 @@ from scipy.special import ndtr
 
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.free_form import JsonObject
 from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import ARTICLE_UNIT, ApparentTemperature, Band
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.glint_correlation import capillary_length
 from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
+from seaglint.radiance.variance import capillary_length
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
-from seaglint.studies.article.article_row import ArticleRow
-from seaglint.studies.prepare.profile_air import model_air
+from seaglint.studies.build.profile_air import model_air
+
+
+@dataclass(frozen=True)
+class ArticleRow:
+    """Number of the source article beside ours."""
+
+    #: ``article``, ``ours``: Both values; None where one does not exist.
+    article: float | None
+    ours: float | None
+    unit: str  #: Their unit.
+    settings: JsonObject = field(default_factory=dict)  #: Settings and conditions, plain numbers and text by name.
+
+    @property
+    def numbers(self) -> dict[str, float | None]:
+        """Return the values by the heads of their columns."""
+        return {"article": self.article, "ours": self.ours}
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class SensedRow(ArticleRow):
+    """Number of the source article beside ours of pictures as rendered (``ours``) and of the same pictures through a detector."""
+
+    through_detector: float | None = None  #: Value of the pictures through the detector; None where it does not exist.
+
+    @property
+    def numbers(self) -> dict[str, float | None]:
+        """Return the values by the heads of their columns."""
+        return {"article": self.article, "as rendered": self.ours, "detector": self.through_detector}
+
 
 _MODEL: Final = "midlatitude-summer"
 _SEA_TEMPERATURE: Final = 288.15

@@ -26,17 +26,17 @@ from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.camera.imager import Camera
 from seaglint.imaging.scene import Scene, image
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import blur_px as beyond_pixel
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.studies.article.article_row import ArticleRow, SensedRow
 from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.sensor_model import sensor_model
+from seaglint.studies.article.headline import ArticleRow, SensedRow
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.sensor_model import sensor_model
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 FRAME_RATE: Final = 25.0  #: Frames per second [Hz].
@@ -330,7 +330,7 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
     prepared = prepare_sequence(wide).scene
     images = sequence(prepared, np.arange(frames) / FRAME_RATE, report)
     inner = np.s_[..., MARGIN:-MARGIN, MARGIN:-MARGIN]
-    mask = corridor(prepared.view, prepare.camera(wide))[inner]
+    mask = corridor(prepared.view, scenario_physics.camera(wide))[inner]
     options = AnalysisOptions(mask=mask)
     blurred = {blur: detector(blur).focal_plane(images)[inner] for blur in {BLUR_PX, *BLURS_PX}}
     return Table1(

@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
-from seaglint.detection.fine_spot import FineSpot
-from seaglint.detection.spot import GaussianSpot, SpotShape
+from seaglint.detection.spot import FineSpot, GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import point_response
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.scene_objects import Drawn
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 Unit = Literal["W m-2 sr-1", "K", "W/sr"]
 

@@ -12,8 +12,8 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.detection.sources import FrameSource, PlainFrames
 
 if TYPE_CHECKING:
-    from seaglint.detection.counting import Counting
     from seaglint.detection.interface import Frames
+    from seaglint.detection.sources import Counting
     from seaglint.detection.spot import SpotShape
     from seaglint.studies.detect.scene_frames import IndependentSeas
 

@@ -1,37 +1,192 @@
-"""How far an object of a scenario is detected: bisection over the range, path, size and clutter changing together."""
+"""Object of a scenario at a range along the line of sight.
+
+Reasons for which a range of detection is to be doubted.
+
+First estimate of a range of detection, in seconds: the object's contrast, the deviation of a few small seas, and the Gaussian law.
+
+How far an object of a scenario is detected: bisection over the range, path, size and clutter changing together.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
 
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.filters import Unfiltered
 from seaglint.detection.design import by_windows
-from seaglint.detection.level import Rescaled
-from seaglint.detection.sources import FrameSource
-from seaglint.files.detection_parts import Parts
-from seaglint.files.detection_range import DetectionRange, RangePoint, TriedDetector
-from seaglint.scenario.middle import middle_of
+from seaglint.detection.matched import Matched
+from seaglint.detection.sources import FrameSource, Rescaled
+from seaglint.scenario.changed_scenario import middle_of
 from seaglint.scenario.model import Scenario
-from seaglint.studies.detect.designer import Design, rate_threshold
-from seaglint.studies.detect.detector_choice import SMALLEST, best_of, choice_line, tried_detectors
-from seaglint.studies.detect.first_estimate import COLUMNS, estimated_p_d
+from seaglint.scenario.sun import sun_position
+from seaglint.store.detection_results import DetectionRange, Parts, RangePoint, TriedDetector
+from seaglint.studies.detect.designer import SMALLEST, Design, best_of, choice_line, rate_threshold, tried_detectors
 from seaglint.studies.detect.injected import Seen, seen_object
-from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, rows_to_horizon
+from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, less_row_means, rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions, detect
-from seaglint.studies.detect.placed_object import placed_at
-from seaglint.studies.detect.range_doubts import doubts
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
+
+if TYPE_CHECKING:
+    from seaglint.detection.spot import SpotShape
+
+
+def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float | None) -> Scenario:
+    """The scenario with the object at a range along the line of sight, in the middle of the picture.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a sensor that stands.
+    name : str
+        Of the object; it stays there, whatever its course.
+    range_m : float
+        Along the sea [m].
+    bearing_deg : float, optional
+        Of object and line of sight from the Sun's azimuth, clockwise [deg]; the sensor's own azimuth where nothing is said.
+
+    Raises
+    ------
+    DataError
+        No such object, or a sensor that moves.
+    """
+    if scenario.platform is not None:
+        raise DataError("the range of detection is that of a sensor that stands; leave [platform] out")
+    found = [item for item in scenario.objects or () if item.name == name]
+    if not found:
+        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
+        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    sensor = scenario.sensor
+    azimuth = sensor.azimuth_deg
+    if bearing_deg is not None:
+        azimuth = (math.degrees(sun_position(scenario).azimuth) + bearing_deg) % 360.0
+    towards = math.radians(azimuth)
+    item = found[0]
+    height = item.height_m if item.height_m is not None else 0.0
+    drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
+    elevation = math.degrees(math.atan2(height - sensor.height_m - drop, range_m))
+    rest = {"track": None, "keyframes": None, "course_deg": None, "speed_m_s": None, "latitude_deg": None, "longitude_deg": None}
+    heading = item.heading_deg if item.heading_deg is not None else item.course_deg
+    place = {"east_m": range_m * math.sin(towards), "north_m": range_m * math.cos(towards), "heading_deg": heading}
+    moved = item.model_copy(update={**rest, **place})
+    looking = sensor.model_copy(update={"azimuth_deg": azimuth, "elevation_deg": elevation})
+    return scenario.model_copy(update={"objects": (moved,), "sensor": looking})
+
+
+_ROLL = "the mean of each row was removed, so expect less of a camera that rolls"
+
+
+def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
+    """Return why a range is to be doubted: P_d that rises with the range, thresholds beyond belief, what lies behind the object.
+
+    Examples
+    --------
+    >>> near, far = RangePoint(500.0, 0.2, [0.1, 0.3]), RangePoint(900.0, 0.8, [0.7, 0.9])
+    >>> doubts([near, far], [0.0, 500.0])
+    ['P_d is 0.2 at 500 m and 0.8 at 900 m: it rises with the range, and the range found is one of several']
+    """
+    out = []
+    for near, far in itertools.pairwise(tried):
+        if near.p_d_interval is not None and far.p_d_interval is not None and near.p_d_interval[1] < far.p_d_interval[0]:
+            where = f"P_d is {near.p_d:.3g} at {near.range_m:.0f} m and {far.p_d:.3g} at {far.range_m:.0f} m"
+            out.append(f"{where}: it rises with the range, and the range found is one of several")
+            break
+    last = [point for point in tried if point.range_m in ends]
+    if any(point.believed is False for point in last):
+        out.append("the threshold is extrapolated from too few false alarms, and the range with it; give more frames")
+    behind = next((text for text in map(horizon_note, reversed(last)) if text is not None), None)
+    if behind is not None:
+        out.append(behind)
+    return out
+
+
+def horizon_note(point: RangePoint) -> str | None:
+    """Return where the horizon is, as far as it matters: behind the object, in the detector's window, or in the rows of the statistics.
+
+    Examples
+    --------
+    >>> print(horizon_note(RangePoint(5e3, background="horizon", horizon_rows=12, window_rows=4, detector="top-hat")))
+    at 5000 m the horizon is 12 rows above the object, beyond the 4 rows that top-hat looks at; rows about it count in the false alarms
+    >>> horizon_note(RangePoint(5e3, background="sea", horizon_rows=30, window_rows=4)) is None
+    True
+    """
+    at, rows, window = f"at {point.range_m:.0f} m", point.horizon_rows, point.window_rows
+    if point.background == "sky" and (rows is None or window is None or abs(rows) > window):
+        return f"{at} the sky lies behind the object; {_ROLL}"
+    if rows is None:
+        return None
+    if rows == 0:
+        return f"{at} the horizon lies behind the object; {_ROLL}"
+    where = f"{at} the horizon is {abs(rows)} row{'s' * (abs(rows) != 1)} {'above' if rows > 0 else 'below'} the object"
+    if window is None or abs(rows) <= window:
+        looks = "whole frames" if window is None else f"the {window} rows"
+        return f"{where}, within {looks} that {point.detector} looks at; {_ROLL}"
+    if point.background == "horizon":
+        return f"{where}, beyond the {window} rows that {point.detector} looks at; rows about it count in the false alarms"
+    return None
+
+
+COLUMNS: Final = 96  #: Columns about the object that are drawn for an estimate.
+
+SEAS: Final = 3  #: Seas of that size that are drawn at each range.
+
+_OFFSETS: Final = (np.arange(5) + 0.5) / 5 - 0.5  #: Places of the object within its pixel [px].
+
+
+def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
+    """P_d of a matched filter by the Gaussian law: no frame is searched.
+
+    ``P_d = < Q(Q^-1(P_fa) - v c g / sigma) >`` over the places in the pixel and the seas, with the contrast ``c``, the share ``v`` of the
+    object that waves leave in view, the filter's answer ``g`` and the standard deviation ``sigma`` of the filtered rows near the object.
+
+    Parameters
+    ----------
+    placed : Scenario
+        With the object in the middle of the picture.
+    seen : Seen
+        The object there.
+    design : Design
+        Rate of false alarms.
+    """
+    seas = IndependentSeas.of(placed)
+    _, first, end = background_of(seas, round(seen.row), seen.shape.half)
+    detector = Matched(seen.shape.stamps(np.zeros((1, 2)))[0])
+    frames = np.concatenate([seas.sea(number, 1) for number in range(SEAS)])
+    rows, columns = frames.shape[1:]
+    statistic = detector(less_row_means(frames[:, first:end]))
+    reach = min(detector.reach, (end - first) // 3, columns // 3)
+    inner = statistic[:, reach : end - first - reach, reach : columns - reach]
+    sigma = float(np.std(inner, dtype=np.float64))
+    if not sigma > 0.0:
+        return 1.0
+    rate = design.p_fa
+    if rate is None:
+        rate = min(design.alarms_per_hour / (3600.0 * placed.sensor.frame_rate_hz * rows * columns), 0.4)
+    answer = answers(seen.shape, detector)
+    shares = seen.visible_shares(SEAS, seas)
+    signal = np.multiply.outer(shares, answer) * abs(seen.contrast) / sigma
+    return float(np.where(signal > 0.0, ndtr(signal + ndtri(rate)), 0.0).mean())
+
+
+def answers(shape: SpotShape, detector: Matched) -> FloatArray:
+    """Largest answer of the filter among the pixels of an object of contrast 1, for places within its pixel [1]."""
+    down, right = np.meshgrid(_OFFSETS, _OFFSETS, indexing="ij")
+    stamps = np.asarray(shape.stamps(np.stack([down.ravel(), right.ravel()], axis=1)), np.float32)
+    wide = np.pad(stamps, ((0, 0), (detector.reach,) * 2, (detector.reach,) * 2))
+    return np.asarray(detector(wide).max(axis=(1, 2)), np.float64)
+
 
 PRECISION: Final = 0.04  #: Share of the range at which the bisection ends.
 
@@ -230,7 +385,7 @@ def _over_seas(
 
 
 def first_estimate(scenario: Scenario, asked: RangeOptions, bearing: float | None) -> float:
-    """Range at which P_d falls below what is wanted, by :func:`~seaglint.studies.detect.first_estimate.estimated_p_d` [m].
+    """Range at which P_d falls below what is wanted, by :func:`~seaglint.studies.detect.range_search.estimated_p_d` [m].
 
     The nearest range tried where P_d is below at once, next to the farthest where it never is.
     """

@@ -16,17 +16,14 @@ from seaglint.base.free_form import JsonObject
 from seaglint.cluster import Workers
 from seaglint.detection.interface import Detector
 from seaglint.detection.isolated import IsolatedDetector
-from seaglint.detection.level import Rescaled
 from seaglint.detection.named_detectors import named_for
-from seaglint.detection.sources import FrameSource
+from seaglint.detection.sources import FrameSource, Rescaled
 from seaglint.detection.spot import GaussianSpot, SpotShape
-from seaglint.files.detection_case import Judged
-from seaglint.files.detection_parts import Parts
 from seaglint.scenario.model import Scenario
-from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
+from seaglint.store.detection_results import Judged, Parts
 from seaglint.studies.detect.designer import Design, design
 from seaglint.studies.detect.injected import SWEEP, Strength, point_shape, seen_object
-from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
+from seaglint.studies.detect.performance import DetectionOptions, Performance, characteristic, chips, detect, false_alarm_map
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 FIRST_SEAS: Final = 8  #: Seas before the precision is looked at for the first time; twice as many each time after it.

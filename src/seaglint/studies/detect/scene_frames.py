@@ -18,16 +18,15 @@ from seaglint.base.errors import DataError
 from seaglint.base.random import stream
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
-from seaglint.detection.counting import Counting
 from seaglint.detection.interface import Frames
-from seaglint.detection.sources import PlainFrames
-from seaglint.files.detection_parts import keep_sea, sea_path, whole_sea
+from seaglint.detection.sources import Counting, PlainFrames
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.scenario.model import Scenario
+from seaglint.store.detection_results import keep_sea, sea_path, whole_sea
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.sense import SensedFrames
-from seaglint.studies.sequence.sensed import SensedSequence, drawn_in_time, prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import SensedSequence, drawn_in_time, prepare_sensed
 from seaglint.version import __version__
 
 

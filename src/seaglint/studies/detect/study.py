@@ -1,4 +1,7 @@
-"""Detection over many scenarios: case by case, kept as they are done, within a budget of time, none lost to another's fault."""
+"""Detection over many scenarios: case by case, kept as they are done, within a budget of time, none lost to another's fault.
+
+Ranges of detection in the cases of a study and at some bearings.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +18,10 @@ from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
-from seaglint.files.detection_case import DetectionCase
-from seaglint.files.detection_parts import Parts
+from seaglint.store.detection_results import DetectionCase, DetectionRange, Parts
+from seaglint.studies.detect.detection_requests import RangeRequest
 from seaglint.studies.detect.performance import DetectionOptions
+from seaglint.studies.detect.range_search import detection_range
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
 from seaglint.studies.detect.scene_frames import bare, frames_key
 from seaglint.studies.detect.varied_cases import StudyCase, flattened
@@ -208,3 +212,37 @@ def _line(number: int, cases: int, case: DetectionCase) -> str:
     rate = "none" if first["p_d"] is None else f"{first['p_d']:.3g}"
     seas = result["seas"]
     return f"case {number + 1} of {cases}{': ' + named if named else ''}: {seas} seas, P_d {rate} at contrast {first['contrast']:g}"
+
+
+def ranges_of(
+    cases: Sequence[StudyCase], request: RangeRequest, parts: Parts, *, say: Callable[[str], None] = lambda text: None
+) -> list[DetectionRange]:
+    """Find the range of an object in every case, at every bearing.
+
+    Parameters
+    ----------
+    cases : sequence of StudyCase
+        Scenarios of one object.
+    request : RangeRequest
+        Object, bearings, detector and limits.
+    parts : Parts
+        Store of what is computed.
+    say : callable
+        Called with lines on the progress.
+
+    Raises
+    ------
+    SeaglintError
+        No such object, or a scenario that cannot be computed.
+    """
+    searched = request.range_options([item.name for item in cases[0].scenario.objects or ()])
+    options = request.scene_options()
+    bearings: list[float | None] = [None] if request.bearings is None else list(request.bearings)
+    found = []
+    for case in cases:
+        judged = with_case(options, case)
+        tried = replace(searched, detectors=()) if "detector" in case.parameters else searched
+        for bearing in bearings:
+            one = detection_range(case.scenario, judged, tried, parts, bearing_deg=bearing, say=say)
+            found.append(replace(one, parameters=case.parameters))
+    return found

@@ -13,13 +13,13 @@ from typing import Any, Final
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import TomlTables
-from seaglint.files.tables.cases import read_cases
+from seaglint.formats.tables.input_tables import read_cases
+from seaglint.scenario.changed_scenario import set_key
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.sensor_presets import with_sensor
-from seaglint.scenario.setting import set_key
-from seaglint.scenario.text.vary_text import parse_vary, plain_value
-from seaglint.scenario.text.write import stated
+from seaglint.scenario.presets import with_sensor
+from seaglint.scenario.text.option_texts import parse_vary, plain_value
+from seaglint.scenario.text.toml_writing import stated
 
 MOST_CASES: Final = 1000  #: Cases of one study at most.
 

@@ -1,22 +1,309 @@
-"""Labelled data sets of ensembles: scenes are drawn and rendered, or taken from a folder, and written in a layout for training."""
+"""Finished scenes of an ensemble become a labelled data set: written scene by scene, checked, and named when whole.
+
+Labelled data sets of ensembles: scenes are drawn and rendered, or taken from a folder, and written in a layout for training.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import hashlib
+import shutil
+import tomllib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Final
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import DataError, ScenarioError
-from seaglint.cluster import Workers
-from seaglint.files.dataset.check import ABOUT
-from seaglint.files.dataset.part import Entry
-from seaglint.files.dataset.split import split_of
-from seaglint.scenario.ensemble_file import Ensemble, load_ensemble
-from seaglint.studies.ensemble.ensemble_folder import Folder, ensemble_text
+from seaglint.base.errors import DataError, ScenarioError, StorageError
+from seaglint.base.free_form import JsonObject
+from seaglint.cluster import Done, Here, Job, Workers
+from seaglint.formats.dataset import dataset_writing, format_named
+from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, convert, finish
+from seaglint.formats.dataset.grey_pictures import Bits, ImageKind
+from seaglint.formats.dataset.scene_records import FOLDER, Catalogue, DatasetScene, Entry, part_path, split_of
+from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, read_toml
+from seaglint.scenario.records.ensemble_tables import Dataset
+from seaglint.store.outputs import (
+    ELSEWHERE,
+    read_json,
+    refuse_file_ending,
+    require_folder,
+    stop_on_signal,
+    storage_errors,
+    write_json,
+    write_text,
+)
+from seaglint.store.sequence_store import Interrupted, partial_path
+from seaglint.store.writers import exclusive
+from seaglint.studies.ensemble.ensemble_folder import Folder, differences, ensemble_text
 from seaglint.studies.ensemble.label_outlook import report_weak
 from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
-from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
+from seaglint.version import __version__
+
+SCENES: Final = ".ensemble"  #: Folder of the scenes' stores while a data set is made.
+
+SOURCE: Final = "ensemble.toml"
+
+_SETTINGS: Final = "settings.json"
+_REPLACED: Final = ".replaced"
+_MOST_LISTED: Final = 5  #: Keys that differ, of which more are only counted.
+
+
+@dataclass(frozen=True)
+class DatasetOptions:
+    """How a data set is written."""
+
+    format: str  #: Name of one of :data:`seaglint.formats.dataset.FORMATS`.
+    bits: Bits  #: Of a pixel.
+    image: ImageKind  #: ``png`` or ``tiff``.
+
+    @classmethod
+    def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
+        """Return checked options.
+
+        Raises
+        ------
+        DataError
+            A format, number of bits or kind of picture that there is not.
+        """
+        chosen = format_named(form)
+        if not chosen.pictures and (bits is not None or image is not None):
+            raise DataError(f"bits and image apply to pictures, and format = {form!r} keeps {chosen.note}; leave them out")
+        if bits not in (None, 8, 16):
+            raise DataError(f"bits = {bits}: is neither 8 nor 16; give one of them")
+        if image not in (None, "png", "tiff"):
+            raise DataError(f"image = {image!r}: is not one of png, tiff; give one of them")
+        return cls(form, bits or chosen.bits, image or "png")  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class DatasetPlan:
+    """Ensemble, scenes and folders of a data set."""
+
+    title: str  #: Of the data card, where the table has none.
+    seed: int  #: Of the ensemble.
+    table: Dataset  #: The ensemble's table ``[dataset]``.
+    source: str  #: Text of the ensemble's file.
+
+
+def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
+    """Refuse a folder that may not be written, before anything is computed.
+
+    Raises
+    ------
+    DataError
+        Something is there that may not be replaced, or an unfinished data set that is not to be gone on with.
+    StorageError
+        Nothing can be written in the folder.
+    """
+    partial = partial_path(refuse_file_ending(output, "a data set"))
+    if resume and overwrite:
+        raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
+    with storage_errors(output, ELSEWHERE):
+        require_folder(output)
+        if output.exists() and not output.is_dir():
+            raise DataError(f"{output}: is a file; a data set is a folder, give another name")
+        if output.exists() and any(output.iterdir()) and not resume:
+            if not overwrite:
+                raise DataError(f"{output}: is not empty; choose another name, or replace a data set with overwrite=True")
+            dataset_writing.read_about(output)
+        if partial.exists() and not resume:
+            if not overwrite:
+                raise DataError(
+                    f"{partial}: an unfinished data set is there; continue it with resume=True, or start again with overwrite=True"
+                )
+            _require_ours(partial)
+    return partial
+
+
+def _require_ours(partial: Path) -> None:
+    # A process killed as it begins, or as it clears up, leaves a folder of records alone, or a data set that is whole.
+    ours = (partial / FOLDER / _SETTINGS).is_file() or (partial / dataset_writing.SUMS).is_file()
+    if not ours and any(path.name != FOLDER for path in partial.iterdir()):
+        raise DataError(f"{partial}: is no unfinished data set of seaglint and is left alone; choose another name or remove it yourself")
+
+
+def make_dataset(
+    output: str | Path,
+    plan: DatasetPlan,
+    options: DatasetOptions,
+    scenes: Callable[[Path], Sequence[Entry]],
+    *,
+    workers: Workers | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Make a data set of finished scenes, in ``output.partial`` until it is whole and checked.
+
+    Parameters
+    ----------
+    output : path
+        Folder to make.
+    plan : DatasetPlan
+        Title, seed, table and source.
+    options : DatasetOptions
+        Format and pictures.
+    scenes : callable
+        ``scenes(folder)`` gives the finished scenes; it may make them in ``folder``, which is kept for ``resume`` and removed at the end.
+    workers : Workers, optional
+        Who writes the scenes' pictures; this process by default. The bytes do not depend on it.
+    resume : bool
+        Go on with an unfinished data set. One that is whole is left as it is.
+    overwrite : bool
+        Replace a data set once the new one is whole.
+    progress : callable, optional
+        ``progress(scenes done, scenes in all)``.
+
+    Raises
+    ------
+    DataError
+        The output may not be written, another process writes it, another ensemble is resumed, or scenes failed.
+    StorageError
+        No room or no rights; the scenes done stay.
+    Interrupted
+        After SIGINT or SIGTERM, between two scenes.
+    """
+    output = Path(output)
+    partial = require_output(output, resume=resume, overwrite=overwrite)
+    made_from = _settings(plan, options)
+    if resume and output.is_dir() and any(output.iterdir()):
+        _require_same(dataset_writing.read_about(output)["made_from"], made_from, output, plan.source)
+        return output
+    remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
+    with storage_errors(partial, remedy), exclusive(partial):
+        if partial.exists() and not resume:
+            _clear(partial)
+        if _is_whole(partial, made_from):
+            _give_name(partial, output)
+            return output
+        _begin(partial, made_from, plan.source)
+        entries = scenes(partial / SCENES)
+        settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
+        _write_scenes(partial, entries, settings, workers, progress)
+        parts = [DatasetScene.read(partial, entry.name) for entry in entries]
+        catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
+        table = plan.table
+        about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
+        finish(partial, catalogue, settings, about)
+        faults = list(dataset_writing.problems(partial))
+        if faults:
+            raise DataError("\n".join(f"{partial}: {line}" for line in faults[:20]))
+        _give_name(partial, output)
+    return output
+
+
+def _settings(plan: DatasetPlan, options: DatasetOptions) -> JsonObject:
+    """What two halves of a data set must have in common."""
+    digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
+    shown = {"bits": options.bits, "image": options.image} if format_named(options.format).pictures else {}
+    return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
+
+
+def _require_same(old: Any, new: JsonObject, where: Path, source: str) -> None:
+    """Refuse what was made otherwise; of another ensemble with the keys that differ."""
+    differ = [name for name in {**old, **new} if old.get(name) != new.get(name)]
+    if "ensemble" in differ and (where / SOURCE).is_file():
+        keys = differences(read_toml(where / SOURCE, "ensemble"), tomllib.loads(source))
+        more = [f"{len(keys) - _MOST_LISTED} more"] if len(keys) > _MOST_LISTED else []
+        differ = [name for name in differ if name != "ensemble"] + (keys[:_MOST_LISTED] + more or ["ensemble"])
+    if differ:
+        raise DataError(f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or start again with overwrite")
+
+
+def _clear(partial: Path) -> None:
+    """Remove an unfinished data set; the folder that tells it is one goes last."""
+    for path in partial.iterdir():
+        if path.name == FOLDER:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+    shutil.rmtree(partial)
+
+
+def _is_whole(partial: Path, made_from: JsonObject) -> bool:
+    """Return True where the data set only has to be renamed; the checksums are written last."""
+    return (
+        (partial / dataset_writing.SUMS).is_file()
+        and not (partial / FOLDER / _SETTINGS).is_file()
+        and dataset_writing.read_about(partial)["made_from"] == made_from
+        and not any(dataset_writing.problems(partial))
+    )
+
+
+def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
+    """Make the folder, or see that an unfinished one is of the same settings."""
+    path = partial / FOLDER / _SETTINGS
+    if path.is_file():
+        _require_same(read_json(path, "start again with overwrite=True"), made_from, partial, source)
+    else:
+        if partial.exists():
+            _require_ours(partial)
+        if (partial / dataset_writing.SUMS).is_file():
+            _require_same(dataset_writing.read_about(partial)["made_from"], made_from, partial, source)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(made_from, path)
+    write_text(source, partial / SOURCE)
+
+
+def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
+    """Return the function of a worker that writes the pictures and the record of a scene and returns its name."""
+
+    def work(entry: Entry) -> str:
+        folder, form = Path(settings.folder), format_named(settings.format)
+        for name in form.folders:
+            (folder / name).mkdir(parents=True, exist_ok=True)
+        return convert(form.placed(folder, entry), settings).scene
+
+    return work
+
+
+def _write_scenes(
+    partial: Path, entries: Sequence[Entry], settings: ConversionSettings, workers: Workers | None, progress: Progress | None
+) -> None:
+    """Write what is missing."""
+    for name in format_named(settings.format).folders:
+        (partial / name).mkdir(parents=True, exist_ok=True)
+    missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
+    done = len(entries) - len(missing)
+    failed: list[str] = []
+    if progress is not None:
+        progress(done, len(entries))
+    job: Job[ConversionSettings, Entry, str] = Job(_start, settings)
+    try:
+        with stop_on_signal(at_once=workers is not None) as stopped, (workers or Here()).map(job, missing) as outcomes:
+            for outcome in outcomes:
+                if isinstance(outcome, Done):
+                    done += 1
+                    if progress is not None:
+                        progress(done, len(entries))
+                else:
+                    failed.append(f"scene {outcome.unit.name}: {outcome.error}")
+                if stopped:
+                    raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"stopped after {done} of {len(entries)} scenes, kept in {partial}; run the same again with resume=True"
+        ) from None
+    if failed:
+        error = StorageError if any("StorageError" in line for line in failed) else DataError
+        raise error(
+            "\n".join(
+                [*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}; go on with resume=True"]
+            )
+        )
+
+
+def _give_name(partial: Path, output: Path) -> None:
+    """Take away what was for resuming, and put the data set in the place of the old one, which is deleted last."""
+    for name in (FOLDER, SCENES, _REPLACED):
+        shutil.rmtree(partial / name, ignore_errors=True)
+    if output.exists():
+        output.rename(partial / _REPLACED)
+    partial.rename(output)
+    shutil.rmtree(output / _REPLACED, ignore_errors=True)
 
 
 @dataclass(frozen=True)
@@ -85,7 +372,7 @@ def ensemble_dataset(
     ------
     SeaglintError
         See :func:`seaglint.studies.ensemble.render_ensemble.render_ensemble` and
-        :func:`seaglint.studies.ensemble.scenes_to_dataset.make_dataset`.
+        :func:`seaglint.studies.ensemble.ensemble_dataset.make_dataset`.
     """
     ensemble = source.ensemble
     drawn = draw(ensemble)

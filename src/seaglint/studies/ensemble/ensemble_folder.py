@@ -13,12 +13,10 @@ from typing import Any, Final
 
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import TableRow, TomlTables
-from seaglint.files.failures import storage_errors
-from seaglint.files.outputs import ELSEWHERE, require_folder
-from seaglint.files.tables.rows import write_rows
-from seaglint.files.text_file import write_text
+from seaglint.formats.tables.table_text import write_rows
 from seaglint.scenario.ensemble_file import Ensemble, read_toml
-from seaglint.scenario.text.toml_text import document
+from seaglint.scenario.text.toml_writing import document
+from seaglint.store.outputs import ELSEWHERE, require_folder, storage_errors, write_text
 from seaglint.studies.ensemble.law_draws import EnsembleScene
 
 _REMEDY: Final = "make room and run the same command with --resume"

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from seaglint.base.parameters import Parameter
-from seaglint.studies.reading_requests import WorkRequest
+from seaglint.studies.study_requests import WorkRequest
 
 if TYPE_CHECKING:
-    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+    from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,6 @@ class DatasetRequest(ScenesRequest):
 
     def options(self) -> DatasetOptions:
         """Return how the data set is written, checked."""
-        from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+        from seaglint.studies.ensemble.ensemble_dataset import DatasetOptions
 
         return DatasetOptions.of(self.format, self.bits, self.image)

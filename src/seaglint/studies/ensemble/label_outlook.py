@@ -13,14 +13,14 @@ from scipy.ndimage import binary_dilation
 from seaglint.base.errors import SeaglintError
 from seaglint.base.reports import REPORTS
 from seaglint.base.threads import thread_limit
-from seaglint.files.dataset.convert import BLUR, local_contrast
-from seaglint.files.store.stored_truth import unpacked
+from seaglint.formats.dataset.dataset_writing import BLUR, local_contrast
 from seaglint.scenario.model import Scenario
+from seaglint.store.layout import unpacked
 from seaglint.studies.ensemble.law_draws import EnsembleScene
-from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.sequence.out_of_view import out_of_view, times_of
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
+from seaglint.studies.sequence.sequence_work import Kept
 
 MOST_SCENES: Final = 500  #: Scenes whose objects are looked for; a data set of more is judged by its first.
 

@@ -1,4 +1,7 @@
-"""Uniform numbers of an ensemble, and what its laws make of them, scene by scene."""
+"""Places of objects by where they are in the first frame.
+
+Uniform numbers of an ensemble, and what its laws make of them, scene by scene.
+"""
 
 from __future__ import annotations
 
@@ -11,19 +14,95 @@ from typing import Any, Final
 
 import numpy as np
 
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.free_form import TableRow, TomlTables
 from seaglint.base.random import stream
 from seaglint.climate.weather_table import TEXTS, WeatherTable
-from seaglint.files.weather.weather_file import SHIPPED, read_weather
+from seaglint.formats.weather.weather_file import SHIPPED, read_weather
+from seaglint.imaging.camera.imager import Imager
+from seaglint.imaging.camera.pose import Pose
 from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
 from seaglint.scenario.keys import quantity_of
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
-from seaglint.scenario.records.quantity import Quantity
-from seaglint.scenario.text.toml_text import document
-from seaglint.studies.ensemble.object_places import PixelGrid
+from seaglint.scenario.records.ensemble_tables import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
+from seaglint.scenario.records.record import Quantity
+from seaglint.scenario.text.toml_writing import document
+from seaglint.studies.build import scenario_physics
+
+
+@dataclass(frozen=True)
+class PixelGrid:
+    """The first frame's grid of pixels: from a place in it to a place on or above the sea."""
+
+    scenario: Scenario  #: Of the sensor.
+
+    @cached_property
+    def pose(self) -> Pose:
+        """Pose of the sensor at the first frame; a floating sensor at rest."""
+        return scenario_physics.track(self.scenario).at(0.0)
+
+    @cached_property
+    def pixels(self) -> Imager:
+        """Pixel model of the camera."""
+        return scenario_physics.imager(self.scenario)
+
+    def place(
+        self, column: float, row: float | None, *, range_m: float | None = None, height: float | None = None
+    ) -> tuple[float, float, float]:
+        r"""East, north and height [m] of what is seen at a place in the first frame.
+
+        .. math:: (R' + h)\,\cos(\epsilon + s/R') = (R' + h_0)\,\cos\epsilon
+
+        along a line of sight of elevation epsilon from the sensor at h0, with the arc s along the sea.
+
+        Parameters
+        ----------
+        column, row : float
+            Pixels from the left and upper edges; without a row the middle one gives the azimuth.
+        range_m : float, optional
+            Arc along the sea [m].
+        height : float, optional
+            Height above the mean sea [m].
+
+        Raises
+        ------
+        ScenarioError
+            A line of sight that does not come to that height, or is under the sea at that range.
+        """
+        east, north, up = (
+            float(v) for v in self.pixels.directions(self.pose.attitude, column, 0.5 * self.pixels.rows if row is None else row)
+        )
+        elevation, eye = math.atan2(up, math.hypot(east, north)), EFFECTIVE_EARTH_RADIUS + self.pose.height
+        if row is None:
+            assert range_m is not None  # the template has two of row, range_m and height
+            arc, height_m = range_m, height or 0.0
+        elif range_m is None:
+            arc, height_m = self._arc(elevation, height or 0.0, row), height or 0.0
+        else:
+            arc = range_m
+            height_m = eye * math.cos(elevation) / math.cos(elevation + arc / EFFECTIVE_EARTH_RADIUS) - EFFECTIVE_EARTH_RADIUS
+            if height_m <= 0.0:
+                raise ScenarioError(
+                    f"row = {row:.6g} looks {-height_m:.4g} m under the sea at range_m = {range_m:.6g}; give a lesser range_m, or a "
+                    "height_m instead of one of the two"
+                )
+        level = math.hypot(east, north)
+        return self.pose.east + arc * east / level, self.pose.north + arc * north / level, height_m
+
+    def _arc(self, elevation: float, height: float, row: float) -> float:
+        """Arc to where a line of sight first comes to a height [m]."""
+        cosine = (EFFECTIVE_EARTH_RADIUS + self.pose.height) * math.cos(elevation) / (EFFECTIVE_EARTH_RADIUS + height)
+        falls = self.pose.height > height
+        if cosine > 1.0 or (falls and elevation >= 0.0) or (not falls and elevation <= 0.0):
+            raise ScenarioError(
+                f"row = {row:.6g} looks {math.degrees(elevation):+.4g} deg from the horizontal, which never comes to height_m = {height:g} "
+                f"from {self.pose.height:g} m; give rows that do, or range_m instead of row"
+            )
+        there = math.acos(cosine)
+        return EFFECTIVE_EARTH_RADIUS * ((-there if falls else there) - elevation)
+
 
 MOST_TRIES: Final = 200  #: How often a place is drawn before objects count as too many to stand apart.
 

@@ -1,8 +1,12 @@
-"""Ensembles: scenes drawn from the laws of a file, each a scenario of its own, rendered one by one."""
+"""Ensembles: scenes drawn from the laws of a file, each a scenario of its own, rendered one by one.
+
+Expected time and room of an ensemble, from one frame of its first scene.
+"""
 
 from __future__ import annotations
 
 import copy
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -14,29 +18,33 @@ from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import TableRow
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Failed, Here, Job, Workers
-from seaglint.files.failures import storage_errors
-from seaglint.files.outputs import refuse_file_ending
-from seaglint.files.stopping import stop_on_signal
-from seaglint.files.store.claim import exclusive
-from seaglint.files.store.store import Interrupted, check_output, write_sequence
-from seaglint.files.text_file import write_text
+from seaglint.scenario.changed_scenario import middle_of, set_key
 from seaglint.scenario.ensemble_file import Ensemble, with_absolute_paths
 from seaglint.scenario.keys import quantity_of
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.laws import Weather, value_of
-from seaglint.scenario.setting import set_key
+from seaglint.scenario.records.ensemble_tables import Weather, value_of
+from seaglint.store.outputs import refuse_file_ending, stop_on_signal, storage_errors, write_text
+from seaglint.store.sequence_store import Interrupted, check_output, write_sequence
+from seaglint.store.writers import exclusive
+from seaglint.studies.build.profile_air import report_air
+from seaglint.studies.build.scenario_physics import band
 from seaglint.studies.ensemble.ensemble_folder import Folder
 from seaglint.studies.ensemble.label_outlook import report_unseen
-from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, UniformNumbers, WeatherRows, count_key, sea_seed
-from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
-from seaglint.studies.ensemble.object_places import PixelGrid
-from seaglint.studies.prepare.kept import Kept
-from seaglint.studies.prepare.memory import give_back, require_memory_of_all
-from seaglint.studies.prepare.prepare import band
-from seaglint.studies.prepare.sounding_air import report_air
+from seaglint.studies.ensemble.law_draws import (
+    DrawnObjects,
+    EnsembleScene,
+    PixelGrid,
+    SingleLaw,
+    UniformNumbers,
+    WeatherRows,
+    count_key,
+    sea_seed,
+)
+from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.sensed import prepare_sensed
+from seaglint.studies.sequence.sensed_sequence import prepare_sensed
+from seaglint.studies.sequence.sequence_work import Kept
 
 _MOST_NAMED: Final = 3  #: Scenes that failed, of which more are only counted.
 
@@ -246,3 +254,47 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
             f"{folder.path}: {len(failed)} of {len(labels)} scenes failed, the others are there; {named}{more}; tracebacks are in "
             f"{folder.path / 'failures'}; resume renders them again"
         )
+
+
+MANY: Final = 16  #: Least number of scenes whose cost is worth the time of one frame.
+
+_STRIP: Final = 16
+
+
+@dataclass(frozen=True)
+class ExpectedCost:
+    """Expected time [s] and greatest room [bytes] of an ensemble's scenes, on this machine alone."""
+
+    seconds: float
+    size: int
+
+
+def expected_cost(first: Scenario, second: Scenario, scenes: int) -> ExpectedCost:
+    """Return what rendering some scenes costs, all frames taken as the first one of the first scene.
+
+    A narrow strip compiles what is not compiled yet; then the scene is made ready and its first frame is drawn, by the clock. The second
+    scene is made ready as all further ones are, with what it shares with the first. The room is that of pixels as they are kept, without
+    compression.
+    """
+    columns, rows = first.sensor.pixels
+    cached = Kept()
+    _times(middle_of(first, rows, _STRIP), cached)
+    ready, drawn = _times(first, cached)
+    again = _ready(second, cached)[1]
+    size = scenes * first.sensor.frames * rows * columns * (2 if first.sensor.senses else 4)
+    return ExpectedCost(ready + (scenes - 1) * again + scenes * first.sensor.frames * drawn, size)
+
+
+def _times(scenario: Scenario, cached: Kept) -> tuple[float, float]:
+    """Times of making a scenario ready and of drawing its first frame [s]."""
+    run, ready = _ready(scenario, cached)
+    start = time.perf_counter()
+    run.images(next(iter(run.layout.frames)))
+    return ready, time.perf_counter() - start
+
+
+def _ready(scenario: Scenario, cached: Kept) -> tuple[Any, float]:
+    """Scenario made ready, and the time that it took [s]."""
+    start = time.perf_counter()
+    run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
+    return run, time.perf_counter() - start

@@ -12,37 +12,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.air.profile.air_profile import AirProfile, model_profile
-from seaglint.air.profile.band_numbers import Spectroscopy
+from seaglint.air.profile.band_laws import Spectroscopy, with_gases
 from seaglint.air.profile.hazes import wind_kinks
-from seaglint.air.profile.own_gases import with_gases
-from seaglint.air.profile.windy_air import WindyAir
+from seaglint.air.profile.profile_atmosphere import WindyAir
 from seaglint.air.protocol import wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
-from seaglint.climate.conditions import GeographicRegion, Times, timestamp
+from seaglint.climate.conditions import GeographicRegion, Times, bandwidths, timestamp
 from seaglint.climate.ephemeris import Ephemeris
-from seaglint.climate.looks import Search
-from seaglint.climate.measures import DetectionCurve
+from seaglint.climate.glint_radiance import DetectionCurve, Search, WindSlopes, seas
 from seaglint.climate.mirrored_sunlight import MirroredLight, mirrored_light
-from seaglint.climate.seas import WindSlopes, seas
-from seaglint.climate.select import GeographicBox
-from seaglint.climate.smooth import bandwidths
+from seaglint.climate.weather_selection import GeographicBox
 from seaglint.climate.weather_table import MONTHS, WeatherTable
 from seaglint.facet.legs import VIEWER, Shadowing
-from seaglint.files.lowtran.deck import MODELS
-from seaglint.files.weather.weather_cells import read_cells
-from seaglint.files.weather.weather_file import SHIPPED, read_weather
+from seaglint.formats.lowtran.deck import MODELS
+from seaglint.formats.weather.weather_cells import read_cells
+from seaglint.formats.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
-from seaglint.scenario.records import sea_slopes as wanted_slopes
+from seaglint.scenario.records import sea_tables as wanted_slopes
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.profile_air import model_air, wanted_gases
-from seaglint.studies.prepare.slope_laws import slopes
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.profile_air import model_air, wanted_gases
+from seaglint.studies.build.waves_and_slopes import slopes
 
 _SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")  #: Tables that scenarios with the same air, sea and year share.
 
@@ -160,9 +156,9 @@ class LikelihoodModel:
     @cached_property
     def light(self) -> MirroredLight:
         """Sunlight through the air of every model atmosphere."""
-        scenario, over = self.scenario, prepare.band(self.scenario)
+        scenario, over = self.scenario, scenario_physics.band(self.scenario)
         of_table = isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings)
-        one = None if of_table else prepare.atmosphere(scenario, over)
+        one = None if of_table else scenario_physics.atmosphere(scenario, over)
 
         edges, article = (over.min_um, over.max_um), scenario.mean.mode == "article"
         profiles: dict[str, AirProfile] = {}
@@ -181,7 +177,7 @@ class LikelihoodModel:
 
         top = min(self.winds[1], NAVY_AEROSOL_WIND[1])
         winds = (0.0, top) if of_table else None
-        water = prepare.water(scenario)
+        water = scenario_physics.water(scenario)
         kinks = [wind_kinks(profile) for profile in profiles.values()]
         return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)
 

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
-from seaglint.climate import strata as by
-from seaglint.climate.azimuths import azimuth_shares
-from seaglint.climate.clouds import CloudLaw, illuminated
-from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions, months_of
-from seaglint.climate.draws import Estimate, SamplingPlan, estimate
+from seaglint.climate import draws as by
+from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, conditions, illuminated, months_of, smoothed
+from seaglint.climate.draws import Estimate, SamplingPlan, Stratum, estimate, strata
+from seaglint.climate.exceeding_azimuths import azimuth_shares
+from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
 from seaglint.climate.likelihood_summary import (
     DrawnWeather,
     ExceededContrast,
@@ -30,14 +30,10 @@ from seaglint.climate.likelihood_summary import (
     SunUp,
     ThresholdChance,
 )
-from seaglint.climate.looks import Looks, looks
-from seaglint.climate.measures import detected, deviation, exceeded_by, exceeds, passes
-from seaglint.climate.smooth import smoothed
-from seaglint.climate.strata import Stratum, strata
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.scenario.model import Scenario
+from seaglint.studies.build import scenario_physics
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
-from seaglint.studies.prepare import prepare
 
 #: Uniform numbers of a draw, those that matter most first.
 DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "cover", "wind", "height", "along")
@@ -357,7 +353,7 @@ def measured(model: LikelihoodModel, drawn: Draws, threshold: float) -> FloatArr
 def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
     """Standard deviation of glint in one of the scenario's pixels [W m-2 sr-1]."""
     across, along = model.scenario.sensor.ifov_deg
-    return deviation(drawn.found, drawn.height, math.radians(across) * math.radians(along), prepare.glint_length(model.scenario))
+    return deviation(drawn.found, drawn.height, math.radians(across) * math.radians(along), scenario_physics.glint_length(model.scenario))
 
 
 def _classes(model: LikelihoodModel, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:

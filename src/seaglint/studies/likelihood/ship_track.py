@@ -18,11 +18,11 @@ from seaglint.climate.conditions import conditions
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.ephemeris import Ephemeris
 from seaglint.climate.weather_table import WeatherTable
-from seaglint.files.weather.weather_cells import TextColumns, read_cells
+from seaglint.formats.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
-from seaglint.studies.likelihood.likelihood_requests import LikelihoodRequest
+from seaglint.studies.study_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
     import xarray as xr

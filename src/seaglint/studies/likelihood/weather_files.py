@@ -11,24 +11,27 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
-from seaglint.climate.derived import model_atmosphere
-from seaglint.climate.select import Selection, covered
-from seaglint.climate.table_facts import ColumnFacts, MonthFacts, WeatherFacts, WindCloud, WindRose
 from seaglint.climate.table_summary import (
     CLOUD_EDGES,
     SECTORS,
     SPEED_EDGES,
+    ColumnFacts,
+    MonthFacts,
+    WeatherFacts,
+    WindCloud,
+    WindRose,
     correlation,
     joint_density,
     missing_shares,
     month_means,
     wind_rose,
 )
+from seaglint.climate.weather_columns import model_atmosphere
+from seaglint.climate.weather_selection import Selection, covered
 from seaglint.climate.weather_table import MONTHS, NEEDED, RANGES, TEXTS, TextArray, WeatherTable
-from seaglint.files.weather import era5_weather as era5
-from seaglint.files.weather.columns_read import WeatherSource
-from seaglint.files.weather.read_weather import WeatherReading, is_grid, read_source
-from seaglint.files.weather.weather_file import WeatherFile, read_weather
+from seaglint.formats.weather import era5_weather as era5
+from seaglint.formats.weather.weather_cells import WeatherSource
+from seaglint.formats.weather.weather_file import WeatherFile, WeatherReading, is_grid, read_source, read_weather
 from seaglint.version import __version__
 
 if TYPE_CHECKING:

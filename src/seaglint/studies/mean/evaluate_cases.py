@@ -1,6 +1,13 @@
-"""Spreadsheets of cases become spreadsheets of results: the air, the emissivity and the mean radiance of the sea, row by row.
+"""Slope models that the rows of a spreadsheet of cases name.
 
-Each function takes the cases of a CSV file (:mod:`seaglint.files.tables.cases`) and returns columns by name, in the order of the rows.
+Spectra of the air for cases one by one, in continuous air with LOWTRAN7's band laws, as the tables of cases have them.
+
+Spreadsheets of cases become spreadsheets of results: the air, the emissivity and the mean radiance of the sea, row by row.
+
+Each function takes the cases of a CSV file (:mod:`seaglint.formats.tables.input_tables`) and returns columns by name, in the order of the
+rows.
+
+Results of a table of cases as a labelled dataset, with bands as an axis.
 """
 
 from __future__ import annotations
@@ -10,25 +17,108 @@ import re
 from collections.abc import Hashable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Final
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.air.table.batch import BatchAtmosphere
-from seaglint.air.table.table_file import table_models
+from seaglint.air.lowtran_table import BatchAtmosphere, table_models
+from seaglint.air.profile.air_profile import model_profile
+from seaglint.air.profile.air_sums import AirSums
+from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, travel_azimuth
 from seaglint.base.errors import DomainError
-from seaglint.base.limits import COX_MUNK_WIND, TOP_OF_AIR, WIND_PROFILE
+from seaglint.base.limits import COX_MUNK_WIND, NAVY_AEROSOL_WIND, TOP_OF_AIR, WIND_PROFILE
 from seaglint.base.parameters import documented
-from seaglint.files.tables.cases import Cases, Column
+from seaglint.formats.tables.input_tables import Cases, Column
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
-from seaglint.studies.mean.case_slopes import WIND_FROM, slope_kinds, slopes_of
-from seaglint.studies.mean.continuous_rays import continuous_light, continuous_rays
-from seaglint.studies.mean.mean_requests import AirRequest, BandsRequest, EvaluationRequest
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
+from seaglint.sea.slopes.from_spectrum import nested_in
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.studies.build.waves_and_slopes import elfouhaily
+from seaglint.studies.study_requests import AirRequest, BandsRequest, EvaluationRequest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+#: Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth.
+WIND_FROM: Final = "wind_from_deg"
+
+SLOPES: Final = "slopes"  #: Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`.
+
+SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
+
+
+def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
+    """Slope model of every row; those that have a direction need the wind's."""
+    if SLOPES not in cases.header:
+        return np.full(len(cases), SLOPE_KINDS[1 if directed else 0])
+    kinds = np.array(cases.choice(SLOPES, SLOPE_KINDS))
+    if not directed:
+        cases.check(
+            kinds == SLOPE_KINDS[0],
+            SLOPES,
+            lambda row: f"'{kinds[row]}' depends on the wind's direction; add a column {WIND_FROM}, or give '{SLOPE_KINDS[0]}'",
+        )
+    return kinds
+
+
+def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
+    """Slopes of a wind at 10 m towards an azimuth [rad], over the waves of Elfouhaily's spectrum as a scenario has them by default."""
+    made = _law(kind, speed, towards, extrapolate)
+    return made if kind == SLOPE_KINDS[0] else replace(made, nesting=_nesting(kind, speed, extrapolate))
+
+
+def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
+    match kind:
+        case "cox-munk-isotropic":
+            return cox_munk_isotropic(speed, extrapolate=extrapolate)
+        case "cox-munk-anisotropic":
+            return cox_munk_anisotropic(speed, towards, extrapolate=extrapolate)
+        case _:
+            return cox_munk_gram_charlier(speed, towards, extrapolate=extrapolate)
+
+
+@lru_cache(maxsize=4096)
+def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float, float], ...]:
+    """Covariances of the longer waves along and across the wind, whatever its direction."""
+    made = _law(kind, speed, 0.0, extrapolate)
+    return nested_in(made, elfouhaily(speed, made.wind_to_azimuth) if speed > 0.0 else None).nesting
+
+
+def continuous_rays(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Transmittance, path, sunlight and sky [(cases, n)] in continuous air, ray by ray.
+
+    ``cases``: wind [m s-1], height [m], depression, zenith angles of Sun and sky [rad].
+    """
+    out = np.empty((4, cases[0].size, wavenumber_cm.size))
+    for i, (wind, height, depression, sun, sky) in enumerate(zip(*(values.tolist() for values in cases), strict=True)):
+        sums = _at_wind(model, wind, wavenumber_cm)
+        down = sums.along(height, 0.5 * np.pi + max(depression, sums.air.dip(height) * (1.0 + 1e-9)))
+        lit = sums.passed(0.0, sun) * sums.laws.source if sun <= 0.5 * np.pi else np.zeros(wavenumber_cm.size)
+        out[:, i] = down.transmittance[-1], down.emitted, lit, sums.along(0.0, sky).emitted
+    return out[0], out[1], out[2], out[3]
+
+
+def continuous_light(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> FloatArray:
+    """Thermal radiance [(cases, n)] of continuous air along rays to the sea or the sky.
+
+    ``cases``: wind [m s-1], height [m], elevation [rad].
+    """
+    out = np.empty((cases[0].size, wavenumber_cm.size))
+    for i, (wind, height, elevation) in enumerate(zip(*(values.tolist() for values in cases), strict=True)):
+        out[i] = _at_wind(model, wind, wavenumber_cm).along(height, 0.5 * np.pi - elevation).emitted
+    return out
+
+
+def _at_wind(model: str, wind: float, wavenumber_cm: FloatArray) -> AirSums:
+    blown = min(wind, NAVY_AEROSOL_WIND[1])
+    return AirSums(model_profile(model), HazeWeather(wind=blown, wind_24h=blown), wavenumber_cm, spectroscopy="lowtran7")
+
 
 Columns = dict[str, FloatArray | list[str]]
 
@@ -239,10 +329,9 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     # Numba comes with these, as above.
     from seaglint.facet.sea_view import BandSum, SeaView
     from seaglint.facet.surface_spectra import SeaSurface
-    from seaglint.radiance.glint_correlation import correlation_length
     from seaglint.radiance.mean_radiance import mean_radiance
-    from seaglint.radiance.variance import sea_variance
-    from seaglint.studies.prepare.profile_air import model_air
+    from seaglint.radiance.variance import correlation_length, sea_variance
+    from seaglint.studies.build.profile_air import model_air
 
     cases.require(MEAN_INPUTS)
     airs = _airs(cases, bands, extrapolate)
@@ -318,7 +407,7 @@ def evaluate_scattered(
     DomainError
         A band outside the tables.
     """
-    from seaglint.air.profile.scattered_cases import scattered_cases, scatters_in
+    from seaglint.air.profile.profile_scattering import scattered_cases, scatters_in
 
     cases.require(SCATTERED_INPUTS)
     airs = _airs(cases, bands, extrapolate)
@@ -436,3 +525,50 @@ def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str
         return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {what} between that and {sign * 90.0:g} deg"
 
     cases.check(depression > dip, column, say)
+
+
+#: Units by the ending of a column's name, longer endings first.
+UNITS: Final = {"_W_m2_sr": "W m-2 sr-1", "_W_m2": "W m-2", "_K": "K", "_k": "K", "_deg": "degree", "_m_s": "m s-1", "_um": "um", "_m": "m"}
+
+SHARES: Final = ("emissivity", "tau_mean")  #: Columns without a unit.
+
+
+def labelled_cases(cases: Cases, results: Columns) -> xr.Dataset:
+    """Return cases and their results over ``case``; columns ``name[band]`` become ``name`` over ``case`` and ``band``.
+
+    Parameters
+    ----------
+    cases : Cases
+        The cases.
+    results : mapping
+        Columns by name, as :mod:`seaglint.studies.mean.evaluate_cases` gives them.
+    """
+    import xarray as xr
+
+    parts: dict[str, dict[str, Any]] = {}
+    variables: dict[str, Any] = {name: ("case", _plain(cases.text(name)), _about(name)) for name in cases.header}
+    for name, values in results.items():
+        match = re.fullmatch(r"(.+)\[(.+)\]", name)
+        if match:
+            parts.setdefault(match[1], {})[match[2]] = values
+        else:
+            variables[name] = ("case", np.asarray(values), _about(name))
+    labels = list(next(iter(parts.values()), {}))
+    variables |= {
+        name: (("case", "band"), np.stack([columns[label] for label in labels], axis=-1), _about(name)) for name, columns in parts.items()
+    }
+    return xr.Dataset(variables, {"band": ("band", labels, {"units": "um"})} if labels else {})
+
+
+def _plain(cells: list[str]) -> Any:
+    """Return cells as numbers where all are numbers, else as text."""
+    try:
+        return np.array(cells, np.float64)
+    except ValueError:
+        return np.array(cells)
+
+
+def _about(name: str) -> dict[str, str]:
+    """Return the attributes of a column, its units by the ending of the name."""
+    unit = "1" if name in SHARES else next((unit for ending, unit in UNITS.items() if name.endswith(ending)), None)
+    return {} if unit is None else {"units": unit}

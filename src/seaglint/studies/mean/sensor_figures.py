@@ -14,11 +14,11 @@ from seaglint.instrument.data_sheet import SensorDataSheet
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import figures
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.sensor_presets import TABLES
-from seaglint.scenario.records.sensor_detector import PhotonDetector
+from seaglint.scenario.presets import TABLES
+from seaglint.scenario.records.sensor_table import PhotonDetector
+from seaglint.studies.build.sensor_model import platform_rates, sensor_model
+from seaglint.studies.mean.air_contrast import AirContrast, air_contrast
 from seaglint.studies.mean.mean_map import mean
-from seaglint.studies.prepare.air_contrast import AirContrast, air_contrast
-from seaglint.studies.prepare.sensor_model import platform_rates, sensor_model
 
 MEAN_PIXELS = (24, 12)  #: Grid of the mean map from which the scene's mean radiance is taken for a noise budget.
 

@@ -17,22 +17,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.protocol import GRID_STEP_CM
-from seaglint.air.sky_spline import brightness_temperature
+from seaglint.air.sun_and_sky import brightness_temperature
 from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith
 from seaglint.base.errors import DataError
 from seaglint.base.limits import PROFILE_BAND_UM
 from seaglint.facet.sea_view import SeaView, sea_arc
 from seaglint.facet.surface_spectra import SeaSurface
-from seaglint.files.tables.spectra_beside import SpectraBeside
-from seaglint.files.tables.spectrum_file import MeasuredLight, read_spectrum, spectrum_of_columns
-from seaglint.optics.band import Band
-from seaglint.optics.triangular import triangular_average
+from seaglint.formats.tables.spectra import MeasuredLight, SpectraBeside, read_spectrum, spectrum_of_columns
+from seaglint.optics.band import Band, triangular_average
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.atmosphere_table import LowtranAtmosphere, TableAtmosphereSettings
-from seaglint.studies.measured.measured_row import band_difference
-from seaglint.studies.measured.spectroscopies import SPECTROSCOPIES
-from seaglint.studies.prepare import prepare
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.measured.measured_numbers import SPECTROSCOPIES, band_difference
 
 OURS_CM: Final = 20.0  #: Resolution of LOWTRAN7's channels [cm-1].
 
@@ -164,7 +161,7 @@ def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLig
     Raises
     ------
     DataError
-        As :func:`seaglint.files.tables.spectrum_file.read_spectrum`.
+        As :func:`seaglint.formats.tables.spectra.read_spectrum`.
     """
     if isinstance(spectrum, MeasuredLight):
         return spectrum
@@ -261,7 +258,7 @@ def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, sp
     more = math.sqrt(max(width**2 - OURS_CM**2, 0.0))
     low, high = PROFILE_BAND_UM
     wide = _multiples(max(float(nu[0]) - more - GRID_STEP_CM, 1e4 / high), min(float(nu[-1]) + more + GRID_STEP_CM, 1e4 / low))
-    view = prepare.view(_of_band(scenario, wide, spectroscopy))
+    view = scenario_physics.view(_of_band(scenario, wide, spectroscopy))
     grid = view.atmosphere.wavenumber_cm
     full = scene_spectrum(view, elevation, math.radians(scenario.sensor.azimuth_deg))
     return triangular_average(grid, full, nu, more) if more > GRID_STEP_CM else np.interp(nu, grid, full)

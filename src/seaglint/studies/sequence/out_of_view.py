@@ -23,9 +23,9 @@ from seaglint.objects.body import Body
 from seaglint.objects.drawing.eye import image_point, lens, stand
 from seaglint.objects.motion import Rest
 from seaglint.scenario.model import Scenario
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.bodies import unchecked_bodies
-from seaglint.studies.prepare.refraction import bends_by_profile
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.bodies import unchecked_bodies
+from seaglint.studies.build.scenario_physics import bends_by_profile
 
 MOST_LOOKS: Final = 4000  #: Places of objects at times that are looked at; of more, frames are left out.
 
@@ -72,7 +72,7 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
     """
     if not scenario.objects or not len(times):
         return ()
-    track, pixels = prepare.track(scenario), prepare.imager(scenario)
+    track, pixels = scenario_physics.track(scenario), scenario_physics.imager(scenario)
     placed = unchecked_bodies(scenario)
     most = max(MOST_LOOKS // len(placed), 2)
     looks = np.asarray(times, float)

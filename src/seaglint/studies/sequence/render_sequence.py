@@ -19,32 +19,29 @@ from seaglint.base.threads import single_threaded_algebra, thread_limit
 from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
 from seaglint.facet.sea_view import SeaView
-from seaglint.files.provenance import provenance
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import Frame, check_output, write_sequence
-from seaglint.imaging.bending import RowShift
+from seaglint.imaging.attitude_scene import TurnedScene
 from seaglint.imaging.camera.pose import Track
 from seaglint.imaging.layers import Layers
-from seaglint.imaging.refracted import RefractedScene
+from seaglint.imaging.refraction import RefractedScene, RowShift
 from seaglint.imaging.scene import Scene, image
-from seaglint.imaging.swept import SweptScene
-from seaglint.imaging.turned import TurnedScene
+from seaglint.imaging.upright_scene import SweptScene
 from seaglint.objects.drawing.image_path import View
 from seaglint.objects.drawing.light import Counting
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position, sun_step
-from seaglint.sea.field import WaveField
-from seaglint.studies.prepare import prepare
-from seaglint.studies.prepare.kept import Kept
-from seaglint.studies.prepare.memory import require_memory
-from seaglint.studies.prepare.refraction import bending, require_standard_refraction
-from seaglint.studies.prepare.slope_laws import slopes
-from seaglint.studies.sequence.moving_labels import motion_numbers
+from seaglint.sea.wave_field import WaveField
+from seaglint.store.layout import Layout
+from seaglint.store.provenance import provenance
+from seaglint.store.sequence_store import Frame, check_output, write_sequence
+from seaglint.store.writers import Share
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.scenario_physics import bending, require_standard_refraction
+from seaglint.studies.build.waves_and_slopes import slopes
+from seaglint.studies.sequence.memory import require_memory
 from seaglint.studies.sequence.out_of_view import report_out_of_view
-from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
-from seaglint.studies.sequence.spread import over
+from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of, motion_numbers
+from seaglint.studies.sequence.sequence_work import Kept, over
 
 NON_FINITE_SHARE = 1e-3  #: Share of a frame's pixels that may be without a number; more are an error.
 
@@ -78,7 +75,7 @@ def render(
     progress : callable, optional
         Called with (frames done, frames in all).
     share : Share, optional
-        Render its units alone, into a store that other shares write too; :func:`seaglint.files.store.store.finish_sequence` names it.
+        Render its units alone, into a store that other shares write too; :func:`seaglint.store.sequence_store.finish_sequence` names it.
     workers : Workers, optional
         Who renders; this process by default. The bytes do not depend on it.
 
@@ -90,7 +87,7 @@ def render(
     Raises
     ------
     SeaglintError
-        See :func:`seaglint.files.store.store.write_sequence` and :mod:`seaglint.studies.prepare.prepare`.
+        See :func:`seaglint.store.sequence_store.write_sequence` and :mod:`seaglint.studies.build.scenario_physics`.
     """
     check_output(output, resume=resume, overwrite=overwrite, share=share)
     report_out_of_view(scenario, frames)
@@ -236,8 +233,8 @@ def prepare_sequence(
 ) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
-    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.studies.prepare.prepare.gliding_camera`); ``fits`` says
-    that the memory was seen to be enough; ``cached`` holds what scenes prepared one after the other share.
+    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.studies.build.scenario_physics.gliding_camera`); ``fits``
+    says that the memory was seen to be enough; ``cached`` holds what scenes prepared one after the other share.
 
     Examples
     --------
@@ -255,33 +252,37 @@ def prepare_sequence(
 
 @single_threaded_algebra()
 def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
-    prepare.require_drawable(scenario, slopes(scenario))
+    scenario_physics.require_drawable(scenario, slopes(scenario))
     compile_ahead("render")
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
-    accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
-    camera = prepare.gliding_camera(scenario) if scanned else prepare.swept_camera(scenario)
+    accuracy, layers, sparkles = scenario_physics.accuracy(scenario), scenario.render.layers, scenario_physics.sparkles(scenario)
+    camera = scenario_physics.gliding_camera(scenario) if scanned else scenario_physics.swept_camera(scenario)
     if camera is not None:
-        first = prepare.view(scenario)
+        first = scenario_physics.view(scenario)
         bent = bending(scenario, first)
-        sea = prepare.sea(scenario, first.slopes)
-        track = prepare.track(scenario)
+        sea = scenario_physics.sea(scenario, first.slopes)
+        track = scenario_physics.track(scenario)
 
         shift = None if bent is None else RowShift.of(bent, camera)
         grid = camera if shift is None else shift.standard
 
         def prepared(sun: SunPosition) -> Scene:
-            view = prepare.under(first, sun)
+            view = scenario_physics.under(first, sun)
             scene = SweptScene.prepare(view, grid, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
             return scene if shift is None else RefractedScene(scene, shift)
     else:
         require_standard_refraction(scenario)
-        sea, imager, at = prepare.sea(scenario, slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
-        track = prepare.track(scenario, sea.waves)
+        sea, imager, at = (
+            scenario_physics.sea(scenario, slopes(scenario)),
+            scenario_physics.imager(scenario),
+            scenario_physics.view_at(scenario),
+        )
+        track = scenario_physics.track(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> Scene:
             def view(height: float) -> SeaView:
-                return prepare.under(at(height), sun)
+                return scenario_physics.under(at(height), sun)
 
             return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
 
@@ -312,7 +313,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
             **({"platform_track": hashlib.sha256(track.time.tobytes() + track.values.tobytes()).hexdigest()} if track.moves else {}),
             solar_zenith_deg=math.degrees(view.solar_zenith),
             solar_azimuth_deg=math.degrees(view.solar_azimuth),
-            atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
+            atmosphere_table=scenario_physics.atmosphere_provenance(view.atmosphere),
         ),
     )
     layout = layout.in_units(sensor.frames)

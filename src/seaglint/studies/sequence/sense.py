@@ -19,11 +19,7 @@ from seaglint.base.free_form import Attributes
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
-from seaglint.files.provenance import provenance
-from seaglint.files.recording.image_attributes import Source
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.share import Share
-from seaglint.files.store.store import Frame, check_output, write_sequence
+from seaglint.formats.recording.labelled_arrays import Source
 from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
 from seaglint.instrument.detector import PhotonPixels
@@ -32,9 +28,13 @@ from seaglint.instrument.transfer import require_divides, require_steady
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sensor_table import AGREEMENT
-from seaglint.studies.prepare.memory import BASE, require_room
-from seaglint.studies.prepare.sensor_model import sensor_attributes, sensor_model
-from seaglint.studies.sequence.spread import over
+from seaglint.store.layout import Layout
+from seaglint.store.provenance import provenance
+from seaglint.store.sequence_store import Frame, check_output, write_sequence
+from seaglint.store.writers import Share
+from seaglint.studies.build.sensor_model import sensor_attributes, sensor_model
+from seaglint.studies.sequence.memory import BASE, require_room
+from seaglint.studies.sequence.sequence_work import over
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -158,7 +158,7 @@ def sense(
     progress : callable, optional
         Called with (frames done, frames in all).
     share : Share, optional
-        Make its units alone, in a store that other shares write too; :func:`seaglint.files.store.store.finish_sequence` names it.
+        Make its units alone, in a store that other shares write too; :func:`seaglint.store.sequence_store.finish_sequence` names it.
     workers : Workers, optional
         Who makes the frames; this process by default. They read the recording themselves, which takes ``reopen``.
     reopen : Reopen, optional
@@ -196,8 +196,8 @@ class Reopen:
 
 def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, bool]) -> tuple[Layout, Frame]:
     """Layout and frames in another process."""
-    from seaglint.files.recording import open_recording
-    from seaglint.files.recording.image_attributes import source_of
+    from seaglint.formats.recording import open_recording
+    from seaglint.formats.recording.labelled_arrays import source_of
 
     file, scenario, seed, oversampling, electrons = settings
     opened = open_recording(
@@ -288,7 +288,7 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
     import xarray as xr
 
     from seaglint.base.schema import VARIABLES
-    from seaglint.files.netcdf import plain_attributes
+    from seaglint.store.netcdf import plain_attributes
 
     pixels = len(layout.frames) * layout.elevation_deg.shape[0] * layout.azimuth_deg.shape[-1]
     each = sum(np.dtype(VARIABLES[name].dtype).itemsize for name in layout.variables)

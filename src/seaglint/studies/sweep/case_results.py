@@ -1,19 +1,235 @@
-"""One quantity of one scenario as named arrays: what a sweep computes for each of its cases."""
+"""Named arrays of one case of a sweep.
+
+Views of a sea that scenarios of a sweep share: air, water and slopes are prepared once for all Suns over them.
+
+Mean radiance of the sea, and the air before it, at view angles instead of a picture's pixels.
+
+One quantity of one scenario as named arrays: what a sweep computes for each of its cases.
+"""
 
 from __future__ import annotations
 
+import threading
+from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import dataclass, field
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
+from seaglint.air.protocol import Atmosphere
+from seaglint.base.conventions import FloatArray, horizon_depression, surface_range, view_zenith
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import Attributes
+from seaglint.facet.sea_view import SeaView
+from seaglint.facet.surface_spectra import SeaSurface
+from seaglint.optics.band import Band, apparent_temperature
+from seaglint.radiance.article import article_radiance
+from seaglint.radiance.mean_radiance import SeaLines
+from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.model import Scenario
-from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
-from seaglint.studies.sweep.sweep_requests import QUANTITIES
+from seaglint.scenario.records.atmosphere_table import FileAtmosphere
+from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.store.provenance import band_attributes
+from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.scenario_physics import require_standard_refraction
+from seaglint.studies.mean.mean_map import MAPS
+from seaglint.studies.study_requests import QUANTITIES
+from seaglint.studies.sweep.sweep_plan import ATTRIBUTES, AZIMUTH, ZENITH, ViewAngles
 
-if TYPE_CHECKING:
-    from seaglint.studies.sweep.view_angles import ViewAngles
+
+@dataclass(frozen=True, eq=False)
+class NamedArray:
+    """Array with the names of its dimensions and its attributes."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Attributes = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class CaseResult:
+    """Result of one case."""
+
+    #: ``variables``, ``coordinates``: Arrays by name.
+    variables: dict[str, NamedArray]
+    coordinates: dict[str, NamedArray] = field(default_factory=dict)
+    attributes: Attributes = field(default_factory=dict)  #: Attributes of the whole.
+
+    @property
+    def size(self) -> int:
+        """Bytes of all arrays."""
+        return sum(array.values.nbytes for arrays in (self.variables, self.coordinates) for array in arrays.values())
+
+
+MOST_KEPT: Final = 64  #: Views kept at a time: some 5 MB each.
+
+_SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
+
+_KEPT: Final[OrderedDict[str, SharedView]] = OrderedDict()
+_LOCK: Final = threading.Lock()
+
+
+@dataclass(eq=False)
+class SharedView:
+    """View of a sea, and its lines of sight prepared so far."""
+
+    view: SeaView  #: View with the Sun of the scenario that was the first.
+    _surface: SeaSurface | None = None
+    _lines: dict[Any, SeaLines] = field(default_factory=dict)
+
+    def under(self, sun: SunPosition) -> SeaView:
+        """Return the view under a Sun."""
+        return scenario_physics.under(self.view, sun)
+
+    def lines(self, view: SeaView, elevation: FloatArray, azimuth: FloatArray) -> SeaLines:
+        """Return lines of sight of :meth:`under` at elevations and azimuths [rad]."""
+        key = (elevation.tobytes(), azimuth.tobytes(), view.hiding.law_bands(view.slopes))
+        if key not in self._lines:
+            if self._surface is None:
+                self._surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, view.in_band.grid)
+            self._lines[key] = SeaLines.prepare(view, elevation, azimuth, self._surface)
+        return self._lines[key]
+
+
+def forget_views() -> None:
+    """Forget all views: files that they were made of may have changed since."""
+    with _LOCK:
+        _KEPT.clear()
+
+
+def shared_view(scenario: Scenario, height: float) -> SharedView:
+    """Return the view of a scenario from a height [m], from an earlier one that differs in nothing but the Sun and the picture."""
+    key = _key(scenario, height)
+    with _LOCK:
+        if key in _KEPT:
+            _KEPT.move_to_end(key)
+            return _KEPT[key]
+    made = SharedView(scenario_physics.standing_view(scenario, height))
+    with _LOCK:
+        _KEPT[key] = made
+        while len(_KEPT) > MOST_KEPT:
+            _KEPT.popitem(last=False)
+    return made
+
+
+def _key(scenario: Scenario, height: float) -> str:
+    tables = set(_SUNLESS)
+    if isinstance(scenario.atmosphere, FileAtmosphere):
+        tables |= {"sensor"}  # its columns are those of what is in view
+    text = scenario.model_dump_json(include=tables, exclude_none=True)
+    if '"sounding"' in text or '"path"' in text:  # files are read at a date and a place
+        text += scenario.model_dump_json(include={"time", "place"}, exclude_none=True)
+    return f"{height!r} {text}"
+
+
+def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
+    """Return mean radiance, its components and apparent temperature at view angles.
+
+    Each value is that of a line of sight, as the mean map has it in the middle of a pixel that looks that way. The deviation of glint is
+    that of a pixel as large as the one in the middle of the picture. A moving sensor stands where it is at time 0.
+
+    Raises
+    ------
+    SeaglintError
+        A condition outside the models, or refraction by the profile.
+    """
+    require_standard_refraction(scenario)
+    pose, imager = scenario_physics.track(scenario).at(0.0), scenario_physics.imager(scenario)
+    shared = shared_view(scenario, pose.height)
+    view = shared.under(sun_position(scenario))
+    elevation, azimuth = at.elevations(pose.height), _azimuths(at, pose.attitude.azimuth)
+    if scenario.mean.mode == "article":
+        view = scenario_physics.article_view(scenario, view)
+        seen = article_radiance(view, elevation, azimuth)
+    else:
+        seen = shared.lines(view, elevation, azimuth).under(view)
+    pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
+    variance = sea_variance(view, seen, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
+    temperature = apparent_temperature(seen.total, view.band, view.atmosphere.wavenumber_cm)
+    values = (seen.total, temperature, seen.path, seen.emission, seen.sky, seen.sun, np.sqrt(variance))
+    shape = (elevation.size, azimuth.size)
+    variables = {
+        name: NamedArray(at.dims, _shaped(value, shape, at))
+        for name, value in zip(("radiance", "apparent_temperature", *MAPS), values, strict=True)
+    }
+    return CaseResult(variables, _coordinates(at), band_attributes(view.band))
+
+
+def _azimuths(at: ViewAngles, own: float) -> FloatArray:
+    return np.array([own]) if at.azimuth_deg is None else np.radians(np.array(at.azimuth_deg))
+
+
+def _shaped(values: FloatArray, shape: tuple[int, int], at: ViewAngles) -> FloatArray:
+    whole = np.broadcast_to(values, shape)
+    return np.array(whole[:, 0] if at.azimuth_deg is None else whole)
+
+
+def _coordinates(at: ViewAngles) -> dict[str, NamedArray]:
+    angles = {ZENITH: at.zenith_deg, AZIMUTH: at.azimuth_deg}
+    return {name: NamedArray((name,), np.array(v), dict(ATTRIBUTES[name])) for name, v in angles.items() if v is not None}
+
+
+def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
+    """Return transmittance and thermal radiance of the paths to the sea at view angles, with the sky and sunlight over it.
+
+    Raises
+    ------
+    SeaglintError
+        A condition outside the models.
+    """
+    if at.azimuth_deg is not None:
+        raise DataError(f"at: the air between sea and sensor does not depend on {AZIMUTH}; give {ZENITH} alone with what = 'atmosphere'")
+    height = scenario_physics.track(scenario).at(0.0).height
+    zenith = np.radians(np.array(at.zenith_deg))
+    return _air(scenario, height, at.elevations(height), zenith, (ZENITH,), _coordinates(at))
+
+
+def air_of_rows(scenario: Scenario) -> CaseResult:
+    """Return the same for the rows of an upright picture; NaN where they see no sea.
+
+    Raises
+    ------
+    SeaglintError
+        A picture whose rows are not level, or a condition outside the models.
+    """
+    camera = scenario_physics.camera(scenario)
+    elevation = np.asarray(camera.elevations)
+    rows = NamedArray(("y",), np.degrees(elevation))
+    return _air(scenario, camera.height, elevation, view_zenith(camera.height, -elevation), ("y",), {"elevation": rows})
+
+
+def _air(
+    scenario: Scenario, height: float, elevation: FloatArray, zenith: FloatArray, dims: tuple[str, ...], coordinates: dict[str, NamedArray]
+) -> CaseResult:
+    over: Band = scenario_physics.band(scenario)
+    air: Atmosphere = shared_view(scenario, height).view.atmosphere
+    weights = over.weights(air.wavenumber_cm)
+    sea = (-elevation > horizon_depression(height)) & np.isfinite(zenith)
+    tau, path, sky = (np.full(elevation.size, np.nan) for _ in range(3))
+    if sea.any():
+        arc = surface_range(height, -elevation[sea])
+        tau[sea] = air.transmittance(height, arc) @ weights / weights.sum()
+        path[sea] = air.path_radiance(height, arc) @ weights
+        sky[sea] = air.sky_radiance(zenith[sea], np.zeros(zenith[sea].size)) @ weights
+    sun = sun_position(scenario)
+    light = float(sun.irradiance_factor * (np.asarray(air.solar_irradiance(np.array([sun.zenith])))[0] @ weights))
+
+    def named(values: FloatArray, long_name: str, units: str = "W m-2 sr-1") -> NamedArray:
+        return NamedArray(dims, values, {"long_name": long_name, "units": units})
+
+    sunlight = {"long_name": "in-band sunlight at the sea, normal to the beam", "units": "W m-2"}
+    return CaseResult(
+        {
+            "transmittance": named(tau, "transmittance of the path to the sea, flat mean over the band in wavenumber", "1"),
+            "thermal_path_radiance": named(path, "in-band thermal radiance of the path to the sea"),
+            "thermal_sky_radiance": named(sky, "in-band thermal radiance of the sky over the sea, at the same zenith angle"),
+            "sun_irradiance": NamedArray((), np.array(light), sunlight),
+        },
+        coordinates,
+        band_attributes(over),
+    )
 
 
 Compute = Callable[[Scenario], CaseResult]  #: Function that computes the result of a scenario.
@@ -25,7 +241,7 @@ def computer(what: str | Callable[[Scenario], Any], at: ViewAngles | None) -> Co
     Parameters
     ----------
     what : str or callable
-        One of :data:`~seaglint.studies.sweep.sweep_requests.QUANTITIES`, or a function of a scenario.
+        One of :data:`~seaglint.studies.study_requests.QUANTITIES`, or a function of a scenario.
     at : ViewAngles, optional
         View angles instead of the picture's pixels.
 
@@ -44,7 +260,6 @@ def computer(what: str | Callable[[Scenario], Any], at: ViewAngles | None) -> Co
         raise DataError(f"at: view angles go with mean and atmosphere, not with what = '{what}'; leave `at` out")
     if at is None:
         return {**_COMPUTERS, "atmosphere": _air_of_rows}[what]
-    from seaglint.studies.sweep.mean_at_angles import air_at, mean_at
 
     chosen = mean_at if what == "mean" else air_at
     return lambda scenario: chosen(scenario, at)
@@ -101,7 +316,7 @@ def _mean(scenario: Scenario) -> CaseResult:
 
 
 def _image(scenario: Scenario) -> CaseResult:
-    from seaglint.studies.sequence.image import image
+    from seaglint.studies.sequence.labelled_frames import image
 
     return of_dataset(image(scenario, 0.0, scenario.render.layers))
 
@@ -146,7 +361,6 @@ def _likelihood(scenario: Scenario) -> CaseResult:
 
 
 def _air_of_rows(scenario: Scenario) -> CaseResult:
-    from seaglint.studies.sweep.mean_at_angles import air_of_rows
 
     return air_of_rows(scenario)
 

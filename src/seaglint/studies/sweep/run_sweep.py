@@ -1,4 +1,9 @@
-"""A sweep: one quantity of every case, assembled into a labelled dataset."""
+"""One case of a sweep: its settings, its result, or why it failed.
+
+Sweeps whose cases are computed when their values are read, with Dask.
+
+A sweep: one quantity of every case, assembled into a labelled dataset.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,7 @@ import logging
 import pickle
 import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,26 +20,171 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
-from seaglint.base.errors import BackendError, DataError, SeaglintError
+from seaglint.base.errors import BackendError, DataError, ScenarioError, SeaglintError, one_line
 from seaglint.base.free_form import Attributes
+from seaglint.base.optional import optional
 from seaglint.base.representation import duration, size_text
 from seaglint.base.threads import thread_limit
 from seaglint.cluster.job import Job, Workers, record_of
-from seaglint.files.netcdf import labelled, plain_attributes
-from seaglint.files.provenance import provenance
 from seaglint.scenario.model import Scenario
-from seaglint.studies.prepare.memory import require_room
-from seaglint.studies.sweep.case_arrays import CaseResult, NamedArray
-from seaglint.studies.sweep.case_results import computer
-from seaglint.studies.sweep.lazy_sweep import lazy_arrays
-from seaglint.studies.sweep.shared_views import forget_views
-from seaglint.studies.sweep.sweep_case import CaseFailure, Outcome, SweepSettings, compute_case, line_of, require_places, require_shape
-from seaglint.studies.sweep.sweep_plan import SweepPlan, chunks
-from seaglint.studies.sweep.sweep_requests import MOST_CASES
-from seaglint.studies.sweep.view_angles import ViewAngles
+from seaglint.store.netcdf import labelled, plain_attributes
+from seaglint.store.provenance import provenance
+from seaglint.studies.sequence.memory import require_room
+from seaglint.studies.study_requests import MOST_CASES
+from seaglint.studies.sweep.case_results import CaseResult, NamedArray, computer, forget_views
+from seaglint.studies.sweep.sweep_plan import SweepPlan, ViewAngles, chunks
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class SweepSettings:
+    """Settings of a sweep that each worker needs."""
+
+    plan: SweepPlan
+    what: str | Callable[[Scenario], Any]
+    at: ViewAngles | None
+    keep_going: bool = False
+    threads: int | None = None
+
+    @property
+    def title(self) -> str:
+        """Name of the quantity."""
+        return self.what if isinstance(self.what, str) else getattr(self.what, "__name__", type(self.what).__name__)
+
+
+@dataclass(frozen=True)
+class CaseFailure:
+    """Case that failed, in words."""
+
+    text: str
+
+
+Outcome = CaseResult | CaseFailure
+
+
+def compute_case(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], number: int) -> Outcome:
+    """Return the result of a case, or its failure where the sweep goes on.
+
+    Raises
+    ------
+    SeaglintError
+        What the scenario or the models refuse, or what the user's function raised; the message names the case.
+    """
+    try:
+        scenario = settings.plan.scenario(number)
+        try:
+            return compute(scenario)
+        except ScenarioError as error:
+            raise ScenarioError(f"sweep, {settings.plan.named(number)}: {line_of(error)}") from error
+        except SeaglintError as error:
+            raise DataError(f"sweep, {settings.plan.named(number)}: {line_of(error)}") from error
+        except Exception as error:
+            if not callable(settings.what):
+                raise  # a defect, which keeps its traceback
+            raise DataError(f"sweep, {settings.plan.named(number)}: the function {settings.title} raised {one_line(error)}") from error
+    except SeaglintError as error:
+        if not settings.keep_going:
+            raise
+        return CaseFailure(line_of(error))
+
+
+def line_of(error: BaseException) -> str:
+    """Return the text of an error in one line."""
+    return " ".join(str(error).split())
+
+
+def require_shape(
+    settings: SweepSettings, number: int, name: str, array: NamedArray | None, shape: tuple[int, ...], dims: tuple[str, ...] | None = None
+) -> None:
+    """Refuse an array of a case that is not of the shape, and of the dimensions, of the first case.
+
+    Raises
+    ------
+    DataError
+        The message names the case.
+    """
+    if array is None or array.values.shape != shape or (dims is not None and array.dims != dims):
+        found = "missing" if array is None else f"of the shape {array.values.shape}"
+        raise DataError(
+            f"sweep, {settings.plan.named(number)}: {name} is {found} and that of the first case of {shape}; vary only what leaves the "
+            "picture's size the same"
+        )
+
+
+def require_places(settings: SweepSettings, number: int, name: str, array: NamedArray | None, places: NDArray[Any]) -> None:
+    """Refuse a coordinate of a case that is not that of the first case.
+
+    Raises
+    ------
+    DataError
+        The message names the case.
+    """
+    if array is None or not np.array_equal(array.values, places):
+        raise DataError(
+            f"sweep, {settings.plan.named(number)}: the coordinate {name} is not that of the first case; return the same places in all "
+            "cases, or a coordinate of another name along the dimension"
+        )
+
+
+Shapes = tuple[tuple[str, tuple[int, ...], str], ...]  #: Names of arrays, with the shape and the type of those of one case.
+
+
+def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResult]) -> tuple[CaseResult, dict[str, Any]]:
+    """Return the first case, and Dask arrays over all cases by name, with a piece for each case.
+
+    Raises
+    ------
+    BackendError
+        Dask is not installed.
+    SeaglintError
+        A first case that cannot be computed.
+    """
+    dask, array = optional("dask", "a lazy sweep"), optional("dask.array", "a lazy sweep")
+    outcome = compute_case(replace(settings, keep_going=False), compute, 0)
+    assert isinstance(outcome, CaseResult)  # a failure was raised
+    fixed = {name: one for name, one in outcome.coordinates.items() if one.dims == (name,)}
+    named = {name: one.values for name, one in (outcome.coordinates | outcome.variables).items() if name not in fixed}
+    places = {name: one.values for name, one in fixed.items()}
+    shapes = tuple((name, values.shape, _kind(values, settings.keep_going).str) for name, values in named.items())
+    count, shape = settings.plan.count, settings.plan.shape
+    cases = [dask.delayed(_case, pure=False)(settings, number, shapes, places) for number in range(count)]
+    ones = (1,) * len(shape)
+    arrays = {
+        name: _joined(array, [array.from_delayed(case[name], (*ones, *size), dtype=np.dtype(kind)) for case in cases], shape)
+        for name, size, kind in shapes
+    }
+    return outcome, {**arrays, **{name: one.values for name, one in fixed.items()}}
+
+
+def _kind(values: NDArray[Any], keep_going: bool) -> np.dtype[Any]:
+    """Return the type of an array over all cases: whole numbers have none that is missing."""
+    return np.dtype(np.float64) if keep_going and values.dtype.kind in "biu" else values.dtype
+
+
+def _joined(array: Any, parts: list[Any], shape: tuple[int, ...]) -> Any:
+    """Return arrays of one case each as one array over all of them."""
+    for axis in range(len(shape) - 1, -1, -1):
+        size = shape[axis]
+        parts = [array.concatenate(parts[first : first + size], axis=axis) for first in range(0, len(parts), size)]
+    return parts[0]
+
+
+def _case(settings: SweepSettings, number: int, shapes: Shapes, places: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a case, with a dimension of one value for each key."""
+    ones = (1,) * len(settings.plan.shape)
+    with thread_limit(settings.threads):
+        outcome = compute_case(settings, computer(settings.what, settings.at), number)
+    if isinstance(outcome, CaseFailure):
+        return {name: np.full((*ones, *size), np.nan if np.dtype(kind).kind in "fc" else 0, dtype=kind) for name, size, kind in shapes}
+    arrays = outcome.coordinates | outcome.variables
+    for name, size, _ in shapes:
+        require_shape(settings, number, name, arrays.get(name), size)
+    for name, values in places.items():
+        require_places(settings, number, name, arrays.get(name), values)
+    return {name: arrays[name].values.reshape(*ones, *size).astype(kind, copy=False) for name, size, kind in shapes}
+
 
 log = logging.getLogger(__name__)
 
@@ -84,7 +234,7 @@ def sweep(
     what : str or callable
         Quantity; see :mod:`seaglint.studies.sweep.case_results`.
     at : mapping, optional
-        View angles; see :class:`~seaglint.studies.sweep.view_angles.ViewAngles`.
+        View angles; see :class:`~seaglint.studies.sweep.sweep_plan.ViewAngles`.
     workers : Workers, optional
         Who computes; this process by default.
     threads : int, optional

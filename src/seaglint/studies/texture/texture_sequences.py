@@ -18,12 +18,12 @@ from seaglint.base.free_form import JsonObject
 from seaglint.base.schema import VARIABLES
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.correlation import trend_surface
-from seaglint.files.netcdf import plain_attributes
-from seaglint.files.provenance import provenance
-from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import check_output, write_sequence
-from seaglint.files.texture_file import StoredTexture, read_texture
-from seaglint.studies.texture.texture_requests import CompareRequest, FitRequest, SampleRequest
+from seaglint.store.layout import Layout
+from seaglint.store.netcdf import plain_attributes
+from seaglint.store.provenance import provenance
+from seaglint.store.sequence_store import check_output, write_sequence
+from seaglint.store.texture_file import StoredTexture, read_texture
+from seaglint.studies.study_requests import CompareRequest, FitRequest, SampleRequest
 from seaglint.textures import gauss_markov_fit as estimation
 from seaglint.textures.autobinomial_texture import AutobinomialTexture
 from seaglint.textures.autobinomial_texture import fit_texture as fit_autobinomial
@@ -339,7 +339,7 @@ def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -
         raise DataError(
             f"frames = {frames}: {kind} has no time; ask for 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more"
         )
-    from seaglint.studies.prepare.memory import memory_available
+    from seaglint.studies.sequence.memory import memory_available
 
     # A single frame of a field in time is one of a loop.
     deep = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1

@@ -1,30 +1,158 @@
-"""Page of the workbench: the form at the left, pictures of its scenario at the right."""
+"""Style of the workbench: the colours of the viewer's other pages.
+
+Redrawing of pictures a little after the last change; a newer change replaces a picture in progress.
+
+Page of the workbench: the form at the left, pictures of its scenario at the right.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import math
+from collections.abc import Callable, Coroutine
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from nicegui import app, background_tasks, ui
 
 from seaglint.base.errors import Mistake, ScenarioError, SeaglintError
 from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.scene_presets import PRESETS
-from seaglint.scenario.text.compass import compass
-from seaglint.viewer.workbench.draft import Draft
-from seaglint.viewer.workbench.fields import Path as Keys
-from seaglint.viewer.workbench.form import Form
-from seaglint.viewer.workbench.map import Quantity, map_svg
-from seaglint.viewer.workbench.plan import PlanView, distance, plan, plan_svg
-from seaglint.viewer.workbench.redraw import Redraw
-from seaglint.viewer.workbench.small_pictures import Job, Painter, PreviewPicture
-from seaglint.viewer.workbench.style import CSS
+from seaglint.scenario.presets import PRESETS
+from seaglint.scenario.text.display import compass
+from seaglint.viewer.workbench.scenario_draft import Draft, Keys
+from seaglint.viewer.workbench.scenario_form import Form
+from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, PreviewPicture
 from seaglint.viewer.workbench.sun_card import Daylight
+from seaglint.viewer.workbench.svg_pictures import PlanView, Quantity, distance, map_svg, plan, plan_svg
+
+CSS: Final = """
+:root { --ground: #15181b; --panel: #1d2125; --line: #343b41; --text: #dfe3e6; --faint: #98a2aa; --mark: #f0b54a; --wrong: #ff8a75;
+  color-scheme: dark; }
+body.bench { background: var(--ground); color: var(--text); font: 14px/1.4 system-ui, "DejaVu Sans", sans-serif; }
+.bench .nicegui-content { padding: 0; }
+.bench .whole { width: 100%; gap: 0; }
+.bench .top { width: 100%; align-items: center; gap: 1rem; padding: .45rem .9rem; background: var(--panel);
+  border-bottom: 1px solid var(--line); }
+.bench .mark { color: var(--mark); font-weight: 700; letter-spacing: .03em; }
+.bench .presets { width: 30rem; max-width: 60vw; }
+.bench .faint { color: var(--faint); font-size: 12.5px; }
+.bench .grow { flex: 1; min-width: 0; }
+.bench .lines { white-space: pre-line; }
+.bench .columns { width: 100%; display: grid; grid-template-columns: minmax(320px, 400px) minmax(0, 1fr); align-items: start; }
+.bench .left { gap: 0; border-right: 1px solid var(--line); background: var(--panel); height: calc(100vh - 58px); overflow-y: auto;
+  flex-wrap: nowrap; position: sticky; top: 0; }
+.bench .right { gap: .8rem; padding: .8rem; min-width: 0; }
+.bench .group { width: 100%; border-bottom: 1px solid var(--line); }
+.bench .group .nicegui-expansion-content { padding: 0 .9rem .8rem; }
+.bench .item { width: 100%; border: 1px solid var(--line); border-radius: 4px; }
+.bench .head { width: 100%; min-width: 0; flex: 1; align-items: baseline; gap: .6rem; flex-wrap: nowrap; }
+.bench .q-btn { color: var(--mark); }
+.bench .q-btn.bg-primary { color: #15181b !important; }
+.bench .head .faint { overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
+.bench .name { font-weight: 600; white-space: nowrap; }
+.bench .fields { width: 100%; gap: .15rem; }
+.bench .table { width: 100%; gap: .15rem; margin-top: .6rem; padding-left: .7rem; border-left: 2px solid var(--line); }
+.bench .wide { width: 100%; }
+.bench .note { color: var(--faint); font-size: 11.5px; line-height: 1.3; margin: 0 0 .5rem .2rem; }
+.bench .wrong { color: var(--wrong) !important; }
+.bench .head .faint.wrong { white-space: normal; }
+.bench .problems { width: 100%; gap: .2rem; padding: .5rem .9rem; background: #3a211d; color: var(--wrong); border: 1px solid #693a31;
+  border-radius: 4px; }
+.bench .banner { padding: 1rem; }
+.bench .pictures { width: 100%; gap: .8rem; align-items: stretch; }
+.bench .card { background: var(--panel); border: 1px solid var(--line); border-radius: 4px; padding: .6rem .8rem; gap: .35rem; width: 100%;
+  min-width: 0; }
+.bench .two { flex: 1 1 420px; width: auto; }
+.bench .third { flex: 1 1 260px; width: auto; }
+.bench .picture { width: 100%; }
+.bench .picture.middle { display: flex; justify-content: center; }
+.bench .picture.old { opacity: .35; }
+.bench .text { width: 100%; }
+.bench .text pre { margin: 0; font: 12.5px/1.45 ui-monospace, "DejaVu Sans Mono", monospace; white-space: pre-wrap; max-height: 22rem;
+  overflow-y: auto; }
+.bench .command { border-top: 1px solid var(--line); padding-top: .25rem; align-items: center; }
+.bench .code { font: 12.5px ui-monospace, "DejaVu Sans Mono", monospace; user-select: all; overflow-x: auto; white-space: nowrap; }
+.bench .q-field--outlined .q-field__control:before { border-color: var(--line); }
+.bench .q-field__native::placeholder { color: #66717a; opacity: 1; }
+@media (max-width: 900px) { .bench .columns { grid-template-columns: minmax(0, 1fr); }
+  .bench .left { height: auto; position: static; border-right: 0; } }
+"""
+
+
+JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
+
+#: Callback that takes a picture, the reason why there is none, or None where one is begun.
+Show = Callable[[Job, "PreviewPicture | str | None"], None]
+
+
+class Redraw:
+    """Pictures of one page.
+
+    Parameters
+    ----------
+    painter : Painter
+        Shared by all pages.
+    show : callable
+        Called with the name of a picture and what came of it.
+    start : callable
+        Starts a coroutine in the background.
+    """
+
+    def __init__(self, painter: Painter, show: Show, start: Callable[[Coroutine[Any, Any, None]], object]) -> None:
+        self._painter, self._show, self._start = painter, show, start
+        self._requested: Scenario | None = None
+        self._order: Order | None = None
+        self._works = self._closed = False
+
+    def want(self, scenario: Scenario) -> None:
+        """Request the pictures of a scenario, in place of earlier requests."""
+        if self._closed:
+            return
+        self.drop()
+        self._requested = scenario
+        if not self._works:
+            self._works = True
+            self._start(self._work())
+
+    def drop(self) -> None:
+        """Cancel all requests."""
+        self._requested = None
+        if self._order is not None:
+            self._order.drop()
+
+    def close(self) -> None:
+        """Stop, since the page is closed."""
+        self._closed = True
+        self.drop()
+
+    async def _work(self) -> None:
+        try:
+            while self._requested is not None:
+                scenario, self._requested = self._requested, None
+                for job in JOBS:
+                    if not await self._draw(job, scenario):
+                        break
+        finally:
+            self._works = False
+
+    async def _draw(self, job: Job, scenario: Scenario) -> bool:
+        """Draw one picture; return False where a newer request replaced it."""
+        self._order = order = Order(job, scenario)
+        self._show(job, None)
+        try:
+            found: PreviewPicture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
+        except Overtaken:
+            return False
+        except SeaglintError as error:
+            found = str(error)
+        if order.dropped.is_set():
+            return False
+        self._show(job, found)
+        return True
+
 
 DEBOUNCE: Final = 0.2  #: Time without a change after which the scenario is read [s].
 

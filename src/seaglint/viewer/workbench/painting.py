@@ -15,7 +15,7 @@ def main() -> None:
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print must not get between the pictures
     from seaglint.studies.mean import mean_map as mean  # noqa: F401 - loaded while nobody waits
-    from seaglint.studies.sequence import image  # noqa: F401 - loaded while nobody waits
+    from seaglint.studies.sequence import labelled_frames  # noqa: F401 - loaded while nobody waits
 
     while True:
         try:

@@ -68,11 +68,10 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     SeaglintError
         What the models do not cover.
     """
-    from seaglint.files.directions import below_horizon
-    from seaglint.files.provenance import stored_band
-    from seaglint.files.sequence_summary import to_temperature
+    from seaglint.store.provenance import stored_band
+    from seaglint.store.stored_images import below_horizon, to_temperature
     from seaglint.studies.mean.mean_map import mean
-    from seaglint.studies.sequence.image import image
+    from seaglint.studies.sequence.labelled_frames import image
 
     begin = time.perf_counter()
     small = reduced(scenario)

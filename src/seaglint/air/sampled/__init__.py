@@ -1,1 +1,0 @@
-"""Air from spectra at nodes: somebody's own calculation or measurement."""

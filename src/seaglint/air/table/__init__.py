@@ -1,1 +1,0 @@
-"""LOWTRAN7 tabulated: the air that ships with seaglint."""

@@ -1,0 +1,422 @@
+"""Analysis of a recording: clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis.recording import Passes, Recording, Survey, ahead, survey
+from seaglint.analysis.region import Gatherer, Region, region
+from seaglint.analysis.summary import AnalysisSummary, SegmentationSummary
+from seaglint.base.conventions import Progress
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
+from seaglint.base.representation import card, notes, table
+from seaglint.base.threads import single_threaded_algebra
+from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
+from seaglint.clutter.filters import Filter, Laplacian
+from seaglint.clutter.segmentation import Segmentation, segment
+from seaglint.clutter.thresholds import Scope, frame_scale, standardise
+from seaglint.detection.interface import Detector, statistics
+
+BoolArray = NDArray[np.bool_]
+FrameArray = NDArray[np.float32]
+
+ALWAYS: Final = (3.0, 3.5)  #: Thresholds that are always counted: those of the source article's Table 1 [standard deviations].
+
+Border = Literal["auto", "keep", "drop"]
+
+REGIONS: Final = ("all", "glint", "background")
+
+_HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}  #: Ratio of the density of a Gaussian to its tail.
+
+_BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}  #: Ratio of the tail of a Gaussian with 12/20 of the variance to that with the whole one.
+
+KEPT_FRAMES: Final = 24  #: Largest number of frames stored for statistics in space, evenly spaced over the recording.
+
+#: Largest number of values in the stored frames.
+#:
+#: Ten frames of 512 x 512 give correlation lengths to a per cent, and their transforms stay below 100 MB.
+KEPT_VALUES: Final = 2_500_000
+
+SLICED_FRAMES: Final = 2000  #: Number of frames of which a row and a column are stored for the picture of them in time.
+
+FEWEST_PIXELS: Final = 100  #: Least number of pixels of an analysed region.
+
+
+@dataclass(frozen=True)
+class AnalysisOptions:
+    """Options of an analysis."""
+
+    filter: Filter = field(default_factory=Laplacian)  #: Before thresholds; the article's Laplacian by default.
+    thresholds: tuple[float, ...] = ()  #: Beside 3.0 and 3.5 [standard deviations].
+    scope: Scope = "frame"  #: Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
+    #: Part of the rows to analyse, as shares of the height from the top; filters see the whole picture.
+    rows: tuple[float, float] = (0.0, 1.0)
+    mask: BoolArray | None = None  #: The glinting pixels, instead of the segmentation.
+    detectors: tuple[Detector, ...] = ()  #: Judged by the same counting.
+    seed: int = 0  #: Seed of all random samples.
+    #: Whether the pixels that the filter gives from repeated ones beyond the border are in sigma and rates: in a single image as in the
+    #: published figures, not in a sequence, which is long enough to show their bias. Dropped only where half of the pixels are left.
+    border: Border = "auto"
+
+
+@dataclass(frozen=True)
+class Slices:
+    """Row and column of a recording in time: raw, filtered, and above the lowest threshold [(frames, columns or rows)]."""
+
+    row: int
+    column: int
+    along_row: tuple[FrameArray, FrameArray, BoolArray]
+    along_column: tuple[FrameArray, FrameArray, BoolArray]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Results of an analysis for JSON, plots and report."""
+
+    recording: Recording
+    options: AnalysisOptions
+    segmentation: Segmentation | None
+    image: NDArray[np.float64]
+    regions: dict[str, Region]
+    slices: Slices
+    notes: tuple[str, ...]
+    border_kept: bool = True
+
+    def summary(self) -> AnalysisSummary:
+        """Return plain numbers and text of all results; absent regions are None."""
+        rate = self.recording.frame_rate
+        return AnalysisSummary(
+            source=self.recording.source,
+            frames=self.recording.frames,
+            rows=self.recording.rows,
+            columns=self.recording.columns,
+            units=self.recording.units,
+            frame_rate_hz=rate,
+            blur_px=self.recording.blur_px,
+            blur=self.recording.blur,
+            filter=self.options.filter.name,
+            sigma_of=self.options.scope,
+            border="kept" if self.border_kept else "dropped",
+            segmentation=SegmentationSummary.of(self.segmentation, found="glint" in self.regions),
+            regions={name: self.regions[name].summary(rate) if name in self.regions else None for name in REGIONS},
+            notes=list(self.notes),
+        )
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text of all results; absent regions are None."""
+        return self.summary().as_dict()
+
+    def _repr_html_(self) -> str:
+        """Return HTML for a notebook: the regions' moments, and the notes."""
+        values = self.summary()
+        names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
+        rows = [(name, *(getattr(region, key) for key in names)) for name, region in values.present.items()]
+        size = f"{values.frames} frames of {values.columns} x {values.rows} pixels, {values.units}, filter {values.filter}"
+        known = notes([size, f"blur of the frames: {values.blur}"])
+        return card(f"Analysis of {values.source}", known + table(("region", *names), rows) + notes(self.notes))
+
+
+@single_threaded_algebra()
+def analyze(recording: Recording, options: AnalysisOptions | None = None, progress: Progress = lambda done, total: None) -> Analysis:
+    """Analyse a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        Recording from a file by ``seaglint.formats.recording.open_recording``, or a user's own.
+    options : AnalysisOptions, optional
+        Filter, thresholds, mask, detectors.
+    progress : callable
+        Called with (frames, frames of the recording): what is done of all passes over it, as whole frames.
+
+    Returns
+    -------
+    Analysis
+
+    Raises
+    ------
+    DataError
+        Nothing finite in the recording, or a mask that does not fit.
+
+    Notes
+    -----
+    Memory does not grow with the recording: blocks of some eight megabytes, and maps of the size of a frame.
+    """
+    given = options if options is not None else AnalysisOptions()
+    rows = _row_mask(recording, given.rows)
+    if given.mask is not None and given.mask.shape != rows.shape:
+        raise DataError(
+            f"the mask has {given.mask.shape[0]} x {given.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
+            "give one value per pixel"
+        )
+    passes = Passes(progress, recording.frames, 2 + (given.scope == "sequence") + len(given.detectors))
+    first = survey(recording, passes.read)
+    passes.end()
+    segmentation, masks, notes = _regions(first, rows, given.mask)
+    thresholds = tuple(sorted({*ALWAYS, *given.thresholds}))
+    counted, border_notes = _interior(recording, given, masks["all"])
+    results, slices = _count(recording, given, first, masks, counted, thresholds, passes)
+    deaf: list[str] = []
+    for detector in given.detectors:
+        deaf += _judge(recording, detector, first.dead, results, thresholds, passes)
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, given.filter.name), *deaf]
+    image = first.moments.image + recording.offset
+    return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()))
+
+
+def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -> tuple[BoolArray, list[str]]:
+    """Pixels whose filtered values are used, and the notes about the border."""
+    margin = options.filter.margin
+    inner = np.zeros(used.shape, np.bool_)
+    inner[margin : max(used.shape[0] - margin, 0), margin : max(used.shape[1] - margin, 0)] = True
+    share = 1.0 - float((used & inner).sum()) / max(int(used.sum()), 1)
+    everything = np.ones(used.shape, np.bool_)
+    if margin == 0 or share == 0.0 or options.scope == "local":
+        return everything, []
+    wide = share > 0.5
+    if options.border == "drop" and wide:
+        raise DataError(
+            f"the border of {margin} px holds {100 * share:.3g} % of the pixels: too little; take a smaller filter or border = 'keep'"
+        )
+    if options.border == "keep" or (options.border == "auto" and (recording.frames == 1 or wide)):
+        return everything, [_border_bias(options.filter, share)]
+    return inner, []
+
+
+def _border_bias(used: Filter, share: float) -> str:
+    """Bias of white noise from the border's repeated pixels."""
+    where = f"{100 * share:.3g} % of the pixels lie within {used.margin} px of the border"
+    text = f"{where}, where the filter sees repeated pixels; they are counted"
+    if not isinstance(used, Laplacian) or share > 0.5:
+        return text
+    # Variance 12 instead of 20 of the input's: sigma is too small by 0.2 of the share, and the border itself hardly exceeds.
+    bias = [share * (0.2 * m * _HAZARD[m] - 1.0 + _BORDER_TAIL[m]) for m in ALWAYS]
+    return (
+        text
+        + f": white noise would read {100 * bias[0]:.2g} % high at 3 sigma, {100 * bias[1]:.2g} % at 3.5 (--border drop leaves them out)"
+    )
+
+
+def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
+    """Notes on rows and columns with far more exceedances than those beside them."""
+    notes = []
+    for name, result in results.items():
+        for what, counts in zip(("row", "column"), result.alarms[filter_name].lines(ALWAYS[0]), strict=True):
+            for line in lone_lines(counts)[:3]:
+                share = f"{100 * counts[line] / counts.sum():.3g} %"
+                notes.append(
+                    f"{name}: {share} of the exceedances of {ALWAYS[0]:g} sigma lie in {what} {line} alone, a bad line or an edge of the "
+                    "picture: the rates hold them, fits, correlation and effective counts leave it out; crop or mask it"
+                )
+    return notes
+
+
+def _row_mask(recording: Recording, part: tuple[float, float]) -> BoolArray:
+    low, high = part
+    if not 0.0 <= low < high <= 1.0:
+        raise DomainError(f"rows = {low:g}:{high:g}; give shares of the height from the top, 0 <= first < last <= 1")
+    mask = np.zeros((recording.rows, recording.columns), np.bool_)
+    mask[int(np.floor(low * recording.rows + 1e-9)) : max(int(np.floor(high * recording.rows + 1e-9)), 1)] = True
+    return mask
+
+
+def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Segmentation | None, dict[str, BoolArray], list[str]]:
+    """Masks by name; a region that is too small is absent and noted."""
+    good = (first.moments.count > 0) & ~first.dead & rows
+    notes: list[str] = []
+    segmentation: Segmentation | None = None
+    if mask is not None:
+        glint, background = mask & good, good & ~mask
+    else:
+        several = int(first.moments.count.max()) > 1
+        # The segmentation looks at the whole picture, whatever rows are analysed: it needs the sky to know it.
+        image = np.where(first.dead, np.nan, first.moments.image)
+        segmentation = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
+        glint, background = segmentation.glint & good, segmentation.background & good
+        if not segmentation.found:
+            notes.append(f"no glint corridor found: {segmentation.reason}")
+        elif segmentation.doubt:
+            notes.append(f"the glint corridor is not sure: {segmentation.doubt}; look at the picture of the regions or give --mask")
+    masks = {"all": good}
+    for name, pixels in (("glint", glint), ("background", background)):
+        count = int(pixels.sum())
+        if count >= FEWEST_PIXELS:
+            masks[name] = pixels
+        elif count or (mask is not None):
+            notes.append(f"the {name} region has {count} pixels, too few for statistics (at least {FEWEST_PIXELS})")
+    return segmentation, masks, notes
+
+
+def _filtered(recording: Recording, options: AnalysisOptions, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
+    """Iterate over blocks, raw and filtered; dead pixels are missing in both."""
+
+    def prepare(block: FrameArray) -> tuple[FrameArray, FrameArray]:
+        if dead.any():
+            block[:, dead] = np.nan
+        return block, options.filter.apply(block)
+
+    return ahead(recording, prepare)
+
+
+def _count(
+    recording: Recording,
+    options: AnalysisOptions,
+    first: Survey,
+    masks: dict[str, BoolArray],
+    interior: BoolArray,
+    thresholds: tuple[float, ...],
+    passes: Passes,
+) -> tuple[dict[str, Region], Slices]:
+    """Run the second pass: false alarms of the filter, and the values for statistics in space and time."""
+    most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
+    kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
+    stored = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
+    gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed, recording.offset) for name, mask in masks.items()}
+    alarms = {name: FalseAlarms(thresholds) for name in masks}
+    counted = {name: mask & interior for name, mask in masks.items()}
+    scales = _sequence_scales(recording, options, first.dead, counted, passes) if options.scope == "sequence" else {}
+    slicer = _Slicer(masks.get("glint", masks["all"]), recording, options, masks["all"])
+    done = 0
+
+    def count(name: str, block: FrameArray, filtered: FrameArray, start: int) -> None:
+        z = standardise(filtered, counted[name], scope=options.scope, scale=scales.get(name))
+        alarms[name].add(z)
+        if name == "all":
+            slicer.add(block, filtered, z)
+        gatherers[name].add(block, start)
+
+    def summarise(name: str) -> Region:
+        moments = first.moments.region(masks[name])
+        image, apart = first.moments.image, max(spacing, 1.0)
+        bad = _bad_lines(alarms[name], masks[name])
+        made = region(name, gatherers.pop(name), moments, image, stored, apart, recording.frame_rate, options.seed, bad)
+        share = _saturated_share(first, masks[name])
+        cut = (f"{100 * share:.3g} % saturated at {first.ceiling:.7g}",) if share > 0.0 else ()
+        made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *cut), saturated=share)
+        made.tail(options.filter.name)
+        return made
+
+    # Regions are independent, and their kernels release the interpreter.
+    with ThreadPoolExecutor(len(masks)) as workers:
+        for block, filtered in _filtered(recording, options, first.dead):
+            for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
+                task.result()
+            inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
+            stored[inside] = block[kept_numbers[inside] - done]
+            done += block.shape[0]
+            passes.read(done)
+    passes.end()
+    spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
+    # Two at a time, for the sake of memory.
+    with ThreadPoolExecutor(2) as workers:
+        results = dict(zip(masks, workers.map(summarise, list(masks)), strict=True))
+        # The accumulators hold the data for the intervals of the rates.
+        list(workers.map(lambda counted: counted.rates(), alarms.values()))
+    return results, slicer.result()
+
+
+def _bad_lines(alarms: FalseAlarms, mask: BoolArray) -> BoolArray | None:
+    """Pixels of rows and columns with far more exceedances than those beside them; None without any, or where no others would remain."""
+    rows, columns = (lone_lines(counts) for counts in alarms.lines(ALWAYS[0])) if alarms.pixels else (np.empty(0, np.int64),) * 2
+    if not rows.size and not columns.size:
+        return None
+    bad = np.zeros(mask.shape, np.bool_)
+    bad[rows] = True
+    bad[:, columns] = True
+    return bad if 2 * int((mask & ~bad).sum()) > int(mask.sum()) else None
+
+
+def _saturated_share(first: Survey, mask: BoolArray) -> float:
+    if first.ceiling is None:
+        return 0.0
+    return float(first.saturated[mask].sum()) / max(float(first.moments.count[mask].sum()), 1.0)
+
+
+def _sequence_scales(
+    recording: Recording, options: AnalysisOptions, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
+) -> dict[str, tuple[float, float]]:
+    """Mean and deviation of the filtered sequence in each region, in a pass of its own."""
+    sums = {name: np.zeros(3) for name in masks}
+    done = 0
+    for _, filtered in _filtered(recording, options, dead):
+        done += filtered.shape[0]
+        passes.read(done)
+        for name, mask in masks.items():
+            mean, std = frame_scale(filtered, mask)
+            count = np.isfinite(filtered[:, mask]).sum(axis=1)
+            with np.errstate(invalid="ignore"):
+                sums[name] += np.nansum([count, count * mean, count * (std**2 + mean**2)], axis=1)
+    passes.end()
+    scales = {}
+    for name, parts in sums.items():
+        count, total, squares = (float(v) for v in parts)
+        middle = total / count if count else 0.0
+        variance = squares / count - middle**2 if count else 0.0
+        scales[name] = (middle, float(np.sqrt(max(variance, 0.0))))
+    return scales
+
+
+def _judge(
+    recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
+) -> list[str]:
+    """Run one pass of a detector through the same counting; return the notes on one without numbers."""
+
+    def prepare(block: FrameArray) -> FrameArray:
+        if dead.any():
+            block[:, dead] = np.nan
+        return block
+
+    alarms = {name: FalseAlarms(thresholds) for name in results}
+    done = detector.lead
+    for statistic in statistics(detector, ahead(recording, prepare)):
+        done += statistic.shape[0]
+        passes.read(done)
+        for name, result in results.items():
+            z = np.where(result.mask, statistic, np.nan).astype(np.float32) if detector.calibrated else standardise(statistic, result.mask)
+            alarms[name].add(z)
+    passes.end()
+    for name, result in results.items():
+        result.alarms[detector.name] = alarms[name]
+    if alarms["all"].pixels:
+        return []
+    return [
+        f"detector {detector.name} gave no pixel with a number that varies within its frame: it must return a finite statistic where the "
+        "frames it gets have values; look at what it returns for one frame"
+    ]
+
+
+class _Slicer:
+    """Accumulator of the row and the column through the middle of a region."""
+
+    def __init__(self, mask: BoolArray, recording: Recording, options: AnalysisOptions, valid: BoolArray) -> None:
+        rows, columns = np.nonzero(mask)
+        self._row = int(np.median(rows)) if rows.size else recording.rows // 2
+        self._column = int(np.median(columns[rows == self._row])) if (rows == self._row).any() else recording.columns // 2
+        self._threshold = min(ALWAYS)
+        self._parts: list[tuple[FrameArray, ...]] = []
+        self._room = SLICED_FRAMES
+
+    def add(self, block: FrameArray, filtered: FrameArray, z: FrameArray) -> None:
+        """Add a block."""
+        if self._room > 0:
+            n = min(self._room, block.shape[0])
+            cuts = (a[:n, self._row].copy() for a in (block, filtered, z)), (a[:n, :, self._column].copy() for a in (block, filtered, z))
+            self._parts.append((*cuts[0], *cuts[1]))
+            self._room -= n
+
+    def result(self) -> Slices:
+        """Return the joined blocks."""
+        joined = [np.concatenate(parts) for parts in zip(*self._parts, strict=True)]
+        return Slices(
+            self._row,
+            self._column,
+            (joined[0], joined[1], joined[2] > self._threshold),
+            (joined[3], joined[4], joined[5] > self._threshold),
+        )

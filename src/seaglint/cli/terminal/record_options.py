@@ -1,0 +1,457 @@
+"""Values of options that are small files or layouts of files: weights, masks, raw layouts.
+
+Options of a command from the records that it takes: requests of the studies, and what commands share.
+
+Workers that options ask for: processes on this machine, or a Dask cluster.
+
+Options of where results go and of how work is run, as records that commands share.
+
+The end of a work that was cut into shares: the message after a share, and the check of the whole.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
+from functools import partial, wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, get_args, get_origin, get_type_hints
+
+import typer
+from typer.core import TyperCommand
+
+from seaglint.base.errors import DataError
+from seaglint.base.parameters import GROUPS, Parameter, described
+from seaglint.cli.terminal.messages import contrasts_of, log
+from seaglint.cli.terminal.options import place_given
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.studies.study_requests import WorkRequest
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from seaglint.cluster import Workers
+
+
+RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
+
+
+def weights(path: Path) -> NDArray[np.float64]:
+    """Numbers of a small CSV or NumPy file."""
+    import numpy as np
+
+    from seaglint.base.errors import DataError
+    from seaglint.store.outputs import read_text
+
+    try:
+        if path.suffix == ".npy":
+            return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
+        text = read_text(path, "give a CSV or .npy file").replace(";", " ").replace(",", " ")
+        return np.loadtxt(text.splitlines(), dtype=np.float64, ndmin=2)
+    except (OSError, ValueError) as error:
+        raise DataError(f"{path}: cannot be read as rows of numbers ({str(error).splitlines()[0]}); give a CSV or .npy file") from error
+
+
+def read_mask(path: Path) -> NDArray[np.bool_]:
+    """Mask from an image or a NumPy file: true where it is not zero."""
+    import numpy as np
+
+    from seaglint.base.errors import DataError
+    from seaglint.formats.recording import open_recording
+
+    opened = open_recording(path, channel=None)
+    if opened.frames != 1:
+        raise DataError(f"{path}: a mask is one image, this has {opened.frames} frames")
+    return np.asarray(np.nan_to_num(opened.read(0, 1)[0]) != 0.0)
+
+
+def raw_layout(text: str | None) -> Any:
+    """Layout of a raw file from ``name=value`` pairs; None where nothing is said."""
+    if text is None:
+        return None
+    from seaglint.base.errors import DataError
+    from seaglint.formats.recording import RawLayout
+
+    table: dict[str, Any] = {}
+    for pair in text.split(","):
+        name, sign, value = (part.strip() for part in pair.partition("="))
+        if not sign:
+            raise DataError(f"--raw {text}: give name=value pairs of {', '.join(RAW_NAMES)}, separated by commas")
+        table[name] = _typed(value)
+    return RawLayout.of(table, "--raw")
+
+
+def _typed(value: str) -> int | float | str:
+    """A whole number, a number, or text."""
+    for kind in (int, float):
+        try:
+            return kind(value)
+        except ValueError:
+            continue
+    return value
+
+
+class Without(NamedTuple):
+    """Fields of a record that a command has no options for; they keep their defaults."""
+
+    names: tuple[str, ...]
+
+
+class RecordCommand(TyperCommand):
+    """Command whose help page has its options in groups."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the arguments, then the options under their headings."""
+        sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], **{group: [] for group in GROUPS}, "Other": []}
+        for parameter in self.get_params(ctx):
+            line = parameter.get_help_record(ctx)
+            if line is not None:
+                argument = parameter.param_type_name == "argument"
+                sections["Arguments" if argument else getattr(parameter, "rich_help_panel", None) or "Other"].append(line)
+        for heading, lines in sections.items():
+            if lines:
+                with formatter.section(heading):
+                    formatter.write_dl(lines)
+
+
+def option_of(name: str) -> str:
+    """Return the option that sets a parameter."""
+    return f"--{name.replace('_', '-')}"
+
+
+def takes_records(*, order: str = "") -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return a decorator that gives a command an option for each field of the records among its parameters.
+
+    Fields of one name in several records are one option, with the help of the first record, and its value goes to all of them. A help page
+    lists the names in ``order`` first.
+    """
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        return _with_options(command, order.split())
+
+    return decorate
+
+
+def _with_options(command: Callable[..., None], first: Sequence[str]) -> Callable[..., None]:
+    """Return a command with an option for each field of its records."""
+    hints = get_type_hints(command, include_extras=True)
+    hints.pop("return", None)
+    records: dict[str, type] = {}
+    parameters: dict[str, inspect.Parameter] = {}
+    readers: dict[str, Callable[[Any], Any]] = {}
+    renamed: dict[str, str] = {}
+    for name, hint in hints.items():
+        record = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+        if not is_dataclass(record):
+            default = inspect.signature(command).parameters[name].default
+            parameters.setdefault(name, inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint))
+            continue
+        records[name] = record  # type: ignore[assignment]
+        left_out = next((extra.names for extra in get_args(hint)[1:] if isinstance(extra, Without)), ())
+        types, texts = get_type_hints(record, include_extras=True), described(record)  # type: ignore[arg-type]
+        for field in fields(record):
+            if field.name not in left_out and field.name not in parameters:
+                text = texts.get(field.name)
+                parameters[field.name], readers[field.name] = _option(field, types[field.name], text)
+                if text is not None and text.option:
+                    renamed[field.name] = text.option
+
+    @wraps(command)
+    def called(**given: Any) -> None:
+        read = {name: readers[name](value) if name in readers else value for name, value in given.items()}
+        built = {
+            name: record(**{field.name: read[field.name] for field in fields(record) if field.name in read})
+            for name, record in records.items()
+        }
+        command(**built, **{name: read[name] for name in hints if name not in records})
+
+    listed = {name: parameters[name] for name in first} | parameters
+    called.__annotations__ = {name: parameter.annotation for name, parameter in listed.items()} | {"return": None}
+    ordered = sorted(listed.values(), key=lambda parameter: parameter.default is not inspect.Parameter.empty)
+    called.__signature__ = inspect.Signature(ordered, return_annotation=None)  # type: ignore[attr-defined]
+    called.renamed = renamed  # type: ignore[attr-defined]
+    return called
+
+
+def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspect.Parameter, Callable[[Any], Any]]:
+    """Return the parameter of a command for a field of a record, and what reads its text."""
+    default: Any = inspect.Parameter.empty if field.default is MISSING else field.default
+    if text is None:  # an option as Typer has it
+        return inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint), lambda value: value
+    kind = get_args(hint)[0]
+    option = text.option or option_of(field.name)
+    help_text = re.sub(r"`(\w+)`", lambda match: option_of(match[1]), text.help) + SPELLED.get(text.form, "")
+    more: dict[str, Any] = {"metavar": text.metavar} if text.metavar else {}
+    if field.default is MISSING:
+        info: Any = typer.Argument(help=help_text, **more)
+    else:
+        limit: dict[str, Any] = {} if text.least is None else {"min": text.least}
+        info = typer.Option(option, help=help_text, rich_help_panel=text.group or None, **limit, **more)
+    reader: Callable[[Any, str], Any] = READERS.get(text.form, lambda value, _: value)
+    if text.form == "switch":
+        kind, default = Literal["auto", "always", "never"], next(word for word, value in SWITCH.items() if value is default)
+    elif text.form == "name":
+        kind = str
+    elif get_origin(kind) is tuple and get_args(kind)[1:] == (...,) and text.form in ("", "names"):
+        item: Any = str if text.form else get_args(kind)[0]
+        several: Any = list[item] | None
+        parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[several, info])
+        return parameter, lambda value: tuple(value or ())
+    elif text.form:
+        kind = Path | None if text.form in ("weights", "mask") else str | None
+        default = None if default is None else WRITTEN.get(text.form, _commas)(default)
+    parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
+    return parameter, lambda value: None if value is None else reader(value, option)
+
+
+def _commas(values: Sequence[float]) -> str:
+    return ",".join(f"{value:g}" for value in values)
+
+
+def _weights(path: Path, option: str) -> Any:
+    """Return the numbers of a small CSV or NumPy file, with its place."""
+    from seaglint.studies.study_requests import WeightsFile
+
+    return WeightsFile(path, weights(path))
+
+
+def _mask(path: Path, option: str) -> Any:
+    """Return the mask of an image or a NumPy file, with its place."""
+    from seaglint.studies.study_requests import WeightsFile
+
+    return WeightsFile(path, partial(read_mask, path))
+
+
+def _shares(text: str, option: str) -> tuple[float, float]:
+    """Return the ends of a part of the height, of FIRST:LAST."""
+    from seaglint.base.errors import DataError
+
+    first, colon, last = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return float(first or 0.0), float(last or 1.0)
+    except ValueError:
+        raise DataError(f"{option} {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
+
+
+def _raw(text: str, option: str) -> Any:
+
+    return raw_layout(text)
+
+
+def _pair(text: str, option: str) -> tuple[float, float]:
+    """Return pixels to the right and down, of X,Y."""
+    from seaglint.base.errors import DataError
+
+    try:
+        right, down = (float(part) for part in text.split(","))
+    except ValueError:
+        raise DataError(f"{option} {text}: give X,Y in pixels a frame, to the right and down, e.g. 0.5,0") from None
+    return right, down
+
+
+def _size(text: str, option: str) -> tuple[int, int]:
+    """Return columns and rows of COLUMNSxROWS."""
+    from seaglint.base.errors import DataError
+
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):
+        raise DataError(f"{option} {text}: give columns and rows above 0 as COLUMNSxROWS, e.g. 512x512")
+    return int(parts[0]), int(parts[1])
+
+
+def _limits(text: str, option: str) -> tuple[float, float]:
+    from seaglint.base.errors import DataError
+
+    try:
+        near, far = (float(part) for part in text.split(":"))
+    except ValueError:
+        raise DataError(f"{option} {text}: give NEAR:FAR in metres, e.g. 500:40000") from None
+    return near, far
+
+
+SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never": False}  #: Values of the words of a switch.
+
+#: Readers of texts by the form of a parameter; each takes text and option. Frames are read where it is known how many there are.
+READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
+    "numbers": contrasts_of,
+    "pair": _pair,
+    "size": _size,
+    "limits": _limits,
+    "shares": _shares,
+    "weights": _weights,
+    "mask": _mask,
+    "raw": _raw,
+    "switch": lambda text, _: SWITCH[text],
+}
+
+#: Ends of help texts by the form of a parameter: how a value is written on the command line.
+SPELLED: Final[Mapping[str, str]] = {
+    "frames": ": 37, 37:38 (end not included), 10:",
+    "every": ", by number: 37, 37:38 (end not included), 0:100:2",
+    "shares": ", as shares from the top: 0.45: or 0.2:0.8",
+}
+
+#: Texts of defaults by the form of a parameter; numbers with commas between them for other forms.
+WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {
+    "shares": lambda ends: ":" if ends == (0.0, 1.0) else f"{ends[0]:g}:{ends[1]:g}",
+    "size": lambda sides: f"{sides[0]}x{sides[1]}",
+}
+
+
+def done_here(workers: int | None, dask: str | None, dask_slurm: Path | None, what: str) -> None:
+    """Say that nobody shares a piece of work that cannot be parted."""
+    from seaglint.cli.terminal.messages import log
+
+    if workers is not None or dask is not None or dask_slurm is not None:
+        log(f"{what} in one piece, by this process alone")
+
+
+@contextmanager
+def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None) -> Iterator[Workers | None]:
+    """Whoever was asked for; None where the work is this process's own. ``threads`` is for each local process.
+
+    Raises
+    ------
+    DataError
+        More than one was asked for, or threads of Dask workers.
+    SeaglintError
+        What :mod:`seaglint.cluster.dask` refuses.
+    """
+    from seaglint.base.errors import DataError
+
+    given = [name for name, value in (("--workers", workers), ("--dask", dask), ("--dask-slurm", dask_slurm)) if value is not None]
+    if len(given) > 1:
+        raise DataError(f"{' and '.join(given)}: work is shared out in one way; give one of them")
+    if threads is not None and (dask is not None or dask_slurm is not None):
+        raise DataError(f"--threads {threads}: is of this machine, and Dask's workers have their own; start them with --nthreads {threads}")
+    if workers is not None:
+        from seaglint.cluster.local import LocalProcesses
+
+        with LocalProcesses(workers, threads=threads) as processes:
+            yield processes
+    elif dask is not None:
+        from seaglint.cli.terminal.messages import log
+        from seaglint.cluster.dask import connected
+
+        with connected(dask, log) as cluster:
+            yield cluster
+    elif dask_slurm is not None:
+        from seaglint.cli.terminal.messages import log
+        from seaglint.cluster.dask import queued
+
+        with queued(dask_slurm, log) as cluster:
+            yield cluster
+    else:
+        yield None
+
+
+@dataclass(frozen=True)
+class ResultOptions:
+    """Where results go: text or JSON on stdout, files beside each other, a report."""
+
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON", rich_help_panel="Results")] = False
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="RESULT",
+            help="writes RESULT.json, RESULT.csv (or .parquet), and beside them characteristics (RESULT_roc.csv) and pictures",
+            rich_help_panel="Results",
+        ),
+    ] = None
+    report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="report with pictures", rich_help_panel="Results")] = (
+        None
+    )
+
+
+@dataclass(frozen=True)
+class RunOptions(WorkRequest):
+    """How work is run: by whom, over what is there, and how its progress is shown."""
+
+    dask: Annotated[
+        str | None,
+        typer.Option("--dask", metavar="tcp://HOST:PORT", help="scheduler of a Dask cluster that does the work", rich_help_panel="Run"),
+    ] = None
+    dask_slurm: Annotated[
+        Path | None,
+        typer.Option(
+            "--dask-slurm",
+            metavar="CLUSTER.toml",
+            help="batch queue that workers are asked of, with the settings in this file",
+            rich_help_panel="Run",
+        ),
+    ] = None
+    resume: Annotated[bool, Parameter("go on with what is kept beside RESULT", "Run")] = False
+    show: Annotated[
+        ProgressMode,
+        typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing", rich_help_panel="Run"),
+    ] = ProgressMode.AUTO
+
+    def chosen(self) -> AbstractContextManager[Workers | None]:
+        """Return the workers asked for; see :func:`seaglint.cli.terminal.record_options.chosen`."""
+        return chosen(self.workers, self.dask, self.dask_slurm, threads=self.threads)
+
+    def done_here(self, what: str) -> None:
+        """Say that nobody shares a piece of work that cannot be parted."""
+        done_here(self.workers, self.dask, self.dask_slurm, what)
+
+
+ALONE = ("workers", "dask", "dask_slurm")  #: Fields of :class:`RunOptions` for work that several share.
+
+
+def require_one_way(*, shard: str | None, overwrite: bool) -> None:
+    """Refuse ``--finish`` with what makes or replaces frames.
+
+    Raises
+    ------
+    DataError
+        Another option does that.
+    """
+    for name, given in (("--shard", shard is not None), ("--overwrite", overwrite)):
+        if given:
+            raise DataError(f"--finish checks and names what is there, and {name} makes frames; give one of the two")
+
+
+def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path | str:
+    """Check a store and name it; where no output is given, ``scenario`` is the store. Returns where it is.
+
+    Raises
+    ------
+    SeaglintError
+        See :func:`seaglint.store.sequence_store.finish_sequence`.
+    """
+    from seaglint.scenario.load import load_scenario
+    from seaglint.store.sequence_store import finish_sequence, open_sequence
+
+    if output is None and scenario.lower().endswith(".toml"):
+        raise DataError(f"--finish: which store of {scenario}? Name it with -o run.zarr, or alone: seaglint render --finish run.zarr")
+    store = place_given(scenario if output is None else output)
+    expected = None if output is None else load_scenario(Path(scenario), sensor=sensor).model_dump_json(exclude_none=True)
+    if not finish_sequence(store, expected):
+        log(f"{store}: is finished already")
+        return store
+    with open_sequence(store) as dataset:
+        log(f"{store}: {dataset.sizes['time']} frames, all there and as their checksums say")
+    return store
+
+
+def tell_share(store: Path | str, share: object) -> None:
+    """Say how far the whole is when a share of it is done."""
+    from seaglint.store.location import place_of
+    from seaglint.store.sequence_store import open_sequence
+
+    place = place_of(store)
+    if place.taken():
+        log(f"{store}: is finished already; share {share} has nothing to do")
+        return
+    with open_sequence(place.work, allow_partial=True) as dataset:
+        done = dataset["frame_done"].to_numpy()
+    message = f"{place.work}: share {share} is done; {int(done.sum())} of {done.size} frames are there"
+    log(f"{message}; next: seaglint render --finish {store}" if done.all() else message)

@@ -1,0 +1,443 @@
+"""Slopes of the sea and their shadowing at any wind, tabulated for draws with winds of their own.
+
+Radiance of the mirrored Sun for many looks at once, each with its own weather, Sun, height and direction.
+
+Measures of the mirrored Sun for a designer: its mean, mean plus deviations, pixels above a threshold, hidden targets.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
+
+import numpy as np
+from scipy.special import gammaincc
+
+from seaglint.air.protocol import slant_range
+from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import in_threads, kernel, njit
+from seaglint.climate.mirrored_sunlight import (
+    MirroredLight,
+    between_kernel,
+    elevation_kernel,
+    height_coordinate,
+    light_of,
+    place_even,
+    place_in_pieces,
+    sun_coordinate_kernel,
+    view_range_kernel,
+)
+from seaglint.facet.glint import FacetDensity, SunDisc, aim_disc, chance_kernel, floored, place_kernel, sun_disc
+from seaglint.facet.legs import Legs, Shadowing
+from seaglint.facet.sea_view import sea_arc
+from seaglint.facet.sunlight import STEADY, turn_kernel
+from seaglint.radiance.variance import patches_of_tilt, point_variance
+from seaglint.sea.shadowing.nested import HIGHEST, between_bands, ratio_table
+from seaglint.sea.shadowing.seen_and_lit import coupling_table
+from seaglint.sea.shadowing.smith import projected_area, visible_area_kernel
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+
+SlopesAt = Callable[[float], SlopeStatistics]  #: Function that returns the slopes of the sea at a wind [m/s] that blows towards azimuth 0.
+
+_STEP: Final = 0.2  #: Step of winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it.
+
+#: Steps of the rms slope, which the law of hiding depends on; shares of facets are interpolated linearly between them, within 1e-3.
+_DEVIATIONS: Final = 0.006
+
+_AREA_WIND: Final = 2.0
+_EDGES: Final = 31
+_TURNS: Final = 19
+_SUNS: Final = 12  #: Number of azimuths of the Sun in a half circle over which the number of bands is averaged.
+
+
+class WindSlopes(NamedTuple):
+    """Slopes against the wind, as kernels read them. Made by :func:`seas`."""
+
+    first: float  #: Lowest wind, and step [m/s].
+    step: float
+    #: Slope parameters of each wind [(winds, 9)].
+    #:
+    #: These are variances along and across the waves, series (c21, c03, c40, c22, c04), rms slope of one direction, azimuth of the waves
+    #: from the wind's [rad].
+    slopes: FloatArray
+    is_gaussian: bool
+    sun_leg: bool
+    first_deviation: float
+    deviation_step: float
+    ratio: FloatArray  #: Tables of the nested law [(rms slopes, rows, columns)]; empty ones for Smith's.
+    coupling: FloatArray  #: Tables of facets seen and lit [(rms slopes, view, Sun, slope)].
+    lean: FloatArray  #: Tables of the lean of facets [(rms slopes, views, slopes)].
+    gains: FloatArray  #: Gains of the lean at each wind [(winds, azimuths)].
+    area: FloatArray  #: Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those.
+
+
+def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> WindSlopes:
+    """Tabulate slopes between two winds [m/s]."""
+    low, high = winds
+    count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
+    nodes = np.linspace(low, max(high, low + 1e-6), count)
+    statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
+    deviations = np.array([math.sqrt(0.5 * s.mss) for s in statistics])
+    table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
+    first, last = float(deviations.min()), float(deviations.max())
+    steps = 1 if last == first else max(int(np.ceil((last - first) / _DEVIATIONS)) + 1, 2)
+    grid = np.linspace(first, last, steps)
+    bands = np.interp(grid, deviations, [_mean_bands(shadowing, s) for s in statistics])
+    return WindSlopes(
+        low,
+        float(nodes[1] - nodes[0]),
+        np.column_stack([table, deviations, [s.wind_to_azimuth for s in statistics]]),
+        all(s.is_gaussian for s in statistics),
+        shadowing.sun,
+        first,
+        float(grid[1] - grid[0]) if steps > 1 else 1.0,
+        np.stack([between_bands(ratio_table, float(b)) for b in bands]),
+        np.stack([coupling_table(float(b), float(d)) for b, d in zip(bands, grid, strict=True)])
+        if shadowing.sun
+        else np.zeros((steps, 0, 0, 0)),
+        np.stack([replace(shadowing, bands=float(b)).leaning(statistics[0])[0] for b in bands]),
+        np.stack([shadowing.leaning(s)[1] for s in statistics]),
+        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
+    )
+
+
+def _mean_bands(shadowing: Shadowing, slopes: SlopeStatistics) -> float:
+    """Number of bands of the law, the mean over azimuths of the Sun from the wind's."""
+    turns = np.pi / _SUNS * np.arange(_SUNS)
+    return float(np.mean([shadowing.settled(slopes, slopes.wind_to_azimuth + turn).law_bands(slopes) for turn in turns]))
+
+
+def _areas(slopes_at: SlopesAt, nodes: FloatArray, shadowing: Shadowing) -> FloatArray:
+    """Area ratios at every tenth wind, elevations of the view to 6 rms slopes, and half of the circle from the downwind direction."""
+    edge = np.maximum(np.linspace(0.0, HIGHEST, _EDGES), 1e-9)
+    turn = np.linspace(0.0, np.pi, _TURNS)
+    out = []
+    for wind in np.linspace(nodes[0], nodes[-1], max(int(np.ceil((nodes[-1] - nodes[0]) / _AREA_WIND)) + 1, 2)):
+        slopes = floored(slopes_at(float(wind)))
+        deviation = np.sqrt(slopes.mss_along(turn + slopes.wind_to_azimuth))
+        zenith = np.arctan(1.0 / (edge[:, None] * deviation))
+        area = replace(shadowing, bands=_mean_bands(shadowing, slopes)).area(zenith, turn + slopes.wind_to_azimuth + 0.0 * zenith, slopes)
+        out.append(area / projected_area(zenith, deviation**2))
+    return np.stack(out)
+
+
+DUSK: Final = 0.3  #: Depression of the Sun from which it is above no horizon in view [rad].
+
+_FAINT: Final = 1e-300  #: Radiance of a lit sea with negligible glint [W m-2 sr-1], so that it is above 0 wherever the Sun is up.
+
+#: Quantities of a look, in the order of the kernel's array.
+#:
+#: These are index of the model atmosphere in the table, U10 [m/s], azimuth it blows to [rad], sensor's height [m], the Sun's direction
+#: [rad] and ``1/d^2``, azimuth of the look and its depression [rad].
+COLUMNS: Final = ("model", "wind", "wind_to", "height", "solar_zenith", "solar_azimuth", "irradiance_factor", "azimuth", "depression")
+
+
+@dataclass(frozen=True)
+class Search:
+    """Directions about each look among which the brightest is used; by default the look alone."""
+
+    #: ``depressions``, ``azimuths``: Directions tried at first, even in the squeezed elevation and over the azimuths.
+    depressions: int = 1
+    azimuths: int = 1
+    refinements: int = 0  #: Halvings of the steps about the brightest.
+    half_width: float = 0.0  #: Azimuths to each side [rad].
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """Results of looks [(n,) each]; 0 where no Sun is up or no sea in view, and the least number where glint is negligible."""
+
+    radiance: FloatArray  #: Radiance of the mirrored Sun at the sensor [W m-2 sr-1].
+    chance: FloatArray  #: Share of the viewed area that mirrors the Sun [1].
+    cos_incidence: FloatArray
+    elevation: FloatArray  #: Elevation of the viewer at the sea there [rad]; negative where the look misses the sea.
+    sun_up: FloatArray  #: Sine of the elevation there of the visible part of the Sun [1].
+
+
+def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Search = Search()) -> Looks:
+    """Mirrored Sun of each look, or of the brightest direction about it.
+
+    Parameters
+    ----------
+    draws : ndarray
+        Looks [(n, 9)], columns as in :data:`COLUMNS`. With several depressions those of ``light`` are searched, whatever the column says.
+    light : MirroredLight
+        Sunlight through the air.
+    sea : WindSlopes
+        Slopes.
+    search : Search
+        Directions.
+
+    Notes
+    -----
+    Shares of facets are those of :func:`seaglint.facet.glint.glint` at the mean number of bands over azimuths of the Sun; winds beyond the
+    tables count as the nearest.
+    """
+    rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
+    out = np.zeros((rows.shape[0], 5))
+    plan = _LookPlan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
+    disc = sun_disc(0.0, 0.0, STEADY)
+
+    def work(part: tuple[int, int]) -> None:
+        _fill(part, rows, levels, light, sea, plan, disc.rule, out)
+
+    in_threads(work, rows.shape[0])
+    return Looks(*(np.ascontiguousarray(column) for column in out.T))
+
+
+class _LookPlan(NamedTuple):
+    depressions: int
+    azimuths: int
+    refinements: int
+    half_width: float
+    low: float
+    high: float
+
+
+class Way(NamedTuple):
+    """Position of a direction among the nodes of the light."""
+
+    wind: int  #: First nodes of wind and height.
+    height: int
+    coarse: tuple[float, float]  #: Coordinates of wind and height among the nodes of the mean reflectance.
+    across: float  #: Coordinate of the view, 0 to 1.
+    weights: FloatArray  #: Weights of the cubics; those of view and Sun are filled later [(4, 4)].
+
+
+class SeaState(NamedTuple):
+    """Sea at one wind, equal for all directions."""
+
+    density: FacetDensity
+    wind: float  #: Wind in steps of the table.
+    law: float  #: Coordinate of its rms slope among the tables of the law of hiding.
+    sun_deviation: float
+    series: float
+    wave_azimuth: float
+
+
+@kernel
+def _area_ratio(sea: WindSlopes, wind: float, edge: float, turn: float) -> float:
+    """Ratio of the visible area to that of Gaussian slopes; ``wind`` in steps of the slopes, ``turn`` from the waves' direction [rad]."""
+    if sea.area.shape[0] == 0:
+        return 1.0
+    folded = abs((turn + math.pi) % (2.0 * math.pi) - math.pi)
+    x = wind / max(sea.slopes.shape[0] - 1.0, 1.0) * (sea.area.shape[0] - 1)
+    y = min(max(edge, 0.0), HIGHEST) / HIGHEST * (sea.area.shape[1] - 1)
+    z = folded / math.pi * (sea.area.shape[2] - 1)
+    i, j, k = min(int(x), sea.area.shape[0] - 2), min(int(y), sea.area.shape[1] - 2), min(int(z), sea.area.shape[2] - 2)
+    f, g, h = x - i, y - j, z - k
+    total = 0.0
+    for a in range(2):
+        for b in range(2):
+            both = sea.area[i + a, j + b, k] * (1.0 - h) + sea.area[i + a, j + b, k + 1] * h
+            total += (f if a == 1 else 1.0 - f) * (g if b == 1 else 1.0 - g) * both
+    return total
+
+
+@njit
+def sea_at(sea: WindSlopes, row: FloatArray, coefficients: FloatArray) -> SeaState:
+    """Sea under the wind of a look; fills the coefficients of its series."""
+    wind = min(max((row[1] - sea.first) / sea.step, 0.0), sea.slopes.shape[0] - 1.0)
+    i = min(int(wind), sea.slopes.shape[0] - 2)
+    f = wind - i
+    low, high = sea.slopes[i], sea.slopes[i + 1]
+    for k in range(5):
+        coefficients[k] = (1.0 - f) * low[2 + k] + f * high[2 + k]
+    up, cross = (1.0 - f) * low[0] + f * high[0], (1.0 - f) * low[1] + f * high[1]
+    azimuth = row[2] + (1.0 - f) * low[8] + f * high[8]
+    s, c, a, b = math.sin(azimuth), math.cos(azimuth), math.sqrt(up), math.sqrt(cross)
+    density = FacetDensity(up, cross, a, b, 1.0 / (8.0 * math.pi * a * b), s, c, sea.is_gaussian, coefficients)
+    turn = row[5] - azimuth
+    deviation = math.sqrt(up * math.cos(turn) ** 2 + cross * math.sin(turn) ** 2)
+    series = _area_ratio(sea, wind, 1.0 / max(math.tan(min(row[4], 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)) * deviation, 1e-9), turn)
+    return SeaState(
+        density, wind, ((1.0 - f) * low[7] + f * high[7] - sea.first_deviation) / sea.deviation_step, deviation, series, azimuth
+    )
+
+
+@njit
+def direction(
+    row: FloatArray,
+    gamma: float,
+    arc: float,
+    azimuth: float,
+    light: MirroredLight,
+    sea: WindSlopes,
+    state: SeaState,
+    disc: SunDisc,
+    place: Way,
+) -> tuple[float, float, float, float]:
+    """Radiance, chance, cosine of incidence and the sine of the Sun's elevation of one direction; fills weights of ``place``."""
+    away = azimuth + math.pi
+    view = (math.cos(gamma), math.sin(gamma), math.sin(away), math.cos(away))
+    turn = turn_kernel(arc / EARTH_RADIUS)
+    up = place_kernel((-view[2], -view[3]), turn, disc).middle[2]
+    edge_area = -1.0
+    if not sea.is_gaussian:
+        beside = away - state.wave_azimuth
+        deviation = math.sqrt(state.density.mss_up * math.cos(beside) ** 2 + state.density.mss_cross * math.sin(beside) ** 2)
+        edge = view[1] / max(view[0] * deviation, 1e-12)
+        edge_area = visible_area_kernel(view[1], view[0] * deviation) * _area_ratio(sea, state.wind, edge, beside)
+    at = min(int(state.law), max(sea.ratio.shape[0] - 2, 0))
+    more = state.law - at
+    chance, cosine = 0.0, 0.0
+    for k in range(2):
+        share = more if k == 1 else 1.0 - more
+        if share <= 0.0 or (k == 1 and chance == 0.0 and more < 1.0):
+            continue
+        legs = Legs(
+            sea.sun_leg, 0.0, row[5], math.sin(row[5]), math.cos(row[5]), 0.0, state.sun_deviation, state.series,
+            sea.ratio[at + k], sea.coupling[at + k], sea.lean[at + k], sea.gains[min(int(state.wind + 0.5), sea.gains.shape[0] - 1)],
+            state.wave_azimuth,
+        )  # fmt: skip
+        part, cosine, _ = chance_kernel(view, away, turn, edge_area, state.density, disc, legs)
+        chance += share * part
+    if chance <= 0.0:
+        return 0.0, 0.0, cosine, up
+    weights, coarse, across = place.weights, place.coarse, place.across
+    sun = sun_coordinate_kernel(up)
+    v, s = place_even(across, light.values.shape[3], weights[2]), place_even(sun, light.values.shape[4], weights[3])
+    inner = (coarse[0], coarse[1], across * (light.shapes.shape[3] - 1), sun * (light.shapes.shape[4] - 1))
+    shown = light_of(light, int(row[0]), (place.wind, place.height, v, s), weights, cosine, inner)
+    return row[6] * chance * shown, chance, cosine, up
+
+
+@njit
+def _fill(
+    part: tuple[int, int],
+    draws: FloatArray,
+    levels: FloatArray,
+    light: MirroredLight,
+    sea: WindSlopes,
+    plan: _LookPlan,
+    rule: FloatArray,
+    out: FloatArray,
+) -> None:
+    points, coefficients, weights = np.empty((7, 4)), np.empty(5), np.zeros((4, 4))
+    for n in range(part[0], part[1]):
+        row = draws[n]
+        out[n, 3] = -1.0
+        if row[4] > 0.5 * math.pi + DUSK:
+            continue
+        aim_disc(points, row[4], row[5])
+        disc = SunDisc(points, rule, 0.0, 1.0, np.empty(0))
+        state = sea_at(sea, row, coefficients)
+        wind = place_in_pieces(row[1], light.winds[int(row[0])], light.pieces[int(row[0])], weights[0])
+        height = place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1])
+        coarse = between_kernel(row[1], light.coarse_winds[int(row[0])]), between_kernel(levels[n], light.coarse_heights)
+        scale, first, last = view_range_kernel(row[3], plan.low, plan.high)
+        start = view_range_kernel(row[3], light.lowest, plan.high)[1]
+        grid = plan.depressions * plan.azimuths
+        ways = (2 if plan.depressions > 1 else 0) + (2 if plan.azimuths > 1 else 0)
+        best, aside = 0.0, 0.0
+        step_u, step_a = 1.0 / max(plan.depressions - 1, 1), 2.0 * plan.half_width / max(plan.azimuths - 1, 1)
+        for step in range(grid + ways * plan.refinements):
+            u, a = best, aside
+            if step < grid:
+                u = (step // plan.azimuths) * step_u
+                a = (step % plan.azimuths) * step_a - plan.half_width
+            else:
+                if out[n, 0] == 0.0:
+                    break
+                fine = 0.5 ** (1 + (step - grid) // ways)
+                way = (step - grid) % ways
+                if plan.depressions > 1 and way < 2:
+                    u = min(max(best + (step_u * fine if way == 0 else -step_u * fine), 0.0), 1.0)
+                else:
+                    a = min(max(aside + (step_a * fine if way % 2 == 0 else -step_a * fine), -plan.half_width), plan.half_width)
+            excess = row[3] / EFFECTIVE_EARTH_RADIUS
+            if plan.depressions > 1:
+                x = first + u * (last - first)
+                gamma = min(scale * math.sinh(x), 0.5 * math.pi)
+                half = math.sin(0.5 * gamma)
+                depression = 2.0 * math.asin(min(math.sqrt((0.5 * excess + half * half) / (1.0 + excess)), 1.0))
+            else:
+                depression = row[8]
+                gamma = elevation_kernel(row[3], depression)
+                if gamma < 0.0:
+                    break
+                x = math.asinh(gamma / scale)
+            arc = EFFECTIVE_EARTH_RADIUS * max(depression - gamma, 0.0)
+            evaluated = direction(
+                row, gamma, arc, row[7] + a, light, sea, state, disc, Way(wind, height, coarse, (x - start) / (last - start), weights)
+            )
+            bright = max(evaluated[0], _FAINT) if evaluated[3] > 0.0 else 0.0
+            if bright > out[n, 0] or step == 0:
+                best, aside = u, a
+                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, evaluated[1], evaluated[2], gamma, evaluated[3]
+
+
+def deviation(evaluated: Looks, height: FloatArray, solid_angle: float, length: float) -> FloatArray:
+    """Standard deviation of glint in a pixel of each look [W m-2 sr-1, (n,)], as :func:`seaglint.radiance.variance.glint_variance`.
+
+    Parameters
+    ----------
+    evaluated : Looks
+        Results of the looks.
+    height : ndarray
+        Heights of the sensors [m, (n,)].
+    solid_angle : float
+        Solid angle of a pixel [sr].
+    length : float
+        Side of a cell of glint [m].
+    """
+    gamma = np.maximum(evaluated.elevation, 0.0)
+    slant = slant_range(height, sea_arc(height, gamma))
+    tilt = np.maximum(np.sin(gamma) + evaluated.sun_up, 0.0)
+    m = patches_of_tilt(evaluated.cos_incidence, tilt, slant, solid_angle, length)
+    return np.asarray(np.sqrt(point_variance(evaluated.radiance, evaluated.chance) / np.maximum(m, 1.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class DetectionCurve:
+    """Probability of detection against contrast, linear between its points and constant beyond them."""
+
+    contrast: FloatArray  #: Ascending, target less what is about it [W m-2 sr-1].
+    pd: FloatArray  #: Chance of detection there [1].
+
+    def __call__(self, contrast: FloatArray) -> FloatArray:
+        """Probabilities at contrasts [1]."""
+        return np.asarray(np.interp(contrast, self.contrast, self.pd))
+
+
+def exceeds(radiance: FloatArray, threshold: float) -> FloatArray:
+    """Value 1 where a radiance is above a threshold, else 0."""
+    return (radiance > threshold).astype(np.float64)
+
+
+def passes(mean: FloatArray, sigma: FloatArray, threshold: float) -> FloatArray:
+    """Probability that glint in a pixel is above a threshold [1]: a gamma law of this mean and deviation [W m-2 sr-1].
+
+    >>> import numpy as np
+    >>> round(float(passes(np.array([1.0]), np.array([1.0]), 2.0)[0]), 4)
+    0.1353
+    """
+    spread = (sigma > 1e-6 * mean) & (mean > 0.0)
+    shape = np.divide(mean, sigma, out=np.ones_like(mean), where=spread) ** 2
+    scale = np.divide(mean, shape, out=np.ones_like(mean), where=spread)
+    return np.asarray(np.where(spread, gammaincc(shape, threshold / scale), exceeds(mean, threshold)))
+
+
+def detected(radiance: FloatArray, illuminated: FloatArray, curve: DetectionCurve, contrast: float) -> FloatArray:
+    """Probability to detect a target [1] with a contrast of ``contrast`` to a sea without glint [W m-2 sr-1].
+
+    Glint behind it takes its radiance from the contrast; where clouds hide the Sun, with the chance 1 - ``illuminated``, it takes nothing.
+    """
+    free = curve(np.array([contrast]))[0]
+    return np.asarray(free + illuminated * (curve(contrast - radiance) - free))
+
+
+def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[float], weight: FloatArray | None = None) -> FloatArray:
+    """Radiances that glint exceeds in given shares of all draws [W m-2 sr-1]: contrasts visible in the others.
+
+    ``weight`` is what each draw stands for [(n,)]; all the same where it is not given.
+    """
+    order = np.argsort(radiance)[::-1]
+    each = np.ones(radiance.size) if weight is None else weight
+    above = np.cumsum((illuminated * each)[order]) / each.sum()
+    at = np.searchsorted(above, np.asarray(shares), side="left")
+    values = np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)
+    return np.asarray(values[np.minimum(at, radiance.size)])

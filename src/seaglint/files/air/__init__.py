@@ -1,1 +1,0 @@
-"""Files of transmittance and radiance that serve as an atmosphere."""

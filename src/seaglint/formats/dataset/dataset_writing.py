@@ -1,0 +1,570 @@
+"""A finished scene store becomes pictures and a record of what is in them.
+
+Example pictures of a data set on one sheet, with the boxes of what is in them.
+
+The data card: what a data set holds, how it was made, and its statistics.
+
+Check of a data set: files and checksums, pictures, boxes and masks, and splits that share nothing.
+
+The files of a data set that are written when all scenes are in: annotations, tables, card, examples, checksums.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby, pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
+
+from seaglint.base.brightness import Scale, eight_bit, scale_limits
+from seaglint.base.errors import BackendError, DataError
+from seaglint.base.free_form import JsonObject
+from seaglint.formats.dataset import format_named
+from seaglint.formats.dataset.grey_pictures import Bits, PictureLevels, box_of, compressed, read_picture, write_picture
+from seaglint.formats.dataset.scene_records import (
+    SPLITS,
+    TRUTH_COLUMNS,
+    Catalogue,
+    DatasetFormat,
+    DatasetFrame,
+    DatasetObject,
+    DatasetScene,
+    Entry,
+    Piece,
+    known,
+)
+from seaglint.formats.object_labels import Label, Labels, run_lengths
+from seaglint.formats.tables.table_text import read_rows, require_parquet, write_parquet, write_rows
+from seaglint.objects.drawing.truth import LEAST_CLUTTER, SURROUND
+from seaglint.store.outputs import moved_when_whole, read_json, read_text, write_json, write_text
+from seaglint.store.sequence_store import open_sequence
+from seaglint.store.stored_images import count_line, pictures
+from seaglint.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+BLUR: Final = 2  #: Pixels around masks into which optics spread an object: left out of its surroundings.
+
+
+@dataclass(frozen=True)
+class ConversionSettings:
+    """How scenes are written."""
+
+    folder: str  #: Of the data set, or of the unfinished one.
+    format: str  #: Name of one of :data:`seaglint.formats.dataset.FORMATS`.
+    bits: Bits  #: Of a pixel.
+    image: str  #: Ending of pictures.
+    classes: Mapping[str, str]  #: Category of an object by its name; its preset, or the kind of its shape, where nothing is said.
+
+
+def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
+    """Write a scene's pictures, and its record last.
+
+    Raises
+    ------
+    DataError
+        No finished sequence.
+    StorageError
+        No room or no rights.
+    """
+    folder, form = Path(settings.folder), format_named(settings.format)
+    with open_sequence(entry.store) as dataset:
+        variable = pictures(dataset)
+        levels = _levels(variable, settings.bits, entry) if form.pictures else None
+        frames = [int(number) for number in dataset["frame"].to_numpy()]
+        times = [float(time) for time in dataset["time"].to_numpy()]
+        numbered = tuple(
+            DatasetFrame(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(frames, times, strict=True)
+        )
+        scenario = json.loads(dataset.attrs["scenario"])
+        objects = scenario.get("objects") or []
+        for index, picture in enumerate(numbered):
+            if levels is not None:
+                about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes}
+                path = form.image_path(folder, entry.split, picture.name, settings.image)
+                write_picture(path, levels.of(variable[index].to_numpy()), about)
+        rows = tuple(_rows(Labels.of(entry.store), variable)) if objects else ()
+        part = DatasetScene(
+            scene=entry.name,
+            split=entry.split,
+            seed=int(dataset.attrs["seed"]),
+            shape=(int(variable.shape[1]), int(variable.shape[2])),
+            frame_rate_hz=float(scenario["sensor"]["frame_rate_hz"]),
+            levels=levels,
+            names=tuple(item["name"] for item in objects),
+            categories=tuple(category_of(item, settings.classes) for item in objects),
+            pictures=numbered,
+            rows=rows,
+            parameters=dict(entry.parameters),
+        )
+    part.write(folder)
+    return part
+
+
+def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> PictureLevels:
+    """Lines that hold all frames of the scene."""
+    least = [float(variable[i].min()) for i in range(variable.shape[0])]
+    most = [float(variable[i].max()) for i in range(variable.shape[0])]
+    low, high = min(least), max(most)
+    if not np.isfinite([low, high]).all():
+        raise DataError(f"{entry.store}: its pictures have pixels without a value; render it again")
+    if variable.name == "signal":
+        return PictureLevels.of_counts(int(low), int(high), bits, count_line(variable))
+    return PictureLevels.of_radiance(low, high, bits)
+
+
+def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
+    """Return the class of an object by its name, preset or kind of shape; those that a template drew are named NAME-1, NAME-2, ..."""
+    name = str(item["name"])
+    drawn, _, number = name.rpartition("-")
+    category = classes.get(name) or (classes.get(drawn) if number.isdecimal() else None)
+    return str(category or item.get("preset") or item["shape"]["kind"])
+
+
+def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
+    """Truth of all frames."""
+    rows = []
+    slope, _ = count_line(variable)
+    for index, (_, group) in enumerate(groupby(labels, key=lambda label: label.frame)):
+        several = list(group)
+        values = np.asarray(variable[index].to_numpy(), np.float64)
+        spread = binary_dilation(np.logical_or.reduce([label.mask for label in several]), iterations=BLUR)
+        for label in several:
+            numbers = {name: known(value) for name, value in label.values.items()}
+            found_here = local_contrast(values, label.mask, spread)
+            contrast, snr = (None, None) if found_here is None else (found_here[0] * slope, found_here[1])
+            rows.append(DatasetObject(index, label.number, numbers, contrast, snr, tuple(pieces(label))))
+    return rows
+
+
+def pieces(label: Label) -> list[Piece]:
+    """Boxes and masks of what is seen of an object: the box is the mask's; one over the seam of a panorama is cut there."""
+    mask = label.mask
+    if not mask.any():
+        return []
+    columns = mask.shape[1]
+    left, width = label.values["bbox_left_px"], label.values["bbox_width_px"]
+    cut = left + width > columns
+    halves = [np.arange(columns) >= left, np.arange(columns) < left] if cut else [np.ones(columns, bool)]
+    parts = [mask & half for half in halves]
+    return [Piece(box_of(part), int(part.sum()), compressed(run_lengths(part))) for part in parts if part.any()]
+
+
+def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered: NDArray[np.bool_]) -> tuple[float, float] | None:
+    r"""Contrast and signal-to-noise ratio of an object in the delivered picture.
+
+    The contrast is :math:`\bar v_t - \bar v_b`, the ratio :math:`|\bar v_t - \bar v_b| / \sigma_b`, with the mean over the mask, and mean
+    and standard deviation of the pixels within 10 of the mask's box that no object covers or blurs into. None where the object is out of
+    view, or its surroundings have fewer than 8 such pixels or do not vary.
+
+    Parameters
+    ----------
+    values : ndarray
+        Counts or radiance.
+    mask : ndarray
+        Of the object.
+    covered : ndarray
+        Pixels that are no surroundings of any object.
+    """
+    if not mask.any():
+        return None
+    left, top, width, height = box_of(mask)
+    where = (slice(max(top - SURROUND, 0), top + height + SURROUND), slice(max(left - SURROUND, 0), left + width + SURROUND))
+    around = values[where][~covered[where]]
+    spread = float(around.std()) if around.size >= LEAST_CLUTTER else 0.0
+    if spread == 0.0:
+        return None
+    contrast = float(values[mask].mean()) - float(around.mean())
+    return contrast, abs(contrast) / spread
+
+
+WIDTH: Final = 240  #: Greatest side of an example [pixels].
+
+COLUMNS: Final = 6
+
+_GAP, _TEXT = 6, 14
+_GREEN: Final = (90, 235, 120)
+
+
+@dataclass(frozen=True, eq=False)
+class Example:
+    """Picture with its boxes (first column and row, columns and rows) and a line below it."""
+
+    values: NDArray[Any]
+    boxes: Sequence[tuple[int, int, int, int]]
+    title: str
+
+
+def write_sheet(examples: Sequence[Example], path: Path) -> None:
+    """Write examples as PNG, each stretched from its 1st to its 99.8th percentile.
+
+    Raises
+    ------
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    from PIL import Image, ImageDraw
+
+    columns = max(min(COLUMNS, len(examples)), 1)
+    rows = max(math.ceil(len(examples) / columns), 1)
+    sizes = [(round(e.values.shape[1] * _zoom(e)), round(e.values.shape[0] * _zoom(e))) for e in examples] or [(WIDTH, WIDTH)]
+    tall = max(height for _, height in sizes)
+    across, down = max(width for width, _ in sizes) + _GAP, tall + _TEXT + _GAP
+    sheet = Image.new("RGB", (columns * across + _GAP, rows * down + _GAP), (24, 24, 28))
+    pen = ImageDraw.Draw(sheet)
+    for i, example in enumerate(examples):
+        left, top = _GAP + i % columns * across, _GAP + i // columns * down
+        zoom = _zoom(example)
+        size = sizes[i]
+        way = Image.Resampling.NEAREST if zoom >= 1.0 else Image.Resampling.BOX
+        sheet.paste(Image.fromarray(_grey(example.values)).resize(size, way).convert("RGB"), (left, top))
+        for box in example.boxes:
+            # a frame three pixels of the picture wider, so that what is in it is seen
+            x0, y0 = left + (box[0] - 3) * zoom, top + (box[1] - 3) * zoom
+            x1, y1 = left + (box[0] + box[2] + 3) * zoom, top + (box[1] + box[3] + 3) * zoom
+            inside = (max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1))
+            pen.rectangle(inside, outline=_GREEN)
+        pen.text((left, top + tall + 1), example.title, fill=(220, 220, 220))
+    with moved_when_whole(path) as partial:
+        sheet.save(partial, format="PNG")
+
+
+def _zoom(example: Example) -> float:
+    zoom = WIDTH / max(example.values.shape)
+    return float(math.floor(zoom)) if zoom >= 1.0 else zoom
+
+
+def _grey(values: NDArray[Any]) -> NDArray[np.uint8]:
+    return eight_bit(Scale(*scale_limits(values, (1.0, 99.8))).share(values))
+
+
+_SNR_EDGES: Final = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 50.0, float("inf"))
+_SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
+
+
+def statistics(catalogue: Catalogue) -> JsonObject:
+    """Numbers of a data set."""
+    rows = [(part, row) for part in catalogue.parts for row in part.rows]
+    seen = [(part, row) for part, row in rows if row.pieces]
+    filled = {(part.scene, row.frame) for part, row in seen}
+    images = sum(len(part.pictures) for part in catalogue.parts)
+    return {
+        "scenes": {split: len(catalogue.of_split(split)) for split in SPLITS},
+        "images": {split: sum(len(part.pictures) for part in catalogue.of_split(split)) for split in SPLITS},
+        "annotated_objects": {split: sum(bool(row.pieces) for part, row in rows if part.split == split) for split in SPLITS},
+        "images_without_objects": images - len(filled),
+        "objects_out_of_view": len(rows) - len(seen),
+        "by_category": {name: sum(part.categories[row.number] == name for part, row in seen) for name in catalogue.categories},
+        "picture_sizes": sorted({f"{part.shape[1]} x {part.shape[0]}" for part in catalogue.parts}),
+        "snr": _histogram((row.snr for _, row in seen), _SNR_EDGES),
+        "filled_px": _histogram((row.values["pixels"] for _, row in seen), _SIZE_EDGES),
+        "range_m": _quartiles(row.values["range_m"] for _, row in seen),
+        "parameters": _ranges(catalogue),
+    }
+
+
+def _histogram(values: Iterable[float | None], edges: Sequence[float]) -> dict[str, int]:
+    known = [value for value in values if value is not None]
+    counts = np.histogram(known, edges)[0]
+    names = [f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}" for low, high in pairwise(edges)]
+    return dict(zip(names, counts.tolist(), strict=True))
+
+
+def _quartiles(values: Iterable[float | None]) -> dict[str, float]:
+    known = [value for value in values if value is not None]
+    if not known:
+        return {}
+    names = ("least", "lower quartile", "median", "upper quartile", "most")
+    return {name: float(f"{value:.5g}") for name, value in zip(names, np.percentile(known, (0, 25, 50, 75, 100)), strict=True)}
+
+
+def _ranges(catalogue: Catalogue) -> JsonObject:
+    """Least and greatest number of what was drawn; of words, how often each."""
+    out: JsonObject = {}
+    for name in dict.fromkeys(key for part in catalogue.parts for key in part.parameters if key not in ("scene", "seed")):
+        values = [part.parameters[name] for part in catalogue.parts if part.parameters.get(name) is not None]
+        numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
+        if values and len(numbers) == len(values):
+            out[name] = {"least": float(f"{min(numbers):.6g}"), "most": float(f"{max(numbers):.6g}")}
+        elif values:
+            words = [str(value) for value in values]
+            out[name] = {"values": len(set(words)), **({} if len(set(words)) > 8 else {w: words.count(w) for w in sorted(set(words))})}
+    return out
+
+
+def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[DatasetFormat]) -> str:
+    """Text of ``README.md``.
+
+    Parameters
+    ----------
+    about : mapping
+        ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``bits``, ``image``, ``counts``, ``split``.
+    found : mapping
+        As :func:`statistics` gives it.
+    form : type of DatasetFormat
+        Format.
+    """
+    total = {name: sum(numbers[name].values()) for name in ("scenes", "images", "annotated_objects")}
+    lines = [f"# {about['title']}", ""]
+    if about["description"]:
+        lines += [about["description"], ""]
+    lines += [
+        "Simulated infrared pictures of the sea, with the truth of the objects in them. No sensor took them.",
+        "",
+        "![Examples with the boxes of their objects](examples.png)",
+        "",
+        "## What",
+        "",
+        f"- {total['images']} pictures of {total['scenes']} scenes, {', '.join(numbers['picture_sizes'])} pixels, with "
+        f"{total['annotated_objects']} annotated objects; {numbers['images_without_objects']} pictures have none.",
+        f"- Layout `{form.name}`: {form.layout}. {_pixels(about, form)}",
+        "- `parameters.csv`: a row for each scene. `truth.csv` (and `truth.parquet`): a row for each object and frame, also of those "
+        "out of view, which have no annotation.",
+        "- `dataset.json`: all of this for programs. `SHA256SUMS`: checksums, for `sha256sum -c`.",
+        "",
+        "## How",
+        "",
+        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form.name}` from the file `ensemble.toml`; "
+        f"seed {about['seed']}. The same file, version and kind of processor give the same bytes.",
+        f"- Split by scene, {' / '.join(f'{fraction:g}' for fraction in about['split'])}, a function of the seed and the scene's number: "
+        "no scene has pictures in two splits.",
+        "- A mask has the pixels that an object touches, before optics blur it. Of an object smaller than a pixel it is the pixels that it "
+        "lies in, one at least. `filled_px` is how much of them it fills.",
+        "- `snr`: absolute value of the mean over the mask less the mean around it, over the standard deviation around it (clutter and "
+        "noise, 10 pixels beyond the box, without objects), in the pictures as delivered; a body that is partly warmer and partly colder "
+        "than the sea may have a small one and be plain to see. `signal_to_clutter`: the largest change of a pixel over the deviation of "
+        "the sea around it, before the sensor.",
+        "- Centroids count from 0 at the middle of the first pixel; boxes from 0 at its left and upper edge.",
+        "",
+        "## Licence",
+        "",
+        f"{about['licence']}{about['licence_note']}",
+        "",
+        "## Statistics",
+        "",
+    ]
+    columns = ("", *SPLITS, "all")
+    lines += _table(columns, [(n.replace("_", " "), *numbers[n].values(), total[n]) for n in total])
+    lines += _table(("category", "annotated objects"), list(numbers["by_category"].items()))
+    lines += _table(("snr", "annotated objects"), list(numbers["snr"].items()))
+    lines += _table(("pixels filled", "annotated objects"), list(numbers["filled_px"].items()))
+    lines += _table(tuple(f"range, {name} [m]" for name in numbers["range_m"]), [tuple(f"{v:g}" for v in numbers["range_m"].values())])
+    drawn = [
+        (f"`{name}`", ", ".join(f"{key} {value:g}" for key, value in values.items())) for name, values in numbers["parameters"].items()
+    ]
+    lines += _table(("drawn for each scene", "values"), drawn)
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _pixels(about: Mapping[str, Any], form: type[DatasetFormat]) -> str:
+    if not form.pictures:
+        return "Counts or radiance as the scenes have them."
+    made = "counts" if about["counts"] else "radiance"
+    lines = (
+        "The line from a pixel's value to radiance, `radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1], is one for each "
+    )
+    return (
+        f"{about['image'].upper()}, {about['bits']} bits, from {made}. {lines}scene, in `parameters.csv` and in each picture "
+        f"({'text chunks' if about['image'] == 'png' else 'JSON in ImageDescription'}); it is right to half a step."
+    )
+
+
+def _table(head: Sequence[str], body: Sequence[Sequence[Any]]) -> list[str]:
+    """Lines of a table; none where it is empty."""
+    if not body or not head:
+        return []
+    lines = [head, tuple("---" for _ in head), *body]
+    return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
+
+
+SUMS: Final = "SHA256SUMS"
+ABOUT: Final = "dataset.json"
+KIND: Final = "seaglint-dataset-1"  #: What ``kind`` of ``dataset.json`` says of our data sets.
+
+
+def files(folder: Path) -> list[str]:
+    """All files of a data set but the checksums themselves, with slashes, in order."""
+    paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    return sorted(path.as_posix() for path in paths if path.as_posix() != SUMS and not path.parts[0].startswith("."))
+
+
+def write_sums(folder: Path) -> None:
+    """Write the checksums of all files, as ``sha256sum`` does."""
+    write_text("".join(f"{_digest(folder / name)}  {name}\n" for name in files(folder)), folder / SUMS)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def read_about(folder: Path) -> JsonObject:
+    """``dataset.json``.
+
+    Raises
+    ------
+    DataError
+        No data set of ours.
+    """
+    try:
+        about = read_json(folder / ABOUT, "")
+        if about["kind"] == KIND:
+            return dict(about)
+    except (DataError, KeyError, TypeError):
+        pass
+    raise DataError(f"{folder}: is no data set of seaglint: it has no readable {ABOUT}; give a folder that 'seaglint dataset' made")
+
+
+def problems(folder: Path) -> Iterator[str]:
+    """Return the faults of a data set, a line each; nothing where it is whole.
+
+    Raises
+    ------
+    DataError
+        No data set of ours.
+    """
+    about = read_about(folder)
+    try:
+        lines = read_text(folder / SUMS, "").splitlines()
+        sums = {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
+    except (DataError, ValueError):
+        yield f"{SUMS}: is missing or cut"
+        return
+    here = files(folder)
+    missing = sorted(set(sums) - set(here))
+    yield from (f"{name}: is missing" for name in missing)
+    yield from (f"{name}: is not in {SUMS}" for name in sorted(set(here) - set(sums)))
+    yield from (f"{name}: its checksum is another than in {SUMS}" for name in here if name in sums and _digest(folder / name) != sums[name])
+    if missing:
+        return
+    yield from _split_problems(folder, about)
+    form = format_named(about["format"])
+    if form.pictures:
+        yield from _picture_problems(folder, about, form)
+    yield from form.problems(folder, about)
+
+
+def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+    """No scene in two splits, whichever file is asked."""
+    for name in ("parameters.csv", "truth.csv"):
+        for row in read_rows(folder / name):
+            recorded = about["scenes"].get(row["scene"], {}).get("split")
+            if recorded != row["split"]:
+                yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{recorded}' of {ABOUT}"
+
+
+def _picture_problems(folder: Path, about: Mapping[str, Any], form: type[DatasetFormat]) -> Iterator[str]:
+    for one in about["scenes"].values():
+        for picture in one["images"]:
+            path = form.image_path(folder, one["split"], picture, about["image"])
+            try:
+                levels = read_picture(path)
+            except DataError as error:
+                yield str(error)
+                continue
+            if levels.shape != (one["height"], one["width"]) or 8 * levels.dtype.itemsize != about["bits"]:
+                size = f"{levels.shape[1]} x {levels.shape[0]} pixels of {8 * levels.dtype.itemsize} bits"
+                yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {about['bits']}"
+
+
+LICENCE: Final = "CC-BY-4.0"  #: Licence of a data set whose ensemble says none.
+
+EXAMPLES: Final = 18  #: Pictures on the sheet of examples.
+
+
+def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, about: Mapping[str, Any]) -> None:
+    """Write all that goes beside the pictures.
+
+    Parameters
+    ----------
+    folder : Path
+        With the pictures.
+    catalogue : Catalogue
+        Records of all scenes.
+    settings : ConversionSettings
+        How they were written.
+    about : mapping
+        ``description``, ``licence`` (None where the ensemble says none) and ``split``.
+    """
+    licence = about["licence"] or LICENCE
+    counts = all(part.levels is not None and part.levels.counts for part in catalogue.parts)
+    shared = {
+        "title": catalogue.title,
+        "description": about["description"],
+        "licence": licence,
+        "version": __version__,
+        "seed": catalogue.seed,
+        "split": list(about["split"]),
+    }
+    form = format_named(settings.format)
+    form.write(folder, catalogue, shared)
+    _write_tables(folder, catalogue)
+    write_sheet(_examples(folder, catalogue, settings), folder / "examples.png")
+    numbers = statistics(catalogue)
+    pictured = {"bits": settings.bits, "image": settings.image} if form.pictures else {}
+    document = {
+        "kind": KIND,
+        "format": settings.format,
+        **pictured,
+        **shared,
+        "categories": list(catalogue.categories),
+        "scenes": {part.scene: _scene(part) for part in catalogue.parts},
+        "statistics": numbers,
+        "made_from": about["made_from"],
+    }
+    write_json(document, folder / ABOUT)
+    note = (
+        ""
+        if about["licence"]
+        else ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
+    )
+    write_text(card({**shared, **pictured, "licence_note": note, "counts": counts}, numbers, form), folder / "README.md")
+    write_sums(folder)
+
+
+def _scene(part: DatasetScene) -> JsonObject:
+    rows, columns = part.shape
+    lines = part.levels.attributes if part.levels is not None else {}
+    images = [picture.name for picture in part.pictures]
+    return {"split": part.split, "seed": part.seed, "width": columns, "height": rows, **lines, "images": images}
+
+
+def _write_tables(folder: Path, catalogue: Catalogue) -> None:
+    """``parameters.csv``, ``truth.csv``, and as Parquet where PyArrow is installed."""
+    parameters, truth = catalogue.parameters(), catalogue.truth()
+    write_rows(parameters, folder / "parameters.csv")
+    if truth:
+        write_rows(truth, folder / "truth.csv")
+    else:
+        write_text(",".join(TRUTH_COLUMNS) + "\n", folder / "truth.csv")
+    try:
+        require_parquet()
+    except BackendError:
+        return
+    write_parquet({name: [row[name] for row in truth] for name in TRUTH_COLUMNS}, folder / "truth.parquet")
+
+
+def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) -> list[Example]:
+    """One picture of each of some scenes, evenly among all: that with most objects, the first of these."""
+    parts = catalogue.parts
+    chosen = [parts[i] for i in sorted({round(j) for j in np.linspace(0, len(parts) - 1, min(EXAMPLES, len(parts)))})]
+    out = []
+    for part in chosen:
+        counts = [sum(len(row.pieces) for row in part.rows if row.frame == i) for i in range(len(part.pictures))]
+        place = int(np.argmax(counts))
+        rows = [row for row in part.rows if row.frame == place and row.pieces]
+        most = max((row.snr for row in rows if row.snr is not None), default=None)
+        title = f"{part.pictures[place].name} {part.split}" + (f", SNR to {most:.3g}" if most is not None else "")
+        picture = format_named(settings.format).picture(folder, part, place, settings.image)
+        out.append(Example(picture, [piece.box for row in rows for piece in row.pieces], title))
+    return out

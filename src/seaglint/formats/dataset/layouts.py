@@ -1,0 +1,366 @@
+"""COCO: one folder of pictures and ``annotations.json``, for all and for each split.
+
+The layout of single-frame small-target sets: pictures, masks of the same names in 0 and 255, and lists of names.
+
+Data sets that keep the scenes' stores as they are: sequences with their truth, in Zarr.
+
+YOLO: pictures and text files of boxes in a folder for each split, and ``data.yaml``.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
+from seaglint.formats.dataset.grey_pictures import Bits, box_of, decoded, read_picture, write_picture
+from seaglint.formats.dataset.scene_records import SPLITS, Catalogue, DatasetFormat, DatasetFrame, DatasetObject, DatasetScene, Piece
+from seaglint.formats.tables.table_text import read_rows
+from seaglint.store.outputs import read_json, write_json, write_text
+from seaglint.store.stored_images import pictures
+
+if TYPE_CHECKING:
+    from seaglint.formats.dataset.scene_records import Entry
+
+
+ANNOTATIONS = "annotations.json"
+
+
+class Coco(DatasetFormat):
+    """Pictures in one folder, and annotations as JSON."""
+
+    name: ClassVar[str] = "coco"
+    bits: ClassVar[Bits] = 16
+    layout: ClassVar[str] = (
+        "`images/` and `annotations.json` (all), `annotations_train.json`, `annotations_val.json`, `annotations_test.json`"
+    )
+    folders: ClassVar[tuple[str, ...]] = ("images",)
+
+    @classmethod
+    def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+        """Write ``annotations.json`` and ``annotations_train.json``, ``_val``, ``_test``, which have its numbers."""
+        _write_coco(folder, catalogue, about)
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the faults of annotations: boxes outside pictures, masks that are not of their boxes, splits that share scenes."""
+        return _coco_problems(folder)
+
+
+def _write_coco(folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+    version = f"seaglint {about['version']}, seed {about['seed']}"
+    info = {"description": about["title"], "version": version, "contributor": "simulated"}
+    whole = _document(catalogue, info, about["licence"])
+    write_json(whole, folder / ANNOTATIONS, indent=None)
+    for split in SPLITS:
+        images = [image for image in whole["images"] if image["split"] == split]
+        chosen = {image["id"] for image in images}
+        annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in chosen]
+        write_json({**whole, "images": images, "annotations": annotations}, folder / f"annotations_{split}.json", indent=None)
+
+
+def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> JsonObject:
+    numbers = {name: number for number, name in enumerate(catalogue.categories, 1)}
+    tracks = catalogue.tracks()
+    images: list[JsonObject] = []
+    annotations: list[JsonObject] = []
+    for part in catalogue.parts:
+        first = len(images) + 1
+        images += [_image(part, picture, first + i, catalogue.image) for i, picture in enumerate(part.pictures)]
+        for row in part.rows:
+            for piece in row.pieces:
+                about = {"id": len(annotations) + 1, "image_id": first + row.frame, "track_id": tracks[part.scene] + row.number}
+                category = numbers[part.categories[row.number]]
+                annotations.append({**about, "category_id": category, **_annotation(part, row, piece)})
+    return {
+        "info": dict(info),
+        "licenses": [{"id": 1, "name": licence, "url": ""}],
+        "images": images,
+        "categories": [{"id": number, "name": name, "supercategory": "object"} for name, number in numbers.items()],
+        "annotations": annotations,
+    }
+
+
+def _image(part: DatasetScene, picture: DatasetFrame, number: int, ending: str) -> JsonObject:
+    rows, columns = part.shape
+    about = {"id": number, "file_name": f"{picture.name}.{ending}", "width": columns, "height": rows, "license": 1}
+    lines = part.levels.attributes if part.levels is not None else {}
+    return {**about, "scene": part.scene, "split": part.split, "frame": picture.frame, "time_s": picture.time_s, **lines}
+
+
+def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObject:
+    values = row.values
+    return {
+        "bbox": list(piece.box),
+        "area": piece.area,
+        # a mask as run lengths is of one object: 1 would mark a crowd, which scores leave out
+        "iscrowd": 0,
+        "segmentation": {"size": list(part.shape), "counts": piece.counts},
+        "object": part.names[row.number],
+        "object_id": row.number + 1,
+        "scene": part.scene,
+        "frame": part.pictures[row.frame].frame,
+        "centroid": [values["column_px"], values["row_px"]],
+        "range_m": values["range_m"],
+        "contrast_W_m2_sr": values["contrast_W_m2_sr"],
+        "irradiance_W_m2": values["irradiance_W_m2"],
+        "local_contrast_W_m2_sr": row.local_contrast,
+        "snr": row.snr,
+        "signal_to_clutter": values["signal_to_clutter"],
+        "filled_px": values["pixels"],
+        "attributes": {name: values[name] for name in ("visible_share", "occluded_share", "truncated_share")},
+    }
+
+
+def _coco_problems(folder: Path) -> Iterator[str]:
+    names = (ANNOTATIONS, *(f"annotations_{split}.json" for split in SPLITS))
+    documents: JsonObject = {}
+    for name in names:
+        try:
+            documents[name] = read_json(folder / name, "make the data set again")
+        except DataError as error:
+            yield str(error)
+    whole = documents.get(ANNOTATIONS)
+    if whole is None or len(documents) < len(names):
+        return
+    images = {image["id"]: image for image in whole["images"]}
+    categories = {category["id"] for category in whole["categories"]}
+    for annotation in whole["annotations"]:
+        where = f"{ANNOTATIONS}: annotation {annotation['id']}"
+        image = images.get(annotation["image_id"])
+        if image is None or annotation["category_id"] not in categories:
+            yield f"{where}: names an image or category that is not there"
+            continue
+        yield from (f"{where}: {text}" for text in _coco_box_problems(annotation, (image["height"], image["width"])))
+    ids = [annotation["id"] for annotation in whole["annotations"]]
+    if len(set(ids)) < len(ids):
+        yield f"{ANNOTATIONS}: several annotations have one id"
+    shared = [{image["id"] for image in documents[name]["images"]} for name in names[1:]]
+    if sum(map(len, shared)) != len(images) or set().union(*shared) != set(images):
+        yield "the images of annotations_train.json, _val and _test are not those of annotations.json, each once"
+
+
+def _coco_box_problems(annotation: Mapping[str, Any], shape: tuple[int, int]) -> Iterator[str]:
+    left, top, width, height = annotation["bbox"]
+    if width < 1 or height < 1 or left < 0 or top < 0 or left + width > shape[1] or top + height > shape[0]:
+        yield f"its box {annotation['bbox']} is not within {shape[1]} x {shape[0]} pixels"
+        return
+    if tuple(annotation["segmentation"]["size"]) != shape:
+        yield f"its mask is of {annotation['segmentation']['size']} rows and columns, its image of {list(shape)}"
+        return
+    try:
+        mask = decoded(annotation["segmentation"]["counts"], shape)
+    except DataError as error:
+        yield f"{error}"
+        return
+    if not mask.any() or box_of(mask) != (left, top, width, height):
+        yield f"its box {annotation['bbox']} is not that of its mask"
+    elif int(mask.sum()) != annotation["area"]:
+        yield f"its area {annotation['area']} is not that of its mask, {int(mask.sum())}"
+
+
+class Sirst(DatasetFormat):
+    """Pictures, masks and lists of names."""
+
+    name: ClassVar[str] = "sirst"
+    bits: ClassVar[Bits] = 8
+    layout: ClassVar[str] = "`images/`, `masks/` (0 and 255), `img_idx/SPLIT.txt`"
+    folders: ClassVar[tuple[str, ...]] = ("images", "masks", "img_idx")
+
+    @classmethod
+    def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+        """Write ``masks/NAME.png`` and ``img_idx/SPLIT.txt``."""
+        _write_sirst(folder, catalogue)
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the faults of masks and lists, and of masks against the boxes of ``truth.csv``."""
+        yield from _sirst_problems(folder, about["image"])
+        yield from _sirst_box_problems(folder)
+
+
+def _write_sirst(folder: Path, catalogue: Catalogue) -> None:
+    for part in catalogue.parts:
+        for name, mask in masks(part).items():
+            write_picture(folder / "masks" / f"{name}.png", np.where(mask, np.uint8(255), np.uint8(0)), {})
+    for split in SPLITS:
+        names = [picture.name for part in catalogue.of_split(split) for picture in part.pictures]
+        write_text("".join(f"{name}\n" for name in names), folder / "img_idx" / f"{split}.txt")
+
+
+def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
+    """Mask of all objects by picture."""
+    out = {picture.name: np.zeros(part.shape, bool) for picture in part.pictures}
+    for row in part.rows:
+        for piece in row.pieces:
+            out[part.pictures[row.frame].name] |= decoded(piece.counts, part.shape)
+    return out
+
+
+def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
+    """Yield pictures without masks or names, masks of another size or other values."""
+    listed: list[str] = []
+    for split in SPLITS:
+        listed += (folder / "img_idx" / f"{split}.txt").read_text(encoding="utf-8").split()
+    pictures = {path.stem for path in (folder / "images").glob(f"*.{image}")}
+    if len(set(listed)) < len(listed) or set(listed) != pictures:
+        yield "img_idx: the lists do not name every picture once"
+    if {path.stem for path in (folder / "masks").glob("*.png")} != pictures:
+        yield "masks: not every picture has a mask, or a mask has no picture"
+        return
+    for name in sorted(pictures):
+        try:
+            mask, levels = read_picture(folder / "masks" / f"{name}.png"), read_picture(folder / "images" / f"{name}.{image}")
+        except DataError as error:
+            yield str(error)
+            continue
+        if mask.shape != levels.shape or not np.isin(mask, (0, 255)).all():
+            yield f"masks/{name}.png: is not of the picture's size, or has other values than 0 and 255"
+
+
+def _sirst_box_problems(folder: Path) -> Iterator[str]:
+    """Masks have something of every annotated object's box, and nothing outside of them."""
+    boxes: dict[str, list[tuple[int, int, int, int]]] = {}
+    for row in read_rows(folder / "truth.csv"):
+        annotated = boxes.setdefault(row["image"], [])
+        if row["annotated"] == "True":
+            left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
+            annotated.append((left, top, width, height))
+    for path in sorted((folder / "masks").glob("*.png")):
+        mask = read_picture(path) > 0
+        left_over = mask.copy()
+        for left, top, width, height in boxes.get(path.stem, ()):
+            # a box over the seam of a panorama goes on at the left
+            columns = [column % mask.shape[1] for column in range(left, left + width)]
+            if not mask[top : top + height, columns].any():
+                yield f"masks/{path.name}: has nothing in the box of an object of truth.csv"
+            left_over[top : top + height, columns] = False
+        if left_over.any():
+            yield f"masks/{path.name}: has pixels outside of the boxes of truth.csv"
+
+
+class Stores(DatasetFormat):
+    """Copies of the scenes' stores; no pictures."""
+
+    name: ClassVar[str] = "zarr"
+    bits: ClassVar[Bits] = 16
+    layout: ClassVar[str] = "`scenes/NAME.zarr`, sequences as seaglint writes them, with their truth"
+    note: ClassVar[str] = "the scenes' stores as they are"
+    folders: ClassVar[tuple[str, ...]] = ("scenes",)
+    pictures: ClassVar[bool] = False
+
+    @classmethod
+    def placed(cls, folder: Path, entry: Entry) -> Entry:
+        """Copy a scene's store into the data set, whole or not at all."""
+        stored = _store(folder, entry.name)
+        if not stored.exists():
+            stored.parent.mkdir(parents=True, exist_ok=True)
+            fresh = stored.with_name(stored.name + ".partial")
+            if fresh.exists():
+                shutil.rmtree(fresh)
+            shutil.copytree(Path(entry.store), fresh)
+            fresh.rename(stored)
+        return replace(entry, store=str(stored))
+
+    @classmethod
+    def picture(cls, folder: Path, part: DatasetScene, place: int, image: str) -> NDArray[np.generic]:
+        """Return a frame of a stored scene (rows, columns)."""
+        from seaglint.store.sequence_store import open_sequence
+
+        with open_sequence(_store(folder, part.scene)) as dataset:
+            return np.asarray(pictures(dataset)[place].to_numpy())
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield stores that cannot be read, or have other frames and pixels than ``dataset.json`` says."""
+        from seaglint.store.sequence_store import open_sequence
+
+        for scene, one in about["scenes"].items():
+            path = _store(folder, scene)
+            try:
+                with open_sequence(path) as dataset:
+                    shape = (dataset.sizes["time"], dataset.sizes["y"], dataset.sizes["x"])
+                    if shape != (len(one["images"]), one["height"], one["width"]):
+                        yield f"{path.name}: has not the frames and pixels that dataset.json tells"
+            except DataError as error:
+                yield str(error)
+
+
+def _store(folder: Path, scene: str) -> Path:
+    return folder / "scenes" / f"{scene}.zarr"
+
+
+class Yolo(DatasetFormat):
+    """Pictures and boxes in a folder for each split."""
+
+    name: ClassVar[str] = "yolo"
+    bits: ClassVar[Bits] = 8
+    layout: ClassVar[str] = "`images/SPLIT/`, `labels/SPLIT/` (class, middle and size of boxes over those of the picture), `data.yaml`"
+    folders: ClassVar[tuple[str, ...]] = tuple(f"{kind}/{split}" for kind in ("images", "labels") for split in SPLITS)
+
+    @classmethod
+    def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:
+        """Return the place of a picture, in the folder of its split."""
+        return folder / "images" / split / f"{name}.{image}"
+
+    @classmethod
+    def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+        """Write ``labels/SPLIT/NAME.txt``, empty where nothing is in a picture, and ``data.yaml``."""
+        _write_yolo(folder, catalogue)
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the faults of labels: pictures without labels, labels without pictures, lines that are no boxes in the picture."""
+        return _yolo_problems(folder, about["image"])
+
+
+def _write_yolo(folder: Path, catalogue: Catalogue) -> None:
+    numbers = {name: number for number, name in enumerate(catalogue.categories)}
+    for split in SPLITS:
+        for part in catalogue.of_split(split):
+            for name, lines in _lines(part, numbers).items():
+                write_text("".join(lines), folder / "labels" / split / f"{name}.txt")
+    names = "".join(f"  {number}: {json.dumps(name)}\n" for name, number in numbers.items())
+    places = "".join(f"{split}: images/{split}\n" for split in SPLITS)
+    write_text(f"{places}names:{' {}' if not names else ''}\n{names}", folder / "data.yaml")
+
+
+def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
+    """Lines ``class x y width height`` by picture: middle and size of boxes over those of the picture."""
+    rows, columns = part.shape
+    lines: dict[str, list[str]] = {picture.name: [] for picture in part.pictures}
+    for row in part.rows:
+        for left, top, width, height in (piece.box for piece in row.pieces):
+            box = ((left + 0.5 * width) / columns, (top + 0.5 * height) / rows, width / columns, height / rows)
+            # 8 digits: a hundredth of a pixel in pictures of a million
+            values = " ".join(f"{value:.8f}" for value in box)
+            lines[part.pictures[row.frame].name].append(f"{numbers[part.categories[row.number]]} {values}\n")
+    return lines
+
+
+def _yolo_problems(folder: Path, image: str) -> Iterator[str]:
+    classes = sum(1 for line in (folder / "data.yaml").read_text(encoding="utf-8").splitlines() if line.startswith("  "))
+    for split in SPLITS:
+        pictures = {path.stem for path in (folder / "images" / split).glob(f"*.{image}")}
+        labels = {path.stem: path for path in (folder / "labels" / split).glob("*.txt")}
+        for name in sorted(pictures ^ set(labels)):
+            yield f"{split}: {name} has {'no labels' if name in pictures else 'labels and no picture'}"
+        for name, path in sorted(labels.items()):
+            for line in path.read_text(encoding="utf-8").splitlines():
+                try:
+                    number, *box = line.split()
+                    x, y, width, height = map(float, box)
+                    edges = (x - width / 2, y - height / 2, 1 - x - width / 2, 1 - y - height / 2)
+                    good = 0 <= int(number) < classes and width > 0.0 and height > 0.0 and min(edges) > -1e-6
+                except ValueError:
+                    good = False
+                if not good:
+                    yield f"labels/{split}/{name}.txt: '{line}' is no class and box within the picture"

@@ -1,0 +1,265 @@
+"""Division of scenes into training, validation and test.
+
+Record of a scene in a data set, from which all formats and tables are written.
+
+Interface of a format of data sets: where pictures lie, which files stand beside them, and how these are checked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from seaglint.base.errors import DataError
+from seaglint.base.free_form import TableRow
+from seaglint.base.random import stream
+from seaglint.base.schema import NUMBERS
+from seaglint.formats.dataset.grey_pictures import Bits, PictureLevels, read_picture
+from seaglint.store.outputs import read_json, write_json
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+SPLITS: Final = ("train", "val", "test")
+
+_GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+def split_of(seed: int, scene: int, fractions: tuple[float, float, float]) -> str:
+    """Return the split of a scene: a function of seed and number alone, so that scenes added later move none.
+
+    Scene ``n`` has the number ``u + n g`` modulo 1, with ``g`` the golden section and ``u`` drawn from the seed; it trains where this is
+    below the first fraction, and so on. Numbers of this kind fill their interval evenly: of N scenes a split has its fraction of N to
+    within about two, and all parts of a long list have their share.
+
+    >>> [split_of(1, n, (1.0, 0.0, 0.0)) for n in range(2)]
+    ['train', 'train']
+    """
+    place = (float(stream(seed, "dataset split").random()) + scene * _GOLDEN) % 1.0
+    below = 0.0
+    for name, fraction in zip(SPLITS[:2], fractions[:2], strict=True):
+        below += fraction
+        if place < below:
+            return name
+    # the last one: sums of fractions may end a rounding below 1
+    return "test" if fractions[2] > 0.0 else "val" if fractions[1] > 0.0 else "train"
+
+
+FOLDER: Final = ".parts"  #: Folder of the records while a data set is made.
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Finished scene store that goes into a data set."""
+
+    name: str
+    store: str  #: Return the path of the store.
+    split: str
+    parameters: Mapping[str, Any]  #: Return the drawn values by column.
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Visible piece of an object in a picture; one that spans the seam of a panorama has two pieces."""
+
+    box: tuple[int, int, int, int]  #: First column and row, columns and rows.
+    area: int  #: Pixels of the mask.
+    counts: str  #: Run lengths of the mask.
+
+
+@dataclass(frozen=True)
+class DatasetObject:
+    """Object in a frame, in view or not."""
+
+    frame: int  #: Index of the picture in the record.
+    number: int  #: Number of the object in its scene, from 0.
+    values: Mapping[str, float | None]  #: Numbers of the truth by name; None where not known.
+    local_contrast: float | None  #: Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1].
+    snr: float | None  #: Local contrast over the standard deviation around the mask.
+    pieces: tuple[Piece, ...]  #: Visible pieces; empty where the object is not seen.
+
+
+@dataclass(frozen=True)
+class DatasetFrame:
+    """Frame of a scene."""
+
+    name: str
+    frame: int
+    time_s: float
+
+
+@dataclass(frozen=True)
+class DatasetScene:
+    """Scene of a data set."""
+
+    scene: str
+    split: str
+    seed: int
+    shape: tuple[int, int]  #: Rows and columns.
+    frame_rate_hz: float
+    levels: PictureLevels | None  #: Levels of the pictures; None where the store itself is delivered.
+    names: tuple[str, ...]  #: Names of the objects.
+    categories: tuple[str, ...]  #: Categories of the objects.
+    pictures: tuple[DatasetFrame, ...]
+    rows: tuple[DatasetObject, ...]
+    parameters: Mapping[str, Any]
+
+    def write(self, folder: Path) -> None:
+        """Write the record; its presence marks the scene's pictures as complete."""
+        write_json(asdict(self), part_path(folder, self.scene), indent=None)
+
+    @classmethod
+    def read(cls, folder: Path, scene: str) -> DatasetScene:
+        """Read a scene's record.
+
+        Raises
+        ------
+        DataError
+            It is not one.
+        """
+        path = part_path(folder, scene)
+        again = "remove it and go on with resume=True"
+        raw = read_json(path, again)
+        try:
+            rows = tuple(
+                DatasetObject(
+                    r["frame"],
+                    r["number"],
+                    r["values"],
+                    r["local_contrast"],
+                    r["snr"],
+                    tuple(Piece(tuple(p["box"]), p["area"], p["counts"]) for p in r["pieces"]),
+                )
+                for r in raw["rows"]
+            )
+            changed = {
+                "shape": tuple(raw["shape"]),
+                "levels": None if raw["levels"] is None else PictureLevels(**raw["levels"]),
+                "names": tuple(raw["names"]),
+                "categories": tuple(raw["categories"]),
+                "pictures": tuple(DatasetFrame(**picture) for picture in raw["pictures"]),
+                "rows": rows,
+            }
+            return cls(**{**raw, **changed})
+        except (ValueError, KeyError, TypeError) as error:
+            raise DataError(f"{path}: is not readable ({error}); {again}") from error
+
+
+def part_path(folder: Path, scene: str) -> Path:
+    """Return the file of a scene's record."""
+    return folder / FOLDER / f"{scene}.json"
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """All scenes of a data set, in their order."""
+
+    title: str
+    seed: int
+    image: str  #: Return the ending of pictures.
+    parts: Sequence[DatasetScene]
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Return the names of categories in alphabetical order."""
+        return tuple(sorted({name for part in self.parts for name in part.categories}))
+
+    def of_split(self, split: str) -> list[DatasetScene]:
+        """Return the scenes of a split."""
+        return [part for part in self.parts if part.split == split]
+
+    def tracks(self) -> dict[str, int]:
+        """Return the number of each scene's first object, counted from 1 over all scenes."""
+        out, count = {}, 1
+        for part in self.parts:
+            out[part.scene] = count
+            count += len(part.names)
+        return out
+
+    def truth(self) -> list[TableRow]:
+        """Return one row for each object and frame."""
+        tracks = self.tracks()
+        return [
+            {
+                "scene": part.scene,
+                "split": part.split,
+                "image": part.pictures[row.frame].name,
+                "frame": part.pictures[row.frame].frame,
+                "time_s": part.pictures[row.frame].time_s,
+                "object": part.names[row.number],
+                "object_id": row.number + 1,
+                "track_id": tracks[part.scene] + row.number,
+                "category": part.categories[row.number],
+                "annotated": bool(row.pieces),
+                "local_contrast_W_m2_sr": row.local_contrast,
+                "snr": row.snr,
+                **row.values,
+            }
+            for part in self.parts
+            for row in part.rows
+        ]
+
+    def parameters(self) -> list[TableRow]:
+        """Return one row for each scene: the drawn values, and the linear relation of its levels."""
+        columns = list(dict.fromkeys(name for part in self.parts for name in part.parameters))
+        rows: list[TableRow] = []
+        for part in self.parts:
+            about = {"scene": part.scene, "split": part.split, "frames": len(part.pictures), "frame_rate_hz": part.frame_rate_hz}
+            drawn = {name: part.parameters.get(name) for name in columns if name not in about}
+            lines = part.levels.attributes if part.levels is not None else {}
+            rows.append({**about, **drawn, **lines})
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return [{name: row.get(name) for name in names} for row in rows]
+
+
+#: Columns of the truth table.
+TRUTH_COLUMNS: Final = (
+    *("scene", "split", "image", "frame", "time_s", "object", "object_id", "track_id", "category", "annotated"),
+    *("local_contrast_W_m2_sr", "snr"),
+    *NUMBERS,
+)
+
+
+def known(value: float) -> float | None:
+    """Return a number, or None for NaN, which JSON does not have."""
+    return None if math.isnan(value) else float(value)
+
+
+class DatasetFormat:
+    """Format of a data set; each is a class in a file of its own, listed in ``FORMATS`` of :mod:`seaglint.formats.dataset`."""
+
+    name: ClassVar[str]  #: Name by which users choose it.
+    bits: ClassVar[Bits]  #: Bits of a pixel where none are requested: those that the programs expect which read the format.
+    layout: ClassVar[str]  #: Sentence of the data card on its files.
+    note: ClassVar[str] = ""  #: Remark of the help on it.
+    folders: ClassVar[tuple[str, ...]]  #: Folders that are made before the first scene is written.
+    pictures: ClassVar[bool] = True  #: Whether scenes become pictures; otherwise they stay stores.
+
+    @classmethod
+    def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:
+        """Return the place of a picture; ``image`` is the ending of pictures."""
+        return folder / "images" / f"{name}.{image}"
+
+    @classmethod
+    def placed(cls, folder: Path, entry: Entry) -> Entry:
+        """Make room for a scene in the data set's folder, and return the scene as it is converted from there."""
+        return entry
+
+    @classmethod
+    def picture(cls, folder: Path, part: DatasetScene, place: int, image: str) -> NDArray[np.generic]:
+        """Return a picture of a written scene (rows, columns), by its place among the scene's."""
+        return read_picture(cls.image_path(folder, part.split, part.pictures[place].name, image))
+
+    @classmethod
+    def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+        """Write labels and lists of all scenes; ``about`` has the data set's ``title``, ``licence``, ``version`` and ``seed``."""
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield a line for each fault of what :meth:`write` wrote; ``about`` is ``dataset.json``."""
+        yield from ()

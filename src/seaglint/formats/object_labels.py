@@ -1,0 +1,203 @@
+"""Labels of a sequence's objects, from its truth, as CSV and as COCO's JSON with masks as run lengths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
+from seaglint.base.reports import REPORTS
+from seaglint.base.schema import NUMBERS
+from seaglint.formats.tables.table_text import csv_text
+from seaglint.store.layout import GROUP, unpacked
+from seaglint.store.outputs import refuse_existing, write_json, write_text
+from seaglint.store.sequence_store import open_sequence
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_NAMED: Final = 5  #: Objects in no frame that are named; more are counted.
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """Label of one object in one frame: its number from 0, name, numbers by variable, and mask (rows, columns)."""
+
+    frame: int
+    number: int
+    name: str
+    values: Mapping[str, float]
+    mask: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Labels of a finished sequence, read frame by frame. Make them with :meth:`of`."""
+
+    path: Path
+    names: tuple[str, ...]
+    frames: tuple[int, ...]
+    shape: tuple[int, int]
+    _group: Any
+
+    @classmethod
+    def of(cls, path: str | Path) -> Labels:
+        """Open the labels of a store.
+
+        Raises
+        ------
+        DataError
+            No finished sequence, or one without objects.
+        """
+        import zarr
+
+        path = Path(path)
+        with open_sequence(path) as dataset:
+            frames = tuple(int(n) for n in dataset["frame"].to_numpy())
+        root: Any = zarr.open_group(path, mode="r", zarr_format=3)
+        if GROUP not in root:
+            raise DataError(f"{path}: holds no objects; labels are of sequences whose scenario has [[objects]]: add some and render again")
+        group = root[GROUP]
+        names = tuple(str(name) for name in group.attrs["objects"])
+        return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
+
+    def never_seen(self) -> list[str]:
+        """Return what is known of objects of which no frame shows anything, a text each: name, why, and place in the first frame."""
+        if not self.frames or any(name not in self._group for name in ("visible_share", "truncated_share", "bearing_deg", "range_m")):
+            return []  # of an earlier version
+        seen = np.nan_to_num(self._group["visible_share"][:]).max(axis=0) > 0.0
+        cut = np.nan_to_num(self._group["truncated_share"][:])
+        why = ("is hidden behind the horizon, waves or other objects", "is outside the picture", "is outside the picture or hidden")
+        reasons = [
+            why[0] if most <= 0.0 else why[1] if least >= 1.0 else why[2]
+            for least, most in zip(cut.min(axis=0), cut.max(axis=0), strict=True)
+        ]
+        azimuth, arc = self._group["bearing_deg"][0], self._group["range_m"][0]
+        return [
+            f"'{name}' {reasons[n]} (azimuth {round(float(azimuth[n]) % 360.0, 2) % 360.0:.4g} deg, "
+            f"{float(arc[n]) / 1000.0:.3g} km away in frame {self.frames[0]})"
+            for n, name in enumerate(self.names)
+            if not seen[n]
+        ]
+
+    def __iter__(self) -> Iterator[Label]:
+        """Yield one label for each object of each frame."""
+        for index, frame in enumerate(self.frames):
+            # sequences of earlier versions lack some numbers
+            unknown = np.full(len(self.names), np.nan)
+            numbers = {name: self._group[name][index] if name in self._group else unknown for name in NUMBERS}
+            masks = unpacked(self._group["object_mask"][index], len(self.names))
+            for n, (name, mask) in enumerate(zip(self.names, masks, strict=True)):
+                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
+
+
+def report_never_seen(labels: Labels) -> None:
+    """Say which objects no frame shows, where they are and why."""
+    unseen = labels.never_seen()
+    if unseen:
+        more = f"; and {len(unseen) - MOST_NAMED} more" if len(unseen) > MOST_NAMED else ""
+        text = "%s: no frame shows %d of %d objects: %s%s; turn the sensor (sensor.azimuth_deg, sensor.elevation_deg), or move them"
+        REPORTS.warning(text, labels.path, len(unseen), len(labels.names), "; ".join(unseen[:MOST_NAMED]), more)
+
+
+def label_dataset(labels: Labels) -> xr.Dataset:
+    """Return labels as a dataset over ``frame`` and ``object``: all numbers, and ``classes``, the names; masks stay in the store."""
+    import xarray as xr
+
+    from seaglint.base.schema import VARIABLES
+
+    shape = (len(labels.frames), len(labels.names))
+    values = {name: np.full(shape, np.nan) for name in NUMBERS}
+    for position, label in enumerate(labels):
+        for name, array in values.items():
+            array[divmod(position, shape[1])] = label.values[name]
+    return xr.Dataset(
+        {name: (("frame", "object"), array, VARIABLES[name].attributes) for name, array in values.items()},
+        {
+            "frame": ("frame", list(labels.frames), {"long_name": "number of the frame"}),
+            "object": ("object", list(range(shape[1])), {"long_name": "number of the object"}),
+            "classes": ("object", list(labels.names), {"long_name": "name of the object"}),
+        },
+        {"title": "Labels of objects", "source": str(labels.path)},
+    )
+
+
+def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
+    """Return the lengths of runs of a mask, column by column from its upper left corner, the first outside it (COCO's counts)."""
+    flat = mask.T.ravel()
+    edges = np.flatnonzero(np.diff(flat)) + 1
+    runs = np.diff(np.concatenate([[0], edges, [flat.size]])).tolist()
+    return [0, *runs] if flat.size and flat[0] else runs
+
+
+def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False) -> Path:
+    """Write labels as CSV or COCO JSON, chosen by the ending.
+
+    Raises
+    ------
+    DataError
+        Another ending, or the output exists.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = require_labels_name(output)
+    refuse_existing(output, overwrite=overwrite, inputs=[labels.path])
+    if output.suffix.lower() != ".csv":
+        write_json(_coco(labels), output, indent=None)
+        return output
+    cells = ((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)) for label in labels)
+    write_text(csv_text([("frame", "object", *NUMBERS), *cells]), output)
+    return output
+
+
+def require_labels_name(output: str | Path) -> Path:
+    """Check that a name has the ending of one of the forms of labels."""
+    output = Path(output)
+    if output.suffix.lower() not in (".csv", ".json"):
+        raise DataError(f"{output}: labels are written as .csv or .json (COCO); give a name that ends in one of them")
+    return output
+
+
+def _cell(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.9g}"
+
+
+def _coco(labels: Labels) -> JsonObject:
+    """Return COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view.
+
+    Images have no ``file_name``, as a store holds no pictures that one could open.
+    """
+    rows, columns = labels.shape
+    categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
+    annotations: list[JsonObject] = []
+    for label in labels:
+        values = label.values
+        if not label.mask.any():
+            continue
+        box = [values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")]
+        annotations.append(
+            {
+                "id": len(annotations) + 1,
+                "image_id": label.frame,
+                "category_id": categories[label.name],
+                "track_id": label.number,
+                "bbox": box,
+                "area": int(label.mask.sum()),
+                "iscrowd": 0,
+                "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},
+                "attributes": {name: None if math.isnan(values[name]) else values[name] for name in NUMBERS},
+            }
+        )
+    return {
+        "info": {"description": f"Objects of {labels.path.name}", "version": "1"},
+        "images": [{"id": n, "width": columns, "height": rows} for n in labels.frames],
+        "categories": [{"id": number, "name": name, "supercategory": "object"} for name, number in categories.items()],
+        "annotations": annotations,
+    }

@@ -1,0 +1,326 @@
+"""Cells of a CSV file of weather by column: numbers with gaps, texts, and their position in the file.
+
+Columns read from one weather file, and the number of rows and values that were left out.
+
+Times of rows: month and hour of UTC, and notes on their order.
+
+Parsers of areas from text and files: boxes, polygons as text, CSV or GeoJSON.
+"""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.climate.weather_selection import GeographicBox, Polygon, Selection
+from seaglint.climate.weather_table import RANGES, TextArray
+from seaglint.formats.tables.table_text import plain_number, read_cell_lines
+from seaglint.store.outputs import read_json
+
+_MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
+
+
+@dataclass(frozen=True)
+class TextColumns:
+    """Text of a CSV file, column by column."""
+
+    path: Path  #: The file, for messages.
+    header: tuple[str, ...]  #: Headings in their order.
+    rows: list[list[str]]  #: Cells without blanks around them.
+    lines: list[int]  #: Line of the file that each row stands on, counted from 1.
+    comments: list[str]  #: Texts behind ``#`` before the headings.
+
+    def text(self, name: str) -> list[str]:
+        """Return the cells of a column."""
+        at = self.header.index(name)
+        return [row[at] for row in self.rows]
+
+    def numbers(self, name: str) -> FloatArray:
+        """Return the cells of a column as numbers [(rows,)]; empty ones and NaN are missing.
+
+        Raises
+        ------
+        DataError
+            A cell that is no number.
+        """
+        cells = ["nan" if cell in _MISSING else cell for cell in self.text(name)]
+        out = np.empty(len(cells))
+        for i, cell in enumerate(cells):
+            try:
+                out[i] = plain_number(cell)
+            except ValueError:
+                comma = "; write a decimal point" if "," in cell else "; give a number in the unit of the heading, or leave it empty"
+                raise DataError(f"{self.where(i)}, column {name}: '{cell}' is not a number{comma}") from None
+        return out
+
+    def where(self, row: int) -> str:
+        """Return file, row and line, for messages."""
+        return f"{self.path}, row {row + 1} (line {self.lines[row]})"
+
+    def within(self, name: str, values: FloatArray, column: str = "", advice: str = "") -> FloatArray:
+        """Return the values of a weather column; refuse one outside its range with row and line."""
+        low, high = RANGES[name]
+        bad = np.flatnonzero(~(np.isnan(values) | (np.isfinite(values) & (values >= low) & (values <= high))))
+        if bad.size:
+            allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
+            more = f" ({bad.size - 1} more row{'s' if bad.size > 2 else ''} like it)" if bad.size > 1 else ""
+            raise DataError(
+                f"{self.where(int(bad[0]))}, column {column or name}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; "
+                f"{advice or 'correct it, or leave it empty'}{more}"
+            )
+        return values
+
+
+def read_cells(path: str | Path) -> TextColumns:
+    """Read a CSV file with a line of headings; empty lines and lines that begin with ``#`` are skipped.
+
+    Commas, semicolons or tabs part the cells.
+
+    Raises
+    ------
+    DataError
+        A file that is missing, empty or no text, headings twice, or a row of another length.
+    """
+    path = Path(path)
+    (head, *rest), comments = read_cell_lines(path, "give a CSV file of weather")
+    if not rest:
+        raise DataError(f"{path}: holds no rows; the first line names the columns, each further one is a row")
+    header = tuple(head.cells)
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise DataError(f"{path}, line {head.number}: column {', '.join(twice)} is there twice; rename or remove one")
+    for number, _, row in rest:
+        if len(row) != len(header):
+            raise DataError(f"{path}, line {number}: {len(row)} cells under {len(header)} headings; is the file whole?")
+    return TextColumns(path, header, [line.cells for line in rest], [line.number for line in rest], comments)
+
+
+@dataclass(frozen=True)
+class WeatherSource:
+    """Rows of weather from one file."""
+
+    path: Path  #: The file.
+    kind: str  #: Its format in words.
+    columns: Mapping[str, FloatArray]  #: Numbers, in the names and units of a weather table.
+    read: int  #: Records that the file holds.
+    texts: Mapping[str, TextArray] = field(default_factory=dict)  #: Columns of text.
+    left_out: Mapping[str, int] = field(default_factory=dict)  #: Records that gave no row, by reason.
+    set_missing: Mapping[str, int] = field(default_factory=dict)  #: Values that were there and could not be used, by column and reason.
+    notes: tuple[str, ...] = ()  #: Sentences on what was assumed.
+
+    @property
+    def rows(self) -> int:
+        """Return the number of rows."""
+        return int(next(iter(self.columns.values())).size)
+
+    def within_ranges(self) -> WeatherSource:
+        """Return the rows with observations outside the range of their column set missing, and counted."""
+        columns, lost = dict(self.columns), dict(self.set_missing)
+        for name, values in self.columns.items():
+            low, high = RANGES[name]
+            bad = ~np.isnan(values) & ~((values >= low) & (values <= high))
+            if bad.any():
+                columns[name] = np.where(bad, np.nan, values)
+                lost[f"{name} outside {low:g} to {high:g}"] = int(bad.sum())
+        return replace(self, columns=columns, set_missing=lost)
+
+    def selected(self, selection: Selection) -> WeatherSource:
+        """Return the selected rows; the others are counted."""
+        good, fallen = selection.rows(self.columns, self.rows)
+        if good.all():
+            return self
+        left_out = dict(self.left_out)
+        for reason, count in fallen.items():
+            left_out[reason] = left_out.get(reason, 0) + count
+        return replace(
+            self,
+            columns={name: values[good] for name, values in self.columns.items()},
+            texts={name: values[good] for name, values in self.texts.items()},
+            left_out=left_out,
+        )
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a file, also of one packed by gzip.
+
+    Raises
+    ------
+    DataError
+        A file that is missing, cannot be read, or is no text.
+    """
+    try:
+        content = path.read_bytes()
+        if content[:2] == b"\x1f\x8b":
+            content = gzip.decompress(content)
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a file of weather") from None
+    except (OSError, EOFError) as error:
+        raise DataError(f"{path}: cannot be read ({error}); is it whole?") from None
+    if b"\0" in content[:4096]:
+        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or CSV with map='NAME=COLUMN:UNIT'")
+    return content.decode("utf-8-sig" if content[:3] == b"\xef\xbb\xbf" else "latin-1")
+
+
+def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Return month and hour of UTC of a column of ISO times.
+
+    Parameters
+    ----------
+    cells : TextColumns
+        The file.
+    column : str
+        Heading of the times: ``2019-07-01T06:00Z``, ``2019-07-01 08:00+02:00``.
+    naive_is_utc : bool
+        Flag: a time without a zone is UTC; else it is refused.
+
+    Returns
+    -------
+    (array, array, tuple of str)
+        Months 1-12; hours 0 to below 24, NaN where a time is missing or only a date; what is told.
+
+    Raises
+    ------
+    DataError
+        A text that is no time, or one without a zone.
+    """
+    texts = cells.text(column)
+    month, hour, seconds = (np.full(len(texts), np.nan) for _ in range(3))
+    for i, text in enumerate(texts):
+        if not text:
+            continue
+        try:
+            moment = datetime.fromisoformat(text)
+        except ValueError:
+            raise DataError(
+                f"{cells.where(i)}, column {column}: '{text}' is no ISO time; write 2019-07-01T06:00Z, or leave it empty"
+            ) from None
+        if moment.tzinfo is None:
+            if not naive_is_utc:
+                raise DataError(
+                    f"{cells.where(i)}, column {column}: '{text}' has no time zone; write 2019-07-01T06:00Z or +02:00, or set utc=True "
+                    "if times without one are UTC"
+                )
+            moment = moment.replace(tzinfo=UTC)
+        moment = moment.astimezone(UTC)
+        month[i], seconds[i] = moment.month, moment.timestamp()
+        hour[i] = np.nan if len(text) <= 10 else moment.hour + moment.minute / 60.0 + moment.second / 3600.0
+    return month, hour, order_of(seconds)
+
+
+def order_of(times: Any) -> tuple[str, ...]:
+    """Return notes on times [any numbers or datetime64] that go backwards; they are accepted, since a weather table has no order."""
+    known = times[~np.isnat(times)] if np.issubdtype(times.dtype, np.datetime64) else times[~np.isnan(times)]
+    steps = np.diff(known.astype(np.float64))
+    back = int(np.sum(steps < 0))
+    notes = []
+    if back:
+        first = int(np.flatnonzero(steps < 0)[0]) + 2
+        notes.append(
+            f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order"
+        )
+    return tuple(notes)
+
+
+def parse_box(text: str) -> GeographicBox:
+    """Parse a box from a text ``west,south,east,north`` [deg].
+
+    Raises
+    ------
+    DataError
+        Another number of numbers, or borders that are none.
+    """
+    try:
+        numbers = [plain_number(part) for part in text.split(",")]
+        if len(numbers) != 4:
+            raise ValueError
+    except ValueError:
+        raise DataError(f"box='{text}' is not four numbers; write west,south,east,north in degrees, e.g. -60,30,-10,60") from None
+    try:
+        return GeographicBox(*numbers)
+    except DomainError as error:
+        raise DataError(f"box='{text}': {error}") from None
+
+
+def read_polygon(text: str) -> Polygon:
+    """Read a polygon from a text ``lon,lat lon,lat lon,lat``, or from a CSV or GeoJSON file.
+
+    Raises
+    ------
+    DataError
+        A text or file of another form.
+    """
+    path = Path(text)
+    if path.suffix.lower() in (".json", ".geojson"):
+        corners = _geojson(path)
+    elif path.suffix.lower() == ".csv":
+        cells = read_cells(path)
+        pairs = [(lon, lat) for lon, lat in (("longitude_deg", "latitude_deg"), ("lon", "lat")) if {lon, lat} <= set(cells.header)]
+        if not pairs:
+            raise DataError(
+                f"{path}: columns are {', '.join(cells.header)}; a polygon has longitude_deg and latitude_deg, a corner each row"
+            )
+        corners = list(zip(*(cells.numbers(name).tolist() for name in pairs[0]), strict=True))
+    else:
+        try:
+            corners = [(plain_number(lon), plain_number(lat)) for lon, lat in (pair.split(",") for pair in text.split())]
+        except ValueError:
+            raise DataError(f"polygon='{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
+    if len(corners) > 3 and corners[0] == corners[-1]:
+        corners = corners[:-1]
+    try:
+        return Polygon(tuple(corners))
+    except DomainError as error:
+        raise DataError(f"polygon='{text}': {error}") from None
+
+
+def _geojson(path: Path) -> list[tuple[float, float]]:
+    geometry = read_json(path, "give a GeoJSON file of one polygon")
+    try:
+        if geometry["type"] == "FeatureCollection":
+            (geometry,) = geometry["features"]
+        if geometry["type"] == "Feature":
+            geometry = geometry["geometry"]
+        if geometry["type"] != "Polygon":
+            raise ValueError
+        (ring,) = geometry["coordinates"]
+        return [(float(corner[0]), float(corner[1])) for corner in ring]
+    except (KeyError, TypeError, ValueError, IndexError):
+        raise DataError(f"{path}: is not one GeoJSON polygon without holes; give one, or corners as 'lon,lat lon,lat lon,lat'") from None
+
+
+def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
+    """Parse whole numbers from a text such as ``6,7,8``, ``6-8`` or, around the end of the year or day, ``12-2``.
+
+    Raises
+    ------
+    DataError
+        A text of another form, or numbers outside ``low`` to ``high``.
+
+    Examples
+    --------
+    >>> parse_cycle("12-2,6", "months", 1, 12)
+    (12, 1, 2, 6)
+    """
+    out: list[int] = []
+    try:
+        for part in text.split(","):
+            first, dash, last = part.partition("-")
+            a = int(first)
+            b = int(last) if dash else a
+            if not (low <= a <= high and low <= b <= high):
+                raise ValueError
+            count = (b - a) % (high - low + 1)
+            out += [low + (a - low + step) % (high - low + 1) for step in range(count + 1)]
+    except ValueError:
+        raise DataError(
+            f"{name}='{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"
+        ) from None
+    return tuple(dict.fromkeys(out))

@@ -1,0 +1,423 @@
+"""Rows of an upright image: the sky in those that touch it, and the Sun in it.
+
+Scene of an upright camera with equal steps of azimuth and elevation: one sweep over the sea gives an image.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith_of_range, wrap_angle
+from seaglint.base.errors import DomainError
+from seaglint.facet.facet_tables import FacetDomain, facet_slopes, facet_tables
+from seaglint.facet.path_basis import path_basis
+from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import sky_above
+from seaglint.facet.sunlight import Sunlight
+from seaglint.imaging import launch
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
+from seaglint.imaging.scene import Accuracy, Instant, Levels, joined, require_columns
+from seaglint.imaging.sparkle import NO_SPARKLES, Sparkles, sparkle_rows
+from seaglint.imaging.sun_in_sky import sun_in_sky
+from seaglint.imaging.sweep.sweep import Rows, Swept
+from seaglint.imaging.sweep.walk import PATH_EVERY, Merging, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
+from seaglint.imaging.wave_surface import Surface
+from seaglint.sea.shadowing.smith import smith_lambda
+from seaglint.sea.slopes.slope_statistics import gaussian_slopes
+from seaglint.sea.wave_field import Detail, WaveField
+
+
+def sky_rows(view: SeaView, camera: Camera) -> Rows:
+    """Rows of a camera, with the radiance of the sky and the Sun in those that touch the sky."""
+    elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
+    # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
+    seen = elevation[camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3]
+    bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
+    top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
+    # one row more, as nothing is interpolated beyond the last
+    sky = sky_above(view, np.append(seen, seen[-1:]))
+    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, sun_in_sky(view))
+
+
+#: Least height of a sensor in significant heights (three standard deviations); lower ones would be under water now and then.
+SUBMERGED = 0.75
+
+CELLS_PER_ROW = 3.0  #: Number of cells of elevation in a row within which neighbouring pieces are merged.
+
+#: Share of the sea in shadow below which one ray to the Sun serves merged neighbours; with more shadow none are merged.
+RARE_SHADOW = 0.005
+
+#: Tangent of depression, in rms slopes, beyond which this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %.
+SHADOW_GRAZING = 0.25
+
+SAME = 1e-9  #: Tolerance within which angles [rad], steps and heights (relative) are equal.
+
+
+@dataclass(frozen=True, eq=False)
+class SweptScene:
+    """Scene prepared for an upright camera that stands still; make it with :meth:`prepare`."""
+
+    #: Sea, air and Sun; its slopes are the total statistics. Facets hide each other from viewer and Sun as its shadowing says; resolved
+    #: waves hide what lies behind them, and shade it where the Sun's leg is shadowed.
+    view: SeaView
+    camera: Camera  #: The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
+    waves: WaveField | None  #: The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
+    accuracy: Accuracy  #: Accuracy settings of the drawing.
+    layers: tuple[str, ...]  #: Layers beside ``radiance`` and ``glint_radiance``.
+    sparkles: Sparkles  #: Glint below the pixel.
+    _prepared_for: Camera
+    _levels: Levels
+    _tables: Swept | None  #: Tables of the kernels; None where no sea can be seen.
+
+    @classmethod
+    def prepare(
+        cls,
+        view: SeaView,
+        camera: Camera,
+        waves: WaveField | None = None,
+        *,
+        accuracy: Accuracy | None = None,
+        layers: Collection[str] = (),
+        sparkles: Sparkles = NO_SPARKLES,
+    ) -> SweptScene:
+        """Prepare everything that does not change in time.
+
+        Raises
+        ------
+        DomainError
+            Heights that differ, a sensor among the waves, waves steeper than the slope model, steps that do not suit the waves, or a
+            layer that there is not.
+        """
+        fine, names = accuracy or Accuracy(), require_layers(layers)
+        if camera.height != view.sensor_height:
+            raise DomainError(
+                f"camera at {camera.height:g} m, but the view is made for {view.sensor_height:g} m; give both the same height"
+            )
+        levels, arcs = Levels.calm(), np.empty(0)
+        if waves is None:
+            doublings = calm_doublings(camera.column_step / view.glint_width, fine.lines_per_column)
+            fine, levels = replace(fine, lines_per_column=1 << doublings), replace(levels, parts=np.zeros(doublings))
+            arcs = calm_ranges(camera)
+        else:
+            require_dry(camera.height, waves)
+            limits = sea_limits(camera, fine.crest * waves.significant_height)
+            levels = Levels.of(waves, camera, fine, limits[1] if limits is not None else 0.0)
+            if limits is not None:
+                arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, camera.row_step)
+        empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None)
+        return replace(empty, _tables=empty._tabled(arcs)) if arcs.size > 1 else empty
+
+    @property
+    def pose(self) -> Pose:
+        """Pose of the camera above the sea's origin."""
+        return Pose(0.0, 0.0, self.camera.height, Attitude(self.camera.azimuth, self.camera.elevation))
+
+    @property
+    def steps(self) -> FloatArray | None:
+        """Largest step of the sweep at every level of detail [m]; None without resolved waves."""
+        return None if self.waves is None else self._levels.steps
+
+    @property
+    def levels(self) -> Levels:
+        """Levels of detail of the sea."""
+        return self._levels
+
+    @property
+    def tables(self) -> Swept | None:
+        """Tables that the kernels read; None where no sea can be seen."""
+        return self._tables
+
+    @property
+    def report(self) -> Mapping[str, Any]:
+        """Settings of the sweep, for the provenance."""
+        tables, detail, waves = self._tables, self._levels.detail, self.waves is not None
+        return {
+            "sweep_step_m": [float(step) for step in self._levels.steps] if waves else None,
+            "sweep_samples": 0 if tables is None else int(tables.walk.range_m.size),
+            "sweep_range_m": [] if tables is None else [float(tables.walk.range_m[0]), float(tables.walk.range_m[-1])],
+            "level_begins_m": [float(r) for r in self._levels.begins] if waves else None,
+            "level_shortest_wave_m": [level.shortest_wave for level in detail.levels] if waves else None,
+            "most_lines_per_column": self.accuracy.lines_per_column,
+            **self.sparkles.of(self.view, self._prepared_for)[1],
+            "spectral_terms": [] if tables is None else [int(terms.shape[1]) for terms in tables.walk.path[:2]],
+        }
+
+    def with_camera(self, camera: Camera) -> SweptScene:
+        """Return the same scene through another camera without preparing anything again: some of its columns and rows, or slightly higher.
+
+        Raises
+        ------
+        DomainError
+            Pixels of another size, a view beyond the one prepared, or a height that the air was not prepared for.
+        """
+        made, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
+        own, other = made.column_step, camera.column_step
+        if abs(other - own) > SAME * own or abs(camera.row_step - made.row_step) > SAME * made.row_step:
+            raise DomainError(
+                f"pixels of {1e3 * other:.6g} x {1e3 * camera.row_step:.6g} mrad, and the scene was prepared for "
+                f"{1e3 * own:.6g} x {1e3 * made.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
+            )
+        outside = beyond(made, camera)
+        if outside > SAME:
+            raise DomainError(
+                f"the camera looks {np.degrees(outside):.4g} deg beyond the view that the scene was prepared for; "
+                "stay inside it or prepare a scene for this camera"
+            )
+        if not made.height * (1.0 - SAME) <= camera.height <= highest * (1.0 + SAME):
+            raise DomainError(
+                f"camera at {camera.height:g} m, and the scene was prepared for {made.height:g} to {highest:g} m; "
+                "stay between them or prepare a scene for this height"
+            )
+        if self._tables is None:
+            return replace(self, camera=camera)
+        walk = self._tables.walk
+        if camera.height != walk.eye:
+            rise, fall = sight_lines(walk.range_m, camera.height)
+            walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
+        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
+        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
+
+    def reseeded(self, seed: int) -> Self:
+        """Return another realisation of the same sea, sparkles included, without preparing anything again."""
+        sparkles, tables = self.sparkles.reseeded(seed), self._tables
+        if tables is not None:
+            tables = tables._replace(sparkle=sparkles.of(self.view, self._prepared_for)[0])
+        if self.waves is None:
+            return replace(self, sparkles=sparkles, _tables=tables)
+        waves = self.waves.reseeded(seed)
+        levels = replace(self._levels, detail=Detail.of(waves).first(len(self._levels.detail.levels)))
+        return replace(self, waves=waves, sparkles=sparkles, _levels=levels, _tables=tables)
+
+    def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
+        """Sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
+        return self._levels.surface(self._levels.lattices(time), origin)
+
+    @property
+    def pixels(self) -> Imager:
+        """Pixels of the camera, whatever its attitude."""
+        camera = self.camera
+        return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
+
+    def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
+        """Azimuths of the columns and elevations of the rows [rad]."""
+        return self.camera.azimuths, self.camera.elevations
+
+    def seen_from(self, pose: Pose) -> SeaView:
+        """View of sea, air and Sun."""
+        return self.view
+
+    def sea(self, pose: Pose, time: float) -> Instant:
+        """Sea at a time [s] under a sensor."""
+        lattices = self._levels.lattices(time)
+        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north)))
+
+    def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
+        """Image from a pose at a time [s]."""
+        return self.columns(pose, time, (0, self.camera.columns), sea)
+
+    def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
+        """Image of the columns ``part = (first, end)`` alone: their bytes are those of the whole image.
+
+        Raises
+        ------
+        DomainError
+            Columns that there are not.
+        """
+        require_columns(part, self.camera.columns)
+        surface = self.surface(time, (pose.east, pose.north)) if sea is None else sea.surface
+        images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
+        return self._layers(images[:, 0])
+
+    def scanned(self, poses: Sequence[Pose], times: Sequence[float]) -> Layers:
+        """Image whose columns have each their own pose and time [s], as scanners see it; neighbours that share both are drawn together."""
+        count = self.camera.columns
+        if len(poses) != count or len(times) != count:
+            raise DomainError(f"{len(poses)} poses and {len(times)} times for {count} columns; give one of each for every column")
+        begins = [i for i in range(count) if i == 0 or (poses[i], times[i]) != (poses[i - 1], times[i - 1])]
+        return joined([self.columns(poses[a], times[a], (a, b)) for a, b in zip(begins, [*begins[1:], count], strict=True)])
+
+    def intervals(self, pose: Pose, time: float, cuts: FloatArray) -> tuple[Layers, ...]:
+        """Images of intervals of distance: between each cut and the one before it, and beyond the last.
+
+        Parameters
+        ----------
+        pose : Pose
+            Place and attitude of the sensor.
+        time : float
+            Time from the start [s].
+        cuts : ndarray
+            Distances from the sensor at which columns are cut, ascending [m, (columns, n) or (n,)].
+
+        Returns
+        -------
+        tuple of Layers
+            n + 1 parts, near to far, in double precision, each summed for itself; the sky belongs to the last. ``radiance`` and its parts
+            are what an interval adds to each pixel and ``coverage`` the share that it fills; :func:`composed` puts them together.
+        """
+        given, count = np.atleast_1d(np.asarray(cuts, np.float64)), self.camera.columns
+        if given.size == 0 or given.ndim > 2 or (given.ndim == 2 and given.shape[0] != count):
+            raise DomainError(f"cuts of shape {np.shape(cuts)} for {count} columns; give one distance or more, for all columns or for each")
+        cut = np.ascontiguousarray(np.broadcast_to(given, (count, given.shape[-1])))
+        if not np.all(np.isfinite(cut)) or np.any(np.diff(cut, axis=1) < 0.0):
+            raise DomainError("cuts in range must be finite and ascend from the sensor in every column; sort them")
+        images = self._swept(pose, time, (0, self.camera.columns), self.surface(time, (pose.east, pose.north)), cut)
+        return tuple(self._interval(images[:, k]) for k in range(1, images.shape[1]))
+
+    def _interval(self, columns: FloatArray) -> Layers:
+        planes = np.arange(CHANNELS + 1)
+        return layers_of(launch.planes_of(columns, planes, np.float64), planes, (*self.layers, "coverage"))
+
+    def _layers(self, columns: FloatArray) -> Layers:
+        """Layers of columns (columns, channels, rows)."""
+        planes = planes_for(self.layers)
+        return layers_of(launch.planes_of(columns, planes, np.float32), planes, self.layers)
+
+    def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
+        """Planes of :func:`~seaglint.imaging.layers.planes_for` [(planes, rows, columns)] of some columns, for a given sea."""
+        images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
+        return launch.planes_of(images[:, 0], planes_for(self.layers), np.float32)
+
+    def _swept(self, pose: Pose, time: float, part: tuple[int, int], surface: Surface, cuts: FloatArray) -> FloatArray:
+        """Channels of some columns (columns, 1 or 2 + cuts, channels, rows)."""
+        camera, tables = self.camera, self._tables
+        self._require_pose(pose)
+        intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
+        channels = CHANNELS if intervals else channels_for(self.layers)
+        azimuths = np.ascontiguousarray(camera.azimuths[part[0] : part[1]])
+        if tables is None:
+            rows = sky_rows(self.view, replace(camera, height=self._prepared_for.height))
+            return launch.columns_of_sky(rows, azimuths, camera.column_step, intervals, channels)
+        require_above(launch.foot_height(surface), camera.height, time)
+        images = launch.columns_of_sea(tables, surface, azimuths, camera.column_step, cuts, channels)
+        launch.add_sparkles(tables, sparkle_rows(camera), azimuths, (float(pose.east), float(pose.north)), float(time), images)
+        return images
+
+    def _require_pose(self, pose: Pose) -> None:
+        camera, attitude = self.camera, pose.attitude
+        turn = (float(wrap_angle(attitude.azimuth - camera.azimuth)), float(wrap_angle(attitude.roll)))
+        off = max(abs(turn[0]), abs(turn[1]), abs(attitude.elevation - camera.elevation))
+        if off > SAME or not np.isfinite(pose.east + pose.north) or abs(pose.height - camera.height) > SAME * camera.height:
+            raise DomainError(
+                f"pose at {pose.height:g} m, turned by {np.degrees(off):.4g} deg from the camera's; this scene is for {camera.height:g} m "
+                "and an upright camera: use with_camera, or prepare a scene for turned cameras"
+            )
+
+    def _tabled(self, arcs: FloatArray) -> Swept:
+        """Tables that columns read for samples at ``arcs`` [m]."""
+        view, camera, levels = self.view, self.camera, self._levels
+        every = 1 if self.waves is None else PATH_EVERY
+        # of the middle of the piece that ends at a sample
+        middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
+        places = np.append(middle[::every], middle[-1:])
+        basis = path_basis(view.atmosphere, view.band, camera.height, places)
+        half = 0.5 * camera.width
+        sun, facets, path = facet_tables(
+            view,
+            basis,
+            places,
+            self._domains(arcs),
+            (camera.azimuth - half, camera.azimuth + half),
+            emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
+        )
+        stage = stages(arcs, levels.begins, levels.parts)
+        march, highest = self._shadows(sun)
+        walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, march)
+        merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / camera.row_step, highest)
+        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging)
+
+    def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
+        """Facets of every level, and their grazing angles, with the crests' own."""
+        view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
+        crest = 0.0 if waves is None else waves.significant_height
+        towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
+        floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
+        last = [*levels.begins[1:], arcs[-1]]
+        out = []
+        for level, begin, end in zip(levels.detail.levels, levels.begins, last, strict=True):
+            facets = facet_slopes(view.slopes, level.mss, towards, level.covariance)
+            law = view.hiding.facet_law(view.slopes, facets)
+            ends = np.clip([begin, end], arcs[0], arcs[-1])
+            high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
+            out.append(FacetDomain(facets, level.mss, law, (max(float(low), floor), min(float(high), 1.0))))
+        return out
+
+    def _shadows(self, sun: Sunlight) -> tuple[FloatArray, FloatArray]:
+        """Step [m] and steepest rise of shadow rays at every level, and the tangent up to which one ray serves several pieces.
+
+        The rise is 0 where almost nothing is in shadow by Smith's law. Farther out than that tangent of elevation the visible pieces are
+        those most often in shadow.
+        """
+        levels, fine = self._levels, self.accuracy
+        if self.waves is None:
+            # pieces of a calm sea are long: the path changes from one to the next
+            return np.zeros((1, 2)), np.full(1, -np.inf)
+        if not sun.shining or not self.view.shadowing.sun:
+            return np.zeros((levels.steps.size, 2)), np.full(levels.steps.size, np.inf)
+        towards = self.waves.spectrum.wind_to_azimuth
+        rms = np.sqrt([gaussian_slopes(*v.mss, v.covariance, towards).mss_along(sun.azimuth) for v in levels.detail.levels])
+        # where a Sun behind the sensor is lowest
+        lower = np.tan(max(0.5 * np.pi - self.view.solar_zenith - self.view.farthest_turn - SOLAR_ANGULAR_RADIUS, 0.0))
+        shadow = smith_lambda(lower / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
+        rays = shadow > fine.negligible_shadow
+        highest = np.where(rays, np.where(shadow < RARE_SHADOW, -SHADOW_GRAZING * rms, -np.inf), np.inf)
+        return np.stack([np.where(rays, levels.steps, 0.0), fine.steepest_rise * rms], axis=1), highest
+
+
+def calm_doublings(width: float, most: int) -> int:
+    """Number of times that the lines of a column split in two over a sea without waves.
+
+    They split until three stand in a deviation of the glint, or ``most`` times; ``width`` is the column's, in deviations of the glint.
+
+    >>> calm_doublings(0.3, 16), calm_doublings(1.0, 16), calm_doublings(9.0, 16)
+    (0, 2, 4)
+    """
+    return min(max(math.ceil(3.0 * width) - 1, 0), most - 1).bit_length()
+
+
+def beyond(made: Camera, other: Camera) -> float:
+    """Angle by which a camera's view extends beyond another's [rad]; 0 or less where it stays inside."""
+    aside = abs(float(wrap_angle(other.azimuth - made.azimuth))) + 0.5 * (other.width - made.width)
+    around = made.width >= 2.0 * np.pi - SAME
+    return max(-np.inf if around else aside, other.top - made.top, made.bottom - other.bottom)
+
+
+def composed(parts: Sequence[Layers]) -> Layers:
+    """Whole image from its :meth:`SweptScene.intervals`, front to back."""
+    return summed(parts)
+
+
+def require_above(foot: float, height: float, time: float) -> None:
+    """Refuse a sensor ``height`` above the mean sea that is below the sea under it, ``foot`` high [m]."""
+    if foot >= height:
+        text = f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea"
+        raise DomainError(
+            f"{text}; place it higher or do not resolve waves (sea.resolve_waves = false)",
+            name="sensor_height",
+            value=height,
+            allowed=f"above {foot:.2f} m",
+        )
+
+
+def require_dry(height: float, waves: WaveField) -> None:
+    """Refuse a sensor ``height`` [m] that waves would reach now and then."""
+    if height < SUBMERGED * waves.significant_height:
+        raise DomainError(
+            f"sensor height = {height:g} m is within reach of the waves (significant height {waves.significant_height:.2f} m); "
+            f"place it above {SUBMERGED * waves.significant_height:.2f} m or do not resolve waves (sea.resolve_waves = false)",
+            name="sensor_height",
+            value=height,
+            allowed=f"above {SUBMERGED * waves.significant_height:.2f} m",
+        )
+
+
+def _same_rows(one: Camera, other: Camera) -> bool:
+    return (one.elevation, one.height_angle, one.rows) == (other.elevation, other.height_angle, other.rows)

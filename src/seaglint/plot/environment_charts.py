@@ -1,0 +1,296 @@
+"""Picture of a profile of the air: temperature, humidity and refractivity, the lowest kilometre below the whole.
+
+Picture of a weather table: wind rose, joint density of wind and cloud, means by month, missing values.
+
+Charts of the likelihood of glint: by threshold, bearing, month and hour; maps by month; the article's Fig. 5.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.climate.likelihood_summary import LikelihoodSummary, StratumChance
+from seaglint.climate.table_summary import MonthFacts, WeatherFacts, WindRose
+from seaglint.climate.weather_table import MONTHS
+from seaglint.plot.figures_and_pages import new_figure
+from seaglint.store.outputs import moved_when_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from seaglint.formats.soundings.air_summary import AirSummary
+
+
+TALL = 20.0  #: Height of the upper panels [km].
+
+
+def write_air_plot(summary: AirSummary, output: Path) -> Path:
+    """Write the picture, complete or not at all."""
+    with moved_when_whole(output) as partial:
+        draw_air(summary).savefig(partial, dpi=120, format=output.suffix.lstrip(".").lower())
+    return output
+
+
+def draw_air(summary: AirSummary) -> Figure:
+    """Profiles against height: up to 20 km above, the lowest kilometre below."""
+    air = summary.profile
+    figure = new_figure(10.0, 7.5)
+    panels = figure.subplots(2, 3, height_ratios=(1.4, 1.0))
+    z, dry = 1e-3 * air.height, summary.refractivity_units
+    columns = (
+        ("temperature [°C]", air.temperature - 273.15, "C3"),
+        ("relative humidity [%]", air.relative_humidity, "C0"),
+        ("refractivity n − 1 [10⁻⁶]", dry, "C2"),
+    )
+    # rays are trapped where the modified refractivity falls with height
+    low_columns = (*columns[:2], ("modified refractivity [10⁻⁶]", dry + 1e6 * air.height / air.earth_radius, "C2"))
+    given = air.height <= summary.top + 1.0
+    for row, top, quantities in zip(panels, (TALL, 1.0), (columns, low_columns), strict=True):
+        inside = z <= top * 1.001
+        fine = np.linspace(0.0, top, 400)
+        for axes, (label, values, colour) in zip(row, quantities, strict=True):
+            axes.plot(np.interp(fine, z, values), fine, color=colour, linewidth=1.2)
+            axes.plot(values[inside & given], z[inside & given], ".", color=colour, markersize=4, label="levels given")
+            if (inside & ~given).any():
+                axes.plot(values[inside & ~given], z[inside & ~given], "x", color="0.5", markersize=4, label="model atmosphere")
+            axes.set(ylim=(0.0, top), xlabel=label)
+            axes.grid(alpha=0.3)
+            for low, high in summary.ducts:
+                axes.axhspan(1e-3 * low, 1e-3 * high, color="C1", alpha=0.3, linewidth=0)
+        row[0].set_ylabel("height [km]")
+    panels[1, 0].plot([summary.sea_kelvin - 273.15], [0.0], "k^", clip_on=False, label="sea")
+    panels[1, 0].legend(fontsize=8)
+    figure.suptitle(f"{air.name}: {summary.kind}, {air.precipitable_water:.1f} kg m⁻² of water vapour", fontsize=11)
+    return figure
+
+
+SIZE = (12.0, 9.0)  #: Width and height [in].
+
+
+def write_weather_plot(facts: WeatherFacts, path: Path) -> None:
+    """Draw the facts of a table of weather into a picture file."""
+    with moved_when_whole(path) as partial:
+        draw_weather(facts).savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
+
+
+def draw_weather(facts: WeatherFacts) -> Figure:
+    """Draw wind rose, wind and cloud together, months and missing values of a table of weather."""
+    figure = new_figure(*SIZE)
+    _rose(figure.add_subplot(2, 2, 1, projection="polar"), facts.wind_rose)
+    _joint(figure, figure.add_subplot(2, 2, 2), facts)
+    _months(figure.add_subplot(2, 2, 3), facts.by_month)
+    _missing(figure.add_subplot(2, 2, 4), facts.missing_share)
+    figure.suptitle(f"{Path(facts.path).name}: {facts.rows} rows, effectively {facts.effective_rows:.0f}")
+    return figure
+
+
+def _classes(edges: list[float | None]) -> list[str]:
+    return [f"{low:g}-{high:g}" if high is not None else f"above {low:g}" for low, high in pairwise(edges)]
+
+
+def _rose(axes: Any, rose: WindRose) -> None:
+    percent = 100.0 * np.array(rose.probability)
+    angle, width = np.radians(rose.sector_centre_deg), 2.0 * np.pi / len(rose.sector_centre_deg)
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(-1)
+    axes.set_title("where the wind comes from [% of the weight]", fontsize=10)
+    if not percent.any():
+        axes.text(0.5, 0.5, "no directions in the table", ha="center", va="center", transform=axes.transAxes)
+        axes.set_axis_off()
+        return
+    bottom = np.zeros(angle.size)
+    for k, label in enumerate(_classes(rose.speed_edges_m_s)):
+        axes.bar(
+            angle,
+            percent[:, k],
+            0.9 * width,
+            bottom=bottom,
+            color=_shade(k, percent.shape[1]),
+            edgecolor="white",
+            linewidth=0.4,
+            label=label,
+        )
+        bottom += percent[:, k]
+    axes.legend(title="m/s", fontsize=7, loc="center right", bbox_to_anchor=(-0.12, 0.5), frameon=False)
+
+
+def _shade(k: int, count: int) -> Any:
+    from matplotlib import colormaps
+
+    return colormaps["viridis"](k / max(count - 1, 1))
+
+
+def _joint(figure: Any, axes: Any, facts: WeatherFacts) -> None:
+    joint = facts.wind_cloud
+    percent = 100.0 * np.array(joint.probability)
+    shown = axes.imshow(percent, origin="lower", aspect="auto", cmap="Blues", vmin=0.0)
+    axes.set_xticks(range(percent.shape[1]), [f"{k}" for k in range(percent.shape[1])])
+    axes.set_yticks(range(percent.shape[0]), _classes(joint.speed_edges_m_s))
+    for (row, column), value in np.ndenumerate(percent):
+        if value >= 0.5:
+            colour = "white" if value > 0.6 * percent.max() else "black"
+            axes.text(column, row, f"{value:.0f}" if value >= 10 else f"{value:.1f}", ha="center", va="center", fontsize=7, color=colour)
+    linked = facts.wind_cloud_correlation
+    axes.set(xlabel="cloud cover [eighths]", ylabel="wind speed [m/s]")
+    axes.set_title(f"wind and cloud [%]{'' if linked is None else f', correlation {linked:.2f}'}", fontsize=10)
+    figure.colorbar(shown, ax=axes, shrink=0.8)
+
+
+def _months(axes: Any, months: list[MonthFacts]) -> None:
+    axes.set_title("means by month", fontsize=10)
+    if not months:
+        axes.text(0.5, 0.5, "no months in the table", ha="center", va="center", transform=axes.transAxes)
+        axes.set_axis_off()
+        return
+    number = [m.month for m in months]
+    wind = [np.nan if m.wind_speed_m_s is None else m.wind_speed_m_s for m in months]
+    cloud = [np.nan if m.cloud_cover is None else m.cloud_cover for m in months]
+    axes.plot(number, wind, "o-", color="black", label="wind")
+    axes.set(xlabel="month", ylabel="wind speed [m/s]", xlim=(0.5, 12.5), xticks=range(1, 13))
+    axes.set_ylim(bottom=0.0)
+    right = axes.twinx()
+    right.plot(number, cloud, "s--", color="C0")
+    right.set_ylim(0.0, 1.0)
+    right.set_ylabel("cloud cover", color="C0")
+
+
+def _missing(axes: Any, shares: dict[str, float]) -> None:
+    axes.barh(list(shares), [100.0 * share for share in shares.values()], color="0.5")
+    axes.invert_yaxis()
+    axes.set(xlabel="missing [% of the weight]", xlim=(0.0, 100.0))
+    axes.tick_params(axis="y", labelsize=8)
+
+
+_DPI = 130
+
+
+def write_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None, output: Path) -> None:
+    """Draw the charts into a picture file."""
+    _save(draw_charts(summary, month_by_hour), output)
+
+
+def draw_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None) -> Figure:
+    """Draw chances by threshold, by bearing (polar), by wind and, where the time varies, by month and hour."""
+    figure = new_figure(10.0, 8.0)
+    first = summary.results[0].threshold_w_m2_sr
+    _thresholds(figure.add_subplot(2, 2, 1), summary)
+    _bearings(figure.add_subplot(2, 2, 2, projection="polar"), summary, first)
+    _causes(figure.add_subplot(2, 2, 3), summary, first)
+    axes = figure.add_subplot(2, 2, 4)
+    if month_by_hour is None:
+        _bars(axes, _of(summary, "sun_elevation_deg", first), "Sun's elevation [deg]")
+    else:
+        image = axes.pcolormesh(np.arange(25), np.arange(13), month_by_hour, cmap="magma", vmin=0.0)
+        axes.set(xlabel="hour of the Sun's day [h]", title="by month and hour", xticks=range(0, 25, 4))
+        axes.set_yticks(np.arange(12) + 0.5, [name[:3] for name in MONTHS])
+        axes.invert_yaxis()
+        figure.colorbar(image, ax=axes, label="probability [1]")
+    figure.suptitle(f"{summary.case}: glint above {first:g} W m⁻² sr⁻¹")
+    return figure
+
+
+def _of(summary: LikelihoodSummary, by: str, threshold: float) -> list[StratumChance]:
+    return [row for row in summary.strata if row.by == by and row.threshold_w_m2_sr == threshold]
+
+
+def _thresholds(axes: Axes, summary: LikelihoodSummary) -> None:
+    rows = sorted(summary.results, key=lambda row: row.threshold_w_m2_sr)
+    x, p = np.array([row.threshold_w_m2_sr for row in rows]), np.array([row.probability for row in rows])
+    low, high = np.array([row.interval for row in rows]).T
+    axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
+    axes.set(
+        xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
+    )
+
+
+def _bearings(axes: Axes, summary: LikelihoodSummary, threshold: float) -> None:
+    rows = [(row.low, row.high, row.value) for row in _of(summary, "azimuth_from_sun_deg", threshold) if row.high is not None]
+    axes.set_theta_zero_location("N")  # type: ignore[attr-defined]
+    axes.set_theta_direction(-1)  # type: ignore[attr-defined]
+    middle = [math.radians(0.5 * (low + high)) for low, high, _ in rows]
+    axes.bar(middle, [value for *_, value in rows], width=[math.radians(high - low) for low, high, _ in rows], alpha=0.7)
+    axes.set_title("probability [1] by azimuth from the Sun [deg]")
+
+
+def _causes(axes: Axes, summary: LikelihoodSummary, threshold: float) -> None:
+    _bars(axes, _of(summary, "wind_speed_m_s", threshold), "wind [m/s]")
+
+
+def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
+    names = [f"{row.low:g}-{row.high:g}" if row.high is not None else f">{row.low:g}" for row in rows]
+    axes.bar(names, [row.contribution or 0.0 for row in rows], color="tab:orange", label="share of all glint")
+    axes.bar(names, [row.share for row in rows], fill=False, edgecolor="black", label="share of all draws")
+    axes.set(xlabel=label, ylabel="share [1]")
+    axes.legend()
+
+
+def write_map(dataset: xr.Dataset, output: Path) -> None:
+    """Draw the map of every month."""
+    chance = dataset["probability"].isel(threshold=0)
+    months = chance.month.to_numpy().tolist()
+    columns = min(4, len(months))
+    rows = math.ceil(len(months) / columns)
+    figure = new_figure(3.2 * columns, 2.6 * rows + 0.6)
+    most = max(float(chance.max()), 1e-6)
+    image = None
+    for i, month in enumerate(months):
+        axes = figure.add_subplot(rows, columns, i + 1)
+        image = axes.pcolormesh(chance.longitude, chance.latitude, chance.sel(month=month), cmap="magma", vmin=0.0, vmax=most)
+        axes.set_title(MONTHS[month - 1], fontsize=9)
+        axes.tick_params(labelsize=7)
+    if image is not None:
+        figure.colorbar(image, ax=figure.axes, label="probability [1]", shrink=0.8)
+    figure.supxlabel("longitude [deg]", fontsize=9)
+    figure.supylabel("latitude [deg]", fontsize=9)
+    figure.suptitle(f"glint above {float(chance.threshold):g} W m⁻² sr⁻¹, {dataset.attrs['case']}")
+    _save(figure, output)
+
+
+def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:
+    """Draw chances by threshold and by month of several sea regions, :func:`seaglint.studies.likelihood.chance_map.regions`."""
+    figure = new_figure(10.0, 4.0)
+    left, right = figure.subplots(1, 2)
+    for name, columns in result.items():
+        left.loglog(columns["threshold"], np.maximum(columns["probability"], 1e-6), label=name)
+        right.plot(np.arange(12), columns["by_month"], marker="o", label=name)
+    left.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability of a look [1]", ylim=(1e-4, 1.0))
+    right.set(ylabel="probability above 0.25 W m⁻² sr⁻¹ [1]", ylim=(0.0, None))
+    right.set_xticks(np.arange(12), [month[:1] for month in MONTHS])
+    right.set_xlabel("month")
+    left.legend()
+    _save(figure, output)
+
+
+def write_fig5(columns: dict[str, FloatArray], output: Path) -> None:
+    """Draw both panels of Fig. 5: at one azimuth, and within an azimuth of the Sun's."""
+    figure = new_figure(10.0, 7.5)
+    styles = {"single-look": "-", "trajectory": "--", "field-of-view": ":"}
+    grid = figure.subplots(2, 2, sharex=True)
+    for row, threshold in enumerate(np.unique(columns["threshold_w_m2_sr"])[::-1]):
+        for panel, what in enumerate(("probability", "probability_within")):
+            axes = grid[row][panel]
+            for number, (case, style) in enumerate(styles.items()):
+                at = (columns["threshold_w_m2_sr"] == threshold) & (columns["case"] == number)
+                (line,) = axes.plot(columns["azimuth_deg"][at], columns[what][at], style, label=case)
+                if panel == 1:
+                    averaged = columns["probability_averaged"][at]
+                    axes.plot(columns["azimuth_deg"][at], averaged, style, color=line.get_color(), marker=".", lw=0.8)
+            axes.set(ylim=(0.0, None), title=f"({'ab'[panel]}) above {threshold:g} W m⁻² sr⁻¹")
+            within = "within this of the Sun [deg]: any (lines), one look (points)"
+            axes.set_xlabel("azimuth from the Sun [deg]" if panel == 0 else within)
+            axes.set_ylabel("probability [1]")
+    grid[0][0].legend()
+    _save(figure, output)
+
+
+def _save(figure: Any, output: Path) -> None:
+    with moved_when_whole(output) as partial:
+        figure.savefig(partial, dpi=_DPI, format=output.suffix.lstrip("."))

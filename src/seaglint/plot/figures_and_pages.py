@@ -1,0 +1,143 @@
+"""Figures that need no screen, shown by notebooks, and as bytes.
+
+Pages of reports: one HTML file with tables and pictures inside, which asks nothing of the network.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Iterable, Sequence
+from functools import partial
+from html import escape
+from typing import TYPE_CHECKING, Any, Final
+
+from seaglint.store.outputs import json_text
+from seaglint.version import __version__
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+_DOTS_PER_INCH: Final = 100
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as PNG, without date or version inside."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    buffer = io.BytesIO()
+    figure.set_dpi(_DOTS_PER_INCH)
+    # Not savefig, which lays everything out twice.
+    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
+    return buffer.getvalue()
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """A figure of this size [inch] that needs no screen; notebooks show it without pyplot."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]  # IPython shows figures of pyplot alone by itself
+    return figure
+
+
+ABSENT: Final = "–"  #: Text in place of a number that does not exist.
+
+WIDE: Final = 9  #: Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view.
+
+STYLE: Final = """
+body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;
+  max-width: 1800px; margin: 0 auto; padding: 1.5rem 1.2rem 4rem; }
+h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .3rem; overflow-wrap: anywhere; }
+h2 { font-size: 1.15rem; margin: 2.4rem 0 .5rem; padding-top: .8rem; border-top: 1px solid #d5dbe3; }
+h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
+p { margin: .4rem 0 .8rem; max-width: 78ch; }
+.facts { color: #4a5666; }
+.notes { background: #fff6e0; border-left: 4px solid #e0a100; padding: .6rem 1rem .6rem 2rem; margin: 1rem 0; }
+.none { background: #eef6ee; border-left-color: #4c9a4c; padding-left: 1rem; }
+.table { overflow-x: auto; max-width: 100%; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .88rem; margin: .4rem 0 .8rem; }
+th, td { padding: .25rem .5rem; text-align: right; border-bottom: 1px solid #e4e8ee; white-space: nowrap; }
+th { background: #f3f5f8; font-weight: 600; vertical-align: bottom; white-space: normal; }
+th:first-child, td:first-child, .text { text-align: left; }
+td.text { white-space: normal; min-width: 11rem; color: #4a5666; }
+.table.wide table { font-size: .8rem; }
+.table.wide th, .table.wide td { padding: .25rem .35rem; }
+.table.wide td { white-space: normal; overflow-wrap: break-word; }
+.table.wide td.text { min-width: 9rem; }
+figure { margin: .8rem 0 1.2rem; }
+figure img { max-width: 100%; height: auto; border: 1px solid #e4e8ee; }
+figcaption, .small { font-size: .85rem; color: #4a5666; max-width: 95ch; }
+pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; font-size: .8rem; }
+@media print { body { max-width: none; padding: 0; } figure, tr { break-inside: avoid; } }
+""".strip()
+
+
+def page(title: str, body: Iterable[str]) -> str:
+    """The whole page as text."""
+    head = (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        # Names and notes come from files of others: nothing in them may run or load.
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n"
+        f'<meta name="generator" content="seaglint {__version__}">\n<title>{escape(title)}</title>\n<style>\n{STYLE}\n</style>\n</head>\n'
+    )
+    return head + "<body>\n" + "\n".join(body) + "\n</body>\n</html>\n"
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """A number for a table; what does not exist is a dash."""
+    if value is None:
+        return ABSENT
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f")
+    return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "\u2212")
+
+
+def interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
+    """Two ends for a table."""
+    return ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
+    """Cells are text; those of the columns ``words`` are sentences."""
+
+    def cell(tag: str, place: int, text: str) -> str:
+        return f'<{tag} class="text">{escape(text)}</{tag}>' if place in words else f"<{tag}>{escape(text)}</{tag}>"
+
+    lines = ["<tr>" + "".join(cell("td", i, text) for i, text in enumerate(row)) + "</tr>" for row in rows]
+    top = "<tr>" + "".join(cell("th", i, text) for i, text in enumerate(head)) + "</tr>"
+    kind = "table wide" if len(head) >= WIDE else "table"
+    return f'<div class="{kind}"><table>\n<thead>' + top + "</thead>\n<tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
+
+
+def bullets(texts: Iterable[str], kind: str = "") -> str:
+    """Return sentences as a list; ``kind`` is its style."""
+    opening = f'<ul class="{kind}">' if kind else "<ul>"
+    return opening + "".join(f"<li>{escape(text)}</li>" for text in texts) + "</ul>"
+
+
+def notes(texts: Sequence[str], none: str = "") -> str:
+    """Return remarks in a box; where there are none, the sentence ``none``."""
+    return bullets(texts, "notes") if texts else f'<div class="notes none">{escape(none)}</div>'
+
+
+def all_numbers(results: Any) -> str:
+    """Return everything that a report is made from, as JSON that opens on a click."""
+    return f"<details><summary>All numbers as JSON</summary><pre>\n{escape(json_text(results, indent=1))}\n</pre></details>"
+
+
+def section(title: str, *parts: str) -> str:
+    """A heading and what stands below it."""
+    return "\n".join([f"<h2>{escape(title)}</h2>", *parts])
+
+
+def figure(content: bytes, title: str, caption: str) -> str:
+    """A PNG picture with its caption, inside the page."""
+    data = base64.b64encode(content).decode("ascii")
+    return f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'

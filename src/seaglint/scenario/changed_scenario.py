@@ -1,0 +1,90 @@
+"""Setter of keys in the raw tables of a scenario by their dotted names.
+
+Middle of a scenario's picture: fewer rows and columns of the same angle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from seaglint.base.errors import ScenarioError
+from seaglint.base.free_form import TomlTables
+
+if TYPE_CHECKING:
+    from seaglint.scenario.model import Scenario
+
+
+def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
+    """Set a dotted key in place.
+
+    Parameters
+    ----------
+    raw : dict
+        Tables as the TOML file has them.
+    key : str
+        ``wind.speed_m_s``; of an object by its name or its place in the list, ``objects.ferry.course_deg``, ``objects.0.course_deg``; of
+        a list by the place in it, ``sensor.fov_deg.0``.
+    value : object
+        New value of the key.
+    name : str
+        Whose tables they are, for messages.
+
+    Raises
+    ------
+    ScenarioError
+        Something on the way is no table, no object of that name, or no such place in a list.
+
+    Examples
+    --------
+    >>> raw = {"sensor": {"fov_deg": [16, 8]}}
+    >>> set_key(raw, "sensor.fov_deg.0", 12, "my.toml"), set_key(raw, "wind.speed_m_s", 5, "my.toml")
+    (None, None)
+    >>> raw
+    {'sensor': {'fov_deg': [12, 8]}, 'wind': {'speed_m_s': 5}}
+    """
+    *way, last = key.split(".")
+    at: Any = raw
+    for k, step in enumerate(way):
+        at = at[_place(at, step, key, name)] if isinstance(at, list) else at.setdefault(step, {})
+        if not isinstance(at, dict | list):
+            raise ScenarioError(f"{name}: {'.'.join(way[: k + 1])} is no table; the key {key} is not one of a scenario")
+    if isinstance(at, list):
+        if any(isinstance(item, Mapping) for item in at):
+            raise ScenarioError(f"{name}: {key}: objects are named; give objects.NAME.key")
+        at[_place(at, last, key, name)] = value
+    else:
+        at[last] = value
+
+
+def _place(items: list[Any], step: str, key: str, name: str) -> int:
+    """Return the index of an object in a list by its name, or of any item by its number."""
+    named = [i for i, item in enumerate(items) if isinstance(item, Mapping) and item.get("name") == step]
+    if named:
+        return named[0]
+    if step.isdecimal() and int(step) < len(items):
+        return int(step)
+    if any(isinstance(item, Mapping) for item in items):
+        raise ScenarioError(f"{name}: {key}: there is no object '{step}'; give a name of the scenario's [[objects]]")
+    raise ScenarioError(f"{name}: {key}: there is no place {step} in a list of {len(items)}; give 0 to {len(items) - 1}")
+
+
+def middle_of(scenario: Scenario, rows: int, columns: int | None = None) -> Scenario:
+    """Return the scenario with the middle of its picture alone, at most so many rows and columns; pixels keep their angles."""
+    sensor = scenario.sensor
+    sides = list(zip(sensor.pixels, sensor.fov_deg, (columns, rows), strict=True))
+    kept = [_kept(side, angle, most, plane=sensor.projection == "pinhole") for side, angle, most in sides]
+    if [side for side, _ in kept] == list(sensor.pixels):
+        return scenario
+    parts = {"pixels": (kept[0][0], kept[1][0]), "fov_deg": (kept[0][1], kept[1][1])}
+    return scenario.model_copy(update={"sensor": sensor.model_copy(update=parts)})
+
+
+def _kept(side: int, angle: float, most: int | None, *, plane: bool) -> tuple[int, float]:
+    """Pixels that stay of a side, an even number less so that its middle stays where it is, and their angle [deg]."""
+    if most is None or side <= most:
+        return side, angle
+    fewer = most - (side - most) % 2
+    share = fewer / side
+    return fewer, 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * angle)))) if plane else angle * share

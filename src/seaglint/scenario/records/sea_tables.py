@@ -1,0 +1,232 @@
+"""Table ``[wind]``: the wind at 10 m.
+
+Table ``[sea.slopes]``: kinds of slope statistics, one record each.
+
+Table ``[sea.spectrum]``: kinds of wave spectra, one record each.
+
+Tables ``[sea]`` and ``[sea.glint]``: the water and its shape.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, StrictBool, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
+
+from seaglint.base.limits import BREON_HENRIOT_WIND, COX_MUNK_SLICK_WIND, COX_MUNK_WIND, WIND_PROFILE
+from seaglint.scenario.records.record import InputFile, Quantity, Record, Utc, default_tag
+
+
+class Wind(Record):
+    """Neutral wind at 10 m."""
+
+    speed_m_s: Annotated[float, Quantity("m/s", ge=0, le=WIND_PROFILE[1]), Field(description="wind speed at 10 m")] = 7.0
+    from_deg: Annotated[float, Quantity("deg", ge=-360, le=360), Field(description="azimuth the wind comes FROM, clockwise from north")] = (
+        230.0
+    )
+
+
+Range = tuple[float, float]
+
+
+class CoxMunkIsotropic(Record):
+    """Cox and Munk 1954, clean sea, the same variance in all directions."""
+
+    winds: ClassVar[Range] = COX_MUNK_WIND
+    kind: Literal["cox-munk-isotropic"] = "cox-munk-isotropic"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class CoxMunkAnisotropic(Record):
+    """Cox and Munk 1954, clean sea, upwind and crosswind variances."""
+
+    winds: ClassVar[Range] = COX_MUNK_WIND
+    kind: Literal["cox-munk-anisotropic"] = "cox-munk-anisotropic"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class CoxMunkGramCharlier(Record):
+    """Cox and Munk 1954, clean sea, with skewness (steep lee faces) and peakedness."""
+
+    winds: ClassVar[Range] = COX_MUNK_WIND
+    kind: Literal["cox-munk-gram-charlier"] = "cox-munk-gram-charlier"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class CoxMunkSlick(Record):
+    """Cox and Munk 1954, sea under an oil slick; up to 14 m/s."""
+
+    winds: ClassVar[Range] = COX_MUNK_SLICK_WIND
+    kind: Literal["cox-munk-slick"] = "cox-munk-slick"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class BreonHenriot(Record):
+    """Breon and Henriot 2006, open ocean seen from a satellite, with skewness and peakedness; up to 15 m/s."""
+
+    winds: ClassVar[Range] = BREON_HENRIOT_WIND
+    kind: Literal["breon-henriot"] = "breon-henriot"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class SpectrumSlopes(Record):
+    """Gaussian slopes with the variances of sea.spectrum, all its waves."""
+
+    kind: Literal["spectrum"] = "spectrum"
+
+
+class FlatSlopes(Record):
+    """A mirror: no slopes."""
+
+    kind: Literal["flat"] = "flat"
+
+
+Slopes = Annotated[
+    Annotated[
+        CoxMunkIsotropic | CoxMunkAnisotropic | CoxMunkGramCharlier | CoxMunkSlick | BreonHenriot | SpectrumSlopes | FlatSlopes,
+        Field(discriminator="kind"),
+    ],
+    default_tag("kind", "cox-munk-anisotropic"),
+]
+
+
+_Azimuth = Annotated[float, Quantity("deg", ge=-360, le=360)]
+_Width = Annotated[float, Quantity("deg", ge=1, le=80)]
+
+
+class Elfouhaily(Record):
+    """Elfouhaily et al. 1997, fully developed, at the scenario's wind."""
+
+    kind: Literal["elfouhaily"] = "elfouhaily"
+
+
+class PiersonMoskowitz(Record):
+    """Pierson and Moskowitz 1964, at the scenario's wind."""
+
+    kind: Literal["pierson-moskowitz"] = "pierson-moskowitz"
+
+
+class Jonswap(Record):
+    """Waves of a stated height, period and direction (Hasselmann et al. 1973): wind sea or swell."""
+
+    kind: Literal["jonswap"] = "jonswap"
+    significant_height_m: Annotated[
+        float, Quantity("m", ge=0.01, le=30), Field(description="significant height, four times the standard deviation of the surface")
+    ]
+    peak_period_s: Annotated[float, Quantity("s", ge=0.5, le=30), Field(description="period of the waves with the most energy")]
+    gamma: Annotated[
+        float, Quantity(ge=1, le=20), Field(description="peak enhancement: 1 fully developed, 3.3 growing sea, more for swell")
+    ] = 3.3
+    from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM; default: that of the wind")] = None
+    spreading_deg: Annotated[
+        _Width, Field(description="width of their directions (circular standard deviation): wind sea about 30, swell 10 to 20")
+    ] = 30.0
+
+
+class SpectrumFile(Record):
+    """A spectrum from a file: buoys, wave models, re-analyses."""
+
+    kind: Literal["file"] = "file"
+    path: Annotated[InputFile, Field(description="the file; of a buoy's five NDBC files, beside each other, any one, e.g. 41010.data_spec")]
+    format: Annotated[
+        Literal["auto", "ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"],
+        Field(description="format of the file; auto recognises it"),
+    ] = "auto"
+    time: Annotated[Utc | None, Field(description="UTC time of the record wanted; default: that of [time]")] = None
+    time_tolerance_s: Annotated[
+        float, Quantity("s", ge=0, le=1e9), Field(description="farthest the record taken may be from the time wanted")
+    ] = 3600.0
+    latitude_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-90, le=90)] | None,
+        Field(description="latitude of the spectrum wanted, north positive; default: that of [place]"),
+    ] = None
+    longitude_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-180, le=360)] | None, Field(description="its longitude, east positive")
+    ] = None
+    distance_tolerance_km: Annotated[
+        float, Quantity("km", ge=0, le=20_100), Field(description="farthest the spectrum taken may be from the place wanted")
+    ] = 50.0
+    site: Annotated[str | None, Field(description="name of the site as the file has it, or its number from 1; instead of a place")] = None
+    from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM, for a file without directions only")] = None
+    spreading_deg: Annotated[
+        _Width | None,
+        Field(description="width of their directions (circular standard deviation), for a file without directions only"),
+    ] = None
+
+    @field_validator("longitude_deg")
+    @classmethod
+    def _with_latitude(cls, longitude: float | None, info: ValidationInfo) -> float | None:
+        latitude = info.data.get("latitude_deg", longitude)
+        if longitude is None and latitude is not None:
+            raise PydanticCustomError("missing", "{text}", {"text": "is missing"})
+        if longitude is not None and latitude is None:
+            raise PydanticCustomError("quantity", "{text}", {"text": "needs latitude_deg beside it; give both or none"})
+        return longitude
+
+
+class FlatSea(Record):
+    """No waves."""
+
+    kind: Literal["flat"] = "flat"
+
+
+System = Elfouhaily | PiersonMoskowitz | Jonswap | SpectrumFile  #: What can be one of several.
+
+
+class WaveSystems(Record):
+    """Several at once, each with its own directions: wind sea and swells."""
+
+    kind: Literal["systems"] = "systems"
+    systems: Annotated[
+        tuple[Annotated[System, Field(discriminator="kind")], ...],
+        Field(description="list of spectra of the other kinds, each a table; their energies add"),
+    ]
+
+    @field_validator("systems")
+    @classmethod
+    def _one_or_more(cls, systems: tuple[System, ...]) -> tuple[System, ...]:
+        if not systems:
+            raise PydanticCustomError(
+                "quantity", "{text}", {"text": "must hold one spectrum or more; for a sea without waves set kind = 'flat'"}
+            )
+        return systems
+
+
+Spectrum = Annotated[Annotated[System | WaveSystems | FlatSea, Field(discriminator="kind")], default_tag("kind", "elfouhaily")]
+
+
+class Glint(Record):
+    """Correlation of the Sun's glint in time and over the sea, which sets how much glint fluctuates in a pixel."""
+
+    correlation_time_s: Annotated[
+        float, Quantity("s", ge=0.001, le=10), Field(description="correlation time of glint at a point (reported: 0.03 to 0.3 s)")
+    ] = 0.07
+    dispersion: Annotated[
+        Literal["full", "article"],
+        Field(description="waves behind the correlation length: full: gravity and surface tension; article: surface tension alone"),
+    ] = "full"
+    cell_m: Annotated[
+        Annotated[float, Quantity("m", ge=1e-4, le=100)] | None,
+        Field(description="size of the sea's cells that glint independently; default: from the correlation time"),
+    ] = None
+
+
+class Sea(Record):
+    """The water and its shape."""
+
+    temperature_k: Annotated[float, Quantity("K", ge=260, le=320), Field(description="skin temperature of the sea")] = 288.15
+    water: Annotated[Literal["hale-querry-sea", "segelstein", "article"], Field(description="table of the complex refractive index")] = (
+        "hale-querry-sea"
+    )
+    resolve_waves: Annotated[
+        StrictBool, Field(description="true: long waves are geometry; false: all slopes are facet density, the mean picture")
+    ] = True
+    shortest_wave_m: Annotated[
+        float,
+        Quantity("m", ge=0.02, le=1000),
+        Field(description="length of the shortest wave that is geometry; shorter ones are facet density"),
+    ] = 2.0
+    slopes: Annotated[Slopes, Field(description="slope statistics of the whole sea")] = CoxMunkAnisotropic()
+    spectrum: Annotated[Spectrum, Field(description="spectrum of the waves that are geometry")] = Elfouhaily()
+    glint: Annotated[Glint, Field(description="correlation of glint")] = Glint()

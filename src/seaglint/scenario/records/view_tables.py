@@ -1,0 +1,225 @@
+"""Tables ``[time]``, ``[place]`` and ``[sun]``: when and where, or the Sun's position itself.
+
+Table ``[platform]``: how the sensor moves.
+
+Table ``[band]``: the spectral band.
+
+Table ``[mean]``: how the mean radiance is computed.
+
+Table ``[render]``: accuracy and cost of the image, and what is written.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, StrictBool, model_validator
+
+from seaglint.base.limits import TABLE_BANDS_UM
+from seaglint.base.schema import Layer
+from seaglint.scenario.records.record import InputFile, Quantity, Record, Utc, rule
+from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
+
+
+class Time(Record):
+    """When: with ``[place]`` it gives the Sun's position and distance."""
+
+    utc: Annotated[Utc, Field(description="UTC date and time of the first frame, e.g. 2026-06-21T17:30:00Z")]
+
+
+class Place(Record):
+    """Where: with ``[time]`` it gives the Sun's position."""
+
+    latitude_deg: Annotated[float, Quantity("deg", ge=-90, le=90), Field(description="latitude, north positive")]
+    longitude_deg: Annotated[float, Quantity("deg", ge=-180, le=360), Field(description="longitude, east positive")]
+
+
+class Sun(Record):
+    """The Sun's position given directly, at 1 au; instead of ``[time]`` and ``[place]``."""
+
+    zenith_deg: Annotated[
+        float,
+        Quantity("deg", ge=0, le=180),
+        Field(description="zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint"),
+    ] = 75.0
+    azimuth_deg: Annotated[float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the Sun, clockwise from north")] = 180.0
+
+
+class Keyframe(Record):
+    """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
+
+    time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), Field(description="time from the first frame")]
+    east_m: Annotated[Annotated[float, Quantity("m", ge=-1e6, le=1e6)] | None, Field(description="position towards east")] = None
+    north_m: Annotated[Annotated[float, Quantity("m", ge=-1e6, le=1e6)] | None, Field(description="position towards north")] = None
+    height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=HIGHEST_SENSOR)] | None, Field(description="height above the mean sea")] = (
+        None
+    )
+    azimuth_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, Field(description="azimuth of the image centre")
+    ] = None
+    elevation_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-90, le=90)] | None, Field(description="elevation of the image centre")
+    ] = None
+    roll_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, Field(description="turn about the line of sight, right side down")
+    ] = None
+
+
+class Platform(Record):
+    """A sensor that moves: keyframes, here or in a file, and straight lines between them (angles the short way round)."""
+
+    track: Annotated[
+        InputFile | None,
+        Field(
+            description="CSV file with a column time_s and any of east_m, north_m, height_m, azimuth_deg, elevation_deg, roll_deg; instead "
+            "of keyframes"
+        ),
+    ] = None
+    keyframes: Annotated[tuple[Keyframe, ...] | None, Field(description="list of keyframes, the columns of the file as keys")] = None
+
+    floats: Annotated[
+        StrictBool,
+        Field(description="true: the sensor heaves, pitches and rolls with the waves under its vessel, about the keyframes if any"),
+    ] = False
+    waterline_m: Annotated[
+        tuple[Annotated[float, Quantity("m", gt=0, le=100)], Annotated[float, Quantity("m", gt=0, le=500)]],
+        Field(description="waterline [width, length] over which waves are averaged where it floats; the sensor stands above its middle"),
+    ] = (3.0, 10.0)
+    heading_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-360, le=360)] | None,
+        Field(description="azimuth of the vessel's forward end where it floats; along its way, else the sensor's azimuth"),
+    ] = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if self.floats and self.track is None and self.keyframes is None:
+            return self
+        if (self.track is None) == (self.keyframes is None):
+            both = "are both given" if self.track is not None else "are both missing"
+            raise rule("platform", f"track and keyframes {both}; give one of the two, or leave [platform] out")
+        for name in Keyframe.model_fields if self.keyframes else ():
+            given = [getattr(keyframe, name) is not None for keyframe in self.keyframes or ()]
+            if any(given) and not all(given):
+                raise rule(
+                    f"platform.keyframes[{given.index(False)}]", f"lacks {name}, which other keyframes have; give it in all or in none"
+                )
+        return self
+
+
+#: Bands of the air tables, for error messages.
+TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_BANDS_UM) + " (no band across the gap)"
+
+
+class BandSettings(Record):
+    """Spectral band: a rectangle, or a measured response; inside 2-5.5 or 7.5-14 um with the table atmosphere."""
+
+    min_um: Annotated[
+        Annotated[float, Quantity("um", gt=0, le=100)] | None,
+        Field(description="short-wave edge of a rectangular band (default 3.5)"),
+    ] = None
+    max_um: Annotated[
+        Annotated[float, Quantity("um", gt=0, le=100)] | None,
+        Field(description="long-wave edge of a rectangular band (default 5.0)"),
+    ] = None
+    response: Annotated[InputFile | None, Field(description="CSV file with columns wavelength_um, response; instead of the two edges")] = (
+        None
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _edges(cls, raw: Any) -> Any:
+        if isinstance(raw, dict) and raw.get("response") is None:
+            return {"min_um": 3.5, "max_um": 5.0} | {k: v for k, v in raw.items() if v is not None}
+        return raw
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if self.response is not None and (self.min_um is not None or self.max_um is not None):
+            raise rule("band.response", "is given together with band.min_um or band.max_um; give the file or the two edges, not both")
+        if self.min_um is not None and self.max_um is not None and not self.min_um < self.max_um:
+            raise rule("band.min_um", f"= {self.min_um:g} is not below band.max_um = {self.max_um:g}; swap them", value=self.min_um)
+        return self
+
+
+class Mean(Record):
+    """How the mean radiance is computed."""
+
+    mode: Annotated[
+        Literal["spectral", "article"],
+        Field(
+            description="spectral: per wavenumber, sky and sea apart; article: band means, isotropic slopes at the wind as given, "
+            "sky and sea one blackbody, as in the source article"
+        ),
+    ] = "spectral"
+    shadowing: Annotated[
+        Literal["nested", "both", "viewer"] | None,
+        Field(
+            description="legs that waves shadow: nested (viewer and Sun, wave band by wave band), both (the same by Smith's law, too "
+            "bright near the horizon under a low Sun), or viewer (alone, Saunders' law); default: nested, viewer in the "
+            "mode article"
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def _article_shadows_the_viewer(self) -> Self:
+        if self.mode == "article" and self.shadowing not in (None, "viewer"):
+            text = "shadows the viewer's leg alone; leave it out or set mean.mode = 'spectral'"
+            raise rule("mean.shadowing", f"= '{self.shadowing}' with mean.mode = 'article', which {text}")
+        return self
+
+
+class Render(Record):
+    """Accuracy and cost of the image, and what is written."""
+
+    lines_per_column: Annotated[
+        Literal[1, 2, 4, 8, 16],
+        Field(description="most lines of sight across a pixel column; near the sensor it is one, which splits as the column widens"),
+    ] = 16
+    variance_error: Annotated[
+        float,
+        Quantity(ge=0.001, le=1),
+        Field(description="relative error allowed in the variance of pixels; larger is faster, with fewer far waves and lines of sight"),
+    ] = 0.02
+    shortest_wave_columns: Annotated[
+        float,
+        Quantity(ge=0, le=100),
+        Field(description="waves longer than this many columns are always drawn; 0 draws all waves at any range"),
+    ] = 2.0
+    step_m: Annotated[
+        Annotated[float, Quantity("m", gt=0, le=100)] | None,
+        Field(description="outward step of the sweep; default: chosen from the shortest wave"),
+    ] = None
+    tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], Field(description="points along each side of a wave tile")] = 512
+    subpixel_glint: Annotated[
+        Literal["auto", "on", "off"],
+        Field(description="random fluctuation of glint by sparkles smaller than a pixel; auto: where it matters"),
+    ] = "auto"
+    gaussian_facets: Annotated[
+        StrictBool,
+        Field(description="replace the skewness and peakedness of the slope model by a Gaussian of the same variances; images need it"),
+    ] = False
+    oversampling: Annotated[
+        Annotated[int, Quantity(ge=1, le=15, integer=True)] | None,
+        Field(description="with a detector: pixels drawn along each side of its pixels; default: what the optics' cut-off needs"),
+    ] = None
+    object_shadows: Annotated[
+        StrictBool, Field(description="objects cast shadows: no glint on the sea behind them as seen from the Sun")
+    ] = False
+    layers: Annotated[
+        tuple[Layer, ...],
+        Field(
+            description="images written beside the radiance: its four parts, distance and slope of the sea, the share of a pixel that it "
+            "fills, that of glint in the radiance, the number of the object in it",
+            json_schema_extra={"uniqueItems": True},
+        ),
+    ] = ()
+    apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
+
+    @model_validator(mode="after")
+    def _each_layer_once(self) -> Self:
+        twice = next((name for name in self.layers if self.layers.count(name) > 1), None)
+        if twice is not None:
+            given = ", ".join(f"'{name}'" for name in self.layers)
+            text = f"= [{given}] names '{twice}' {self.layers.count(twice)} times; name each layer once"
+            raise rule("render.layers", text, value=self.layers, allowed="each name once")
+        return self

@@ -1,0 +1,506 @@
+"""Shares of a wave's variance that readers between lattice points get, and the amplitudes that give them all of it.
+
+A reader sums lattice points with weights ``w(x - i)``, a B-spline. Of a wave of unit variance that turns by ``a`` from point to point it
+gets, averaged over the places in a cell and for each axis,
+
+::
+
+    sum_m c(m) cos(m a),      c: the same B-spline's product with itself, moved by m cells
+
+(2 + cos a)/3 for linear reading and (2416 + 2382 cos a + 240 cos 2a + 2 cos 3a)/5040 for cubic B-splines. So lattices hold amplitudes over
+the root of that share. At single places of a cell the variance differs from the mean: for waves of four cells by -24 to +50 % of it
+(linear) and 2.5 % (cubic), for longer ones with the second and fourth power of one over their length.
+
+References: M. Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Process. Mag. 16(6), 22-38, 1999.
+
+Synthesis of a moving sea: Gaussian waves of a directional spectrum on a few periodic tiles.
+
+::
+
+    zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
+
+Every tile carries its own band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
+axes turned against each other; where the sea is not to show the period of any tile, tiles wander (:mod:`seaglint.sea.tiles`). The
+energy of a lattice wave is the integral of the spectrum over its cell, not a sample of it: heights and slopes have the variance of the
+spectrum for any grid size and tile length. Between lattice points the sea is read from :meth:`WaveField.coefficients`, with the same
+variance (:mod:`seaglint.sea.wave_field`).
+
+A frame is a function of (amplitudes, time) alone; amplitudes are a function of (spectrum, tiles, seed) alone.
+
+Levels of detail: the same sea without its shortest waves, about one octave less at each level.
+
+Each tile of a :class:`~seaglint.sea.wave_field.WaveField` comes as it is and low-passed on lattices of half, a quarter, ... of its points,
+as long as waves are left. A level is a choice of one version of every tile that still has waves. What a level leaves out belongs to
+the facets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import njit
+from seaglint.base.random import stream
+from seaglint.sea.dispersion import angular_frequency
+from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.tiles import Tile, Wander, longest_wave_number, require_bands
+
+Reading = Literal["linear", "cubic"]
+
+_KEPT: dict[Reading, tuple[float, ...]] = {"linear": (2 / 3, 1 / 3), "cubic": (2416 / 5040, 2382 / 5040, 240 / 5040, 2 / 5040)}
+
+
+def kept_share(turn: FloatArray, reading: Reading) -> FloatArray:
+    """Share of the variance of waves that a reader gets, along one axis [1].
+
+    Parameters
+    ----------
+    turn : ndarray
+        Phase from one lattice point to the next [rad], at most half a circle.
+    reading : "linear" or "cubic"
+        Linear interpolation, or a cubic B-spline whose coefficients the lattice holds.
+
+    Examples
+    --------
+    >>> [round(float(kept_share(np.pi / 2, reading)), 3) for reading in ("linear", "cubic")]
+    [0.667, 0.432]
+    """
+    turn = np.asarray(turn, np.float64)
+    return np.asarray(sum(share * np.cos(m * turn) for m, share in enumerate(_KEPT[reading])), np.float64)
+
+
+def gain(turn: FloatArray, reading: Reading) -> FloatArray:
+    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as :func:`kept_share`."""
+    return np.asarray(1.0 / np.sqrt(kept_share(turn, reading)))
+
+
+SurfaceArray = NDArray[np.float32]
+ComplexArray = NDArray[np.complex64]
+
+_NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
+
+#: Share of the height variance by which that of tiles read linearly may be larger at their lattice points than on average.
+#:
+#: Such reading is three times as fast; cubic reading of the others adds 0.01 at most.
+UNEVEN: Final = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class _Lattice:
+    """Waves that a tile can carry: rows are v wavenumbers in FFT order, columns u wavenumbers from 0 up.
+
+    ``variance`` and ``opposite`` are the height variances of the waves travelling along k and along -k [m²]. The column u = 0 holds
+    k and -k both: its lower half has no waves of its own.
+    """
+
+    k_east: FloatArray
+    k_north: FloatArray
+    frequency: FloatArray
+    variance: FloatArray
+    opposite: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Amplitudes:
+    """Half amplitudes of the waves along k and along -k, a_k/2 and a_-k/2 [m], on a tile's lattice."""
+
+    forward: ComplexArray
+    backward: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class WaveField:
+    """Moving sea, synthesised on periodic tiles. Make it with :meth:`create`.
+
+    ``wander``: by how much each tile is read aside (:mod:`seaglint.sea.tiles`); empty where tiles lie still. ``readings``: how the
+    heights of each are read between lattice points; linearly where their share is small.
+    """
+
+    spectrum: DirectionalSpectrum
+    tiles: tuple[Tile, ...]
+    seed: int
+    wander: tuple[Wander, ...]
+    readings: tuple[Reading, ...]
+    _lattices: tuple[_Lattice, ...]
+    _amplitudes: tuple[_Amplitudes, ...]
+
+    @classmethod
+    def create(cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int, *, wander: bool = False) -> WaveField:
+        """Plan tiles for a spectrum and draw the amplitudes of each from ``stream(seed, "waves", tile index)``.
+
+        With ``wander`` the sea does not repeat with the periods of its tiles.
+
+        Raises
+        ------
+        DomainError
+            If a tile is too short for the longest waves of its band, or bands overlap.
+        """
+        require_bands(spectrum, tiles)
+        lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
+        aside = _wander(tiles, seed) if wander else ()
+        return cls(spectrum, tuple(tiles), seed, aside, _readings(tiles, lattices), lattices, _draw(lattices, seed))
+
+    def reseeded(self, seed: int) -> WaveField:
+        """Return another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
+        wander = _wander(self.tiles, seed) if self.wander else ()
+        return replace(self, seed=seed, wander=wander, _amplitudes=_draw(self._lattices, seed))
+
+    def only(self, tile: int) -> WaveField:
+        """Return the waves of one tile alone."""
+        one = slice(tile, tile + 1)
+        return replace(
+            self,
+            tiles=self.tiles[one],
+            wander=self.wander[one],
+            readings=self.readings[one],
+            _lattices=self._lattices[one],
+            _amplitudes=self._amplitudes[one],
+        )
+
+    def halved(self) -> WaveField:
+        """Return the field without the upper half of each tile's wavenumbers, on half as many points a side."""
+        tiles = tuple(replace(tile, n=tile.n // 2, k_max=0.5 * tile.k_max) for tile in self.tiles)
+        cut = [_low_pass(*parts) for parts in zip(tiles, self._lattices, self._amplitudes, strict=True)]
+        return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
+
+    def refined(self, times: int) -> WaveField:
+        """Return the same sea on lattices of ``times`` as many points a side, for readers that know nothing of its splines."""
+        return replace(self, tiles=tuple(replace(tile, n=times * tile.n) for tile in self.tiles))
+
+    def surfaces(self, time: float, workers: int = 1) -> tuple[SurfaceArray, ...]:
+        """Height and slopes of every tile at its lattice points at one time.
+
+        Parameters
+        ----------
+        time : float
+            Time since the start [s].
+        workers : int
+            Threads of the transforms; the bytes do not depend on them.
+
+        Returns
+        -------
+        tuple of ndarray
+            Per tile an array (n, n, 3) of float32: height [m], slope towards east, slope towards north [1], at [iy, ix] with
+            ``u = ix spacing``, ``v = iy spacing`` (see :class:`Tile`). They are samples of the sea: linear interpolation between them
+            loses variance.
+        """
+        out = []
+        for tile, waves, heights in self._evolved(time):
+            derivatives = np.stack([np.ones_like(waves.k_east), 1j * waves.k_east, 1j * waves.k_north], axis=-1)
+            out.append(_transformed(tile, (heights[..., None] * derivatives).astype(np.complex64), workers))
+        return tuple(out)
+
+    def coefficients(self, time: float, workers: int = 1) -> tuple[SurfaceArray, ...]:
+        """Lattices from which readers get heights and slopes between the points with the variance of the spectrum.
+
+        Parameters
+        ----------
+        time, workers
+            As :meth:`surfaces`.
+
+        Returns
+        -------
+        tuple of ndarray
+            Per tile an array of float32 [m]: (n, n, 1) coefficients of a cubic B-spline, of height and, by its derivatives, slopes; or
+            (n, n, 2) heights to be read linearly, and coefficients for the slopes. Heights have the spectrum's variance exactly, averaged
+            over a cell, slopes to 0.15 % of their shortest waves'.
+        """
+        out = []
+        for (tile, _, heights), reading in zip(self._evolved(time), self.readings, strict=True):
+            out.append(_transformed(tile, heights[..., None] * _gains(tile, reading), workers))
+        return tuple(out)
+
+    def splines(self, time: float) -> tuple[SurfaceArray, ...]:
+        """Coefficients (n, n) of a cubic B-spline of every tile at one time [m], whatever the renderer reads."""
+        return tuple(lattice[..., -1] for lattice in self.coefficients(time))
+
+    def _evolved(self, time: float) -> Iterator[tuple[Tile, _Lattice, ComplexArray]]:
+        """Tiles, their waves and the Fourier coefficients of their heights at one time."""
+        if not np.isfinite(time):
+            raise DomainError(f"time = {time:g} s must be finite", name="time", value=time, allowed="finite")
+        for tile, waves, amplitudes in zip(self.tiles, self._lattices, self._amplitudes, strict=True):
+            heights = np.empty(amplitudes.forward.shape, np.complex64)
+            _evolve(amplitudes.forward, amplitudes.backward, waves.frequency, float(time), heights)
+            yield tile, waves, heights
+
+    def plane_waves(self) -> tuple[FloatArray, ...]:
+        """Return the plane waves of every tile.
+
+        Returns
+        -------
+        tuple of ndarray
+            Per tile (waves, 5): wavenumber towards east and north [rad m⁻¹], angular frequency [rad s⁻¹], real and imaginary part of the
+            amplitude a [m] in ``Re a exp[i (k.x - omega t)]``.
+        """
+        return tuple(_plane_waves(*parts) for parts in zip(self._lattices, self._amplitudes, strict=True))
+
+    @property
+    def height_variance(self) -> float:
+        """Ensemble variance of the height of all tiles together [m²]."""
+        return float(sum(float(waves.variance.sum() + waves.opposite.sum()) for waves in self._lattices))
+
+    @property
+    def significant_height(self) -> float:
+        """Ensemble significant height of all tiles together [m]."""
+        return 4.0 * float(np.sqrt(self.height_variance))
+
+    @property
+    def height_excess(self) -> float:
+        """Ensemble variance of the height that readers get at lattice points, over that anywhere, less 1: the greatest of any place [1]."""
+        parts = zip(self.tiles, self._lattices, self.readings, strict=True)
+        return float(sum(_excess(tile, waves, reading) for tile, waves, reading in parts)) / self.height_variance
+
+    def resolved_mss(self) -> tuple[float, float]:
+        """Ensemble slope variance along and across the wind of all tiles together [1]; what it leaves of a slope model is the facets'."""
+        up = cross = 0.0
+        for energy, along, across in self._slope_parts():
+            up += float(np.sum(energy * along**2))
+            cross += float(np.sum(energy * across**2))
+        return up, cross
+
+    def resolved_covariance(self) -> float:
+        """Ensemble covariance of the slopes along and to the right of the wind [1].
+
+        Exactly 0 for a spectrum that lies evenly on both sides of the wind: what its lattices show is the error of their sums.
+        """
+        if self.spectrum.slope_covariance() == 0.0:
+            return 0.0
+        return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_parts()))
+
+    def _slope_parts(self) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+        """Variances of the waves of every tile, and their wavenumbers along the wind and to the right of it."""
+        s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
+        for waves in self._lattices:
+            energy = waves.variance + waves.opposite
+            yield energy, waves.k_east * s + waves.k_north * c, waves.k_east * c - waves.k_north * s
+
+
+def _lattice_numbers(tile: Tile) -> tuple[FloatArray, FloatArray]:
+    """Lattice numbers (q of rows in FFT order, p of columns) that can hold energy: up to one beyond the band's upper edge."""
+    top = int(np.ceil(tile.k_max / tile.step)) + 1
+    return np.concatenate([np.arange(top + 1), np.arange(-top, 0)]).astype(np.float64), np.arange(top + 1, dtype=np.float64)
+
+
+def _to_world(tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Wave vector (east, north) of lattice numbers along the tile's axes [rad m⁻¹]."""
+    c, s = np.cos(tile.rotation) * tile.step, np.sin(tile.rotation) * tile.step
+    return np.asarray(c * p - s * q), np.asarray(s * p + c * q)
+
+
+def _turns(tile: Tile) -> tuple[FloatArray, FloatArray]:
+    """Phases from one lattice point to the next of the rows and columns of :func:`_lattice_numbers` [rad]."""
+    q, p = _lattice_numbers(tile)
+    return q * (2.0 * np.pi / tile.n), p * (2.0 * np.pi / tile.n)
+
+
+def _gains(tile: Tile, reading: Reading) -> ComplexArray:
+    """Factors of the coefficients of a tile's waves (rows, columns, 1 or 2); complex, as what they multiply."""
+    q, p = _turns(tile)
+    used: tuple[Reading, ...] = ("cubic",) if reading == "cubic" else ("linear", "cubic")
+    return np.stack([np.outer(gain(q, one), gain(p, one)) for one in used], axis=-1).astype(np.complex64)
+
+
+def _excess(tile: Tile, waves: _Lattice, reading: Reading, coarser: int = 1) -> float:
+    """Height variance that readers get at lattice points less that of the waves [m²], on the tile or one of ``coarser`` points."""
+    turns = [coarser * turn for turn in _turns(tile)]
+    energy = (waves.variance + waves.opposite) * (np.hypot(waves.k_east, waves.k_north) < tile.k_max / coarser)
+    at_points = 1.0 if reading == "linear" else np.outer(*((2.0 + np.cos(turn)) / 3.0 for turn in turns)) ** 2
+    return float(np.sum(energy * (at_points / np.outer(*(kept_share(turn, reading) for turn in turns)) - 1.0)))
+
+
+def _readings(tiles: Sequence[Tile], lattices: Sequence[_Lattice]) -> tuple[Reading, ...]:
+    """How the heights of each tile are read: linearly from the finest on, as long as their variance stays even within a cell.
+
+    That of the lattices of half, a quarter, ... of its points too, whose shortest waves have four cells as well.
+    """
+    left = UNEVEN * sum(float(waves.variance.sum() + waves.opposite.sum()) for waves in lattices)
+    out: list[Reading] = ["cubic"] * len(tiles)
+    for i in sorted(range(len(tiles)), key=lambda i: -tiles[i].k_max):
+        left -= max(_excess(tiles[i], lattices[i], "linear", coarser) for coarser in (1, 2, 4, 8))
+        if left < 0.0:
+            break
+        out[i] = "linear"
+    return tuple(out)
+
+
+def _cell_variance(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
+    """Integrals of the spectrum at k and at -k over lattice cells, only inside the tile's band [m²]; midpoints, as edges cut cells."""
+    offsets = (np.arange(order) + 0.5) / order - 0.5
+    along, against = np.zeros(p.shape), np.zeros(p.shape)
+    for du in offsets:
+        for dv in offsets:
+            east, north = _to_world(tile, p + du, q + dv)
+            k, azimuth = np.hypot(east, north), np.arctan2(east, north)
+            inside = (k >= tile.k_min) & (k < tile.k_max) & (k > 0.0)
+            safe = np.where(inside, k, tile.k_max)
+            level = np.where(inside, spectrum.omnidirectional(safe) / safe, 0.0)
+            along += level * spectrum.spreading(safe, azimuth)
+            against += level * spectrum.spreading(safe, azimuth + np.pi)
+    area = (tile.step / order) ** 2
+    return along * area, against * area
+
+
+def _variances(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Variances of the lattice waves along k and -k [m²]: fine sums where cells are large against k or cut by an edge of the band."""
+    steps = np.hypot(p, q)
+    low, high = tile.k_min / tile.step, tile.k_max / tile.step
+    held = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
+    near = steps <= _NEAR
+    edge = (np.abs(steps - low) < 0.75) | (np.abs(steps - high) < 0.75)
+    along, against = np.zeros(p.shape), np.zeros(p.shape)
+    for cells, order in ((held & near, 12), (held & ~near & edge, 4), (held & ~near & ~edge, 2)):
+        along[cells], against[cells] = _cell_variance(spectrum, tile, p[cells], q[cells], order)
+    return along, against
+
+
+def _lattice_waves(spectrum: DirectionalSpectrum, tile: Tile) -> _Lattice:
+    """Wave vectors, frequencies and variances of a tile."""
+    q, p = np.meshgrid(*_lattice_numbers(tile), indexing="ij")
+    k_east, k_north = _to_world(tile, p, q)
+    variance, opposite = _variances(spectrum, tile, p, q)
+    repeated = slice(p.shape[1], None)
+    variance[repeated, 0] = opposite[repeated, 0] = 0.0
+    return _Lattice(k_east, k_north, angular_frequency(np.hypot(k_east, k_north)), variance, opposite)
+
+
+def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_Lattice, _Amplitudes]:
+    """Select the waves of a lattice that a tile with fewer points can carry."""
+    top = int(np.ceil(tile.k_max / tile.step)) + 1
+    rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
+    inner = np.ix_(rows, np.arange(top + 1))
+    k_east, k_north = lattice.k_east[inner], lattice.k_north[inner]
+    held = np.hypot(k_east, k_north) < tile.k_max
+    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * held, lattice.opposite[inner] * held)
+    return waves, _Amplitudes(amplitudes.forward[inner] * held, amplitudes.backward[inner] * held)
+
+
+def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
+    """Draw the Gaussian amplitudes of every tile."""
+    return tuple(_draw_tile(lattice, stream(seed, "waves", i)) for i, lattice in enumerate(lattices))
+
+
+def _wander(tiles: Sequence[Tile], seed: int) -> tuple[Wander, ...]:
+    return tuple(Wander.of(tile, seed, i) for i, tile in enumerate(tiles))
+
+
+def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
+    """Draw the Gaussian amplitudes of a tile, ``<|a/2|^2> = variance/2``: half of it in the real and half in the imaginary part."""
+    draws = rng.standard_normal((4, *lattice.variance.shape))
+    forward = 0.5 * np.sqrt(lattice.variance) * (draws[0] + 1j * draws[1])
+    backward = 0.5 * np.sqrt(lattice.opposite) * (draws[2] + 1j * draws[3])
+    # In the column u = 0 the lower half holds the same waves as the upper one, seen from the other side.
+    top = lattice.variance.shape[1] - 1
+    forward[:top:-1, 0], backward[:top:-1, 0] = backward[1 : top + 1, 0], forward[1 : top + 1, 0]
+    return _Amplitudes(forward.astype(np.complex64), backward.astype(np.complex64))
+
+
+def _plane_waves(lattice: _Lattice, amplitudes: _Amplitudes) -> FloatArray:
+    """Plane waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
+    own = np.ones(lattice.variance.shape, bool)
+    own[lattice.variance.shape[1] :, 0] = False
+    waves = []
+    for sign, half, variance in ((1.0, amplitudes.forward, lattice.variance), (-1.0, amplitudes.backward, lattice.opposite)):
+        held = own & (variance > 0.0)
+        a = 2.0 * half[held].astype(np.complex128)
+        waves.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
+    return np.concatenate(waves)
+
+
+@njit
+def _evolve(forward: ComplexArray, backward: ComplexArray, frequency: FloatArray, time: float, heights: ComplexArray) -> None:
+    """Fourier coefficients of the height at one time; phases in float64, as omega t grows large."""
+    for j in range(forward.shape[0]):
+        for i in range(forward.shape[1]):
+            phase = frequency[j, i] * time
+            turn = complex(np.cos(phase), -np.sin(phase))
+            heights[j, i] = forward[j, i] * turn + np.conj(backward[j, i] * turn)
+
+
+def _transformed(tile: Tile, coefficients: ComplexArray, workers: int) -> SurfaceArray:
+    """Interleaved surfaces of Fourier coefficients; the band fills a quarter of the spectrum, so only those columns are transformed."""
+    n, (rows, columns, parts) = tile.n, coefficients.shape
+    whole = np.zeros((n, columns, parts), dtype=np.complex64)
+    whole[:columns], whole[n - rows + columns :] = coefficients[:columns], coefficients[columns:]
+    along = scipy.fft.ifft(whole, axis=0, norm="forward", overwrite_x=True, workers=workers)
+    return np.asarray(scipy.fft.irfft(along, n=n, axis=1, norm="forward", overwrite_x=True, workers=workers))
+
+
+NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
+
+SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
+
+
+@dataclass(frozen=True)
+class Level:
+    """One level of detail: the tiles of the sea that it contains."""
+
+    parts: tuple[int, ...]  #: Versions of tiles, by their place in :attr:`Detail.parts`, longest waves first.
+    shortest_wave: float  #: Length of the shortest wave kept [m].
+    mss: tuple[float, float]  #: Slope variance (up, cross) of its waves [1].
+    covariance: float = 0.0  #: Covariance of its slopes along the wind and to the right of it [1].
+
+
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """Levels of detail of a sea, finest first, and the versions of its tiles that they consist of.
+
+    The coarsest level still has the energetic waves.
+    """
+
+    parts: tuple[WaveField, ...]
+    levels: tuple[Level, ...]
+
+    @classmethod
+    def calm(cls) -> Detail:
+        """Levels of detail of a sea without waves: one empty level."""
+        return cls((), (Level((), float("inf"), (0.0, 0.0)),))
+
+    @classmethod
+    def of(cls, waves: WaveField, levels: int | None = None) -> Detail:
+        """Levels of detail of a sea; ``levels`` limits their number (1: the full sea alone)."""
+        longest = longest_wave_number(waves.spectrum)
+        parts: list[WaveField] = []
+        versions: list[list[int]] = []
+        for i, tile in enumerate(waves.tiles):
+            part, chain = waves.only(i), []
+            least = NARROWEST * max(tile.k_min, longest)
+            while True:
+                chain.append(len(parts))
+                parts.append(part)
+                held = part.tiles[0]
+                if 0.5 * held.k_max < least or held.n // 2 < SMALLEST or (held.n // 2) % 4:
+                    break
+                part = part.halved()
+            versions.append(chain)
+        chosen = [[chain[0] for chain in versions[: i + 1]] for i in range(len(versions))]
+        selections = [
+            (*first[:-1], version)  # whole longer tiles, and the last one's versions
+            for first, chain in zip(reversed(chosen), reversed(versions), strict=True)
+            for version in chain
+        ]
+        every = cls(tuple(parts), tuple(_level(parts, level) for level in selections[:levels]))
+        return every.first(len(every.levels))
+
+    def first(self, levels: int) -> Detail:
+        """Return the finest levels alone, with the parts that they need."""
+        used = self.levels[:levels]
+        used_parts = sorted({p for level in used for p in level.parts})
+        place = {p: i for i, p in enumerate(used_parts)}
+        return Detail(tuple(self.parts[p] for p in used_parts), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
+
+    def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
+        """Lattices of every part at one time [s], from which heights and slopes are read (:meth:`WaveField.coefficients`)."""
+        return tuple(part.coefficients(time, workers)[0] for part in self.parts)
+
+
+def _level(parts: list[WaveField], level: tuple[int, ...]) -> Level:
+    mss = np.sum([parts[p].resolved_mss() for p in level], axis=0)
+    covariance = sum(parts[p].resolved_covariance() for p in level)
+    return Level(level, 2.0 * np.pi / parts[level[-1]].tiles[0].k_max, (float(mss[0]), float(mss[1])), covariance)

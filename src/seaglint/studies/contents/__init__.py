@@ -1,1 +1,0 @@
-"""Descriptions of files: sequences, maps, scenarios and recordings."""

@@ -1,0 +1,448 @@
+"""Contents of files that are given to commands: scenarios, recordings of others, plain arrays.
+
+Contents of a sequence or a map, and how it was made.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import JsonObject
+from seaglint.store.location import place_of
+from seaglint.store.netcdf import open_netcdf
+from seaglint.store.sequence_store import open_sequence
+from seaglint.store.stored_images import Summary, directions, images, pictures, summarise
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class ScenarioFacts:
+    """Contents of a scenario file or an ensemble file."""
+
+    path: str  #: The file.
+    kind: str  #: "scenario" or "ensemble".
+    about: list[str]  #: What it describes, a line each.
+
+    @property
+    def lines(self) -> list[str]:
+        """Return the facts as lines of text."""
+        return [f"{self.path}: {'an' if self.kind == 'ensemble' else 'a'} {self.kind}", *(f"  {line}" for line in self.about)]
+
+    def as_dict(self) -> JsonObject:
+        """Return plain text."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class RecordingFacts:
+    """Contents of a recording: images in a file of any format that ``seaglint analyze`` reads."""
+
+    path: str  #: File or folder.
+    #: ``frames``, ``rows``, ``columns``: Size.
+    frames: int
+    rows: int
+    columns: int
+    units: str | None  #: Units of the values, where the file says them.
+    frame_rate_hz: float | None  #: Frames per second, where the file says them.
+    #: ``least``, ``most``: Smallest and largest value of the first frame; None where it has none.
+    least: float | None
+    most: float | None
+    notes: list[str]  #: Notes on the format.
+
+    @property
+    def lines(self) -> list[str]:
+        """Return the facts as lines of text."""
+        unit = self.units or "no unit"
+        rate = f"{self.frame_rate_hz:g} Hz" if self.frame_rate_hz else "no frame rate"
+        first = "no values" if self.least is None else f"{self.least:.6g} to {self.most:.6g} in the first frame"
+        out = [
+            f"{self.path}: a recording",
+            f"  frames            {self.frames} of {self.columns} x {self.rows} pixels, {rate}",
+            f"  values            {first}, {unit}",
+        ]
+        missing = [
+            text for text, lacks in (("--units", not self.units), ("--frame-rate", not self.frame_rate_hz and self.frames > 1)) if lacks
+        ]
+        if missing:
+            out.append(f"  not in the file   directions and band; say the rest with {' and '.join(missing)} of 'seaglint analyze'")
+        return [*out, *(f"  note              {note}" for note in self.notes)]
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return asdict(self)
+
+
+def is_ours(path: Path | str) -> bool:
+    """Return true for one of our stores or maps, and for what is to be read as one: a URL, a Zarr folder, NetCDF, nothing at all."""
+    if not isinstance(path, Path) or not path.exists():
+        return not str(path).endswith(".toml")
+    if path.is_dir():
+        from seaglint.formats.recording.labelled_arrays import is_zarr
+        from seaglint.store.sequence_store import is_sequence
+
+        return is_sequence(path) or (path.suffix.lower() == ".zarr" and not (is_zarr(path) and _is_of_others(path)))
+    return path.suffix.lower() == "" or (path.suffix.lower() in (".nc", ".nc4") and not _is_of_others(path))
+
+
+def _is_of_others(path: Path) -> bool:
+    """Return true for images of another program: a file or store that opens and holds none of our pictures."""
+    from seaglint.base.errors import SeaglintError
+    from seaglint.base.schema import IMAGES
+    from seaglint.store.netcdf import open_netcdf
+
+    try:
+        if path.is_dir():
+            import zarr
+
+            node = zarr.open(str(path), mode="r")
+            return isinstance(node, zarr.Array) or not set(IMAGES) & {name for name, _ in node.members()}
+        with open_netcdf(path, decode_times=False) as dataset:
+            return "seaglint_version" not in dataset.attrs and not set(IMAGES) & {str(name) for name in dataset.data_vars}
+    except (SeaglintError, OSError, ValueError, KeyError):
+        return False  # what cannot be opened is reported by the reader of our own files
+
+
+def describe_scenario(path: Path) -> ScenarioFacts:
+    """Facts about a scenario file, or an ensemble file.
+
+    Raises
+    ------
+    ScenarioError
+        It is neither.
+    """
+    import tomllib
+
+    from seaglint.scenario.load import load_scenario
+
+    try:
+        raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except (OSError, ValueError, RecursionError):
+        raw = {}  # told by the reader of scenarios
+    if "ensemble" in raw:
+        from seaglint.scenario.ensemble_file import load_ensemble
+
+        ensemble = load_ensemble(path).ensemble
+        keys = [str(vary["key"]) for vary in raw.get("vary", [])]
+        return ScenarioFacts(str(path), "ensemble", [f"{ensemble.scenes} scenes; drawn for each: {', '.join(keys) or 'the seed alone'}"])
+    scenario = load_scenario(path)
+    return ScenarioFacts(str(path), "scenario", [*camera_lines(scenario.model_dump(mode="json", exclude_none=True))])
+
+
+def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
+    """Return the lines that say what a scenario, as one table, describes: camera, scene, objects."""
+    sensor, band = scenario["sensor"], scenario["band"]
+    (nx, ny), (width, height) = sensor["pixels"], sensor["fov_deg"]
+    edges = f"{band['min_um']:g} to {band['max_um']:g} um" if "min_um" in band else f"band of {band['response']}"
+    out = [
+        f"camera            {nx} x {ny} pixels over {width:.4g} x {height:.4g} deg, {edges}, "
+        f"{'counts of a ' + sensor['detector']['kind'] + ' detector' if sensor.get('detector') else 'radiance at the aperture'}",
+        f"looks             from {sensor['height_m']:g} m to azimuth {sensor['azimuth_deg']:g}, elevation {sensor['elevation_deg']:g} deg, "
+        f"{sensor['frames']} frames at {sensor['frame_rate_hz']:g} Hz",
+        f"scene             {scene_line(scenario)}",
+    ]
+    objects = [str(item.get("name", "")) for item in scenario.get("objects", ())]
+    if objects:
+        shown = ", ".join(objects[:5]) + (", ..." if len(objects) > 5 else "")
+        out.append(f"objects           {len(objects)}: {shown}")
+    return out
+
+
+def scene_line(scenario: Mapping[str, Any]) -> str:
+    """Return wind, Sun, sea and air of a scenario, as one table, in a line."""
+    wind, sun, air = scenario["wind"], scenario.get("sun"), scenario["atmosphere"]
+    time, place = scenario.get("time"), scenario.get("place")
+    if sun:
+        light = f"Sun {sun['zenith_deg']:g} deg from the zenith towards azimuth {sun['azimuth_deg']:g}"
+    elif time and place:
+        light = f"Sun of {time['utc']} at {place['latitude_deg']:g}, {place['longitude_deg']:g} deg"
+    else:
+        light = "Sun by time and place"
+    name = air.get("model") or air["source"]
+    if air.get("sounding"):
+        name = f"of {Path(str(air['sounding'])).name}, continued by {name}"
+    return (
+        f"wind {wind['speed_m_s']:g} m/s from {wind['from_deg']:g} deg; {light}; sea at {scenario['sea']['temperature_k']:g} K; air {name}"
+    )
+
+
+def describe_recording(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> RecordingFacts:
+    """Facts about images of any format that ``seaglint analyze`` reads; of several channels the first without a request.
+
+    Raises
+    ------
+    DataError
+        No recording, or a damaged one.
+    """
+    import numpy as np
+
+    from seaglint.formats.recording import open_recording
+    from seaglint.formats.recording.stored_values import SeveralChannelsError
+
+    try:
+        recording = open_recording(path, variable=variable, channel=channel, axes=axes)
+    except SeveralChannelsError:
+        recording = open_recording(path, variable=variable, channel="1", axes=axes)
+    first = recording.read(0, 1)[0].astype(float) + recording.offset
+    known = first[np.isfinite(first)]
+    return RecordingFacts(
+        str(path),
+        recording.frames,
+        recording.rows,
+        recording.columns,
+        recording.units,
+        recording.frame_rate,
+        float(known.min()) if known.size else None,
+        float(known.max()) if known.size else None,
+        list(recording.notes),
+    )
+
+
+_HIDDEN = frozenset(
+    {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
+)
+_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Variables that no user looks at.
+
+
+@dataclass(frozen=True)
+class FramesHeld:
+    """Frames of a sequence: their number, how many are written, whether all are, the number of the first, and the rate [Hz]."""
+
+    frames: int
+    frames_done: int
+    complete: bool
+    first_frame: int
+    frame_rate_hz: float
+
+
+@dataclass(frozen=True)
+class DirectionsHeld:
+    """Directions and band of a picture."""
+
+    #: ``azimuth_deg``, ``elevation_deg``: Of the first and last column and row; of a picture that is turned, the limits [deg].
+    azimuth_deg: list[float]
+    elevation_deg: list[float]
+    band_um: list[float]  #: Limits of the band [um].
+
+
+@dataclass(frozen=True)
+class FileFacts:
+    """Contents of an output file."""
+
+    #: ``path``, ``title``: Place and title.
+    path: str
+    title: str
+    variables: list[str]  #: Names of its variables.
+    frames: FramesHeld | None  #: Frames of a sequence; None of a map.
+    pixels: list[int]  #: Columns and rows.
+    directions: DirectionsHeld | None  #: Directions and band; None of a texture, whose pixels look nowhere and have no band.
+    seed: int | None  #: Seed, as far as there is one.
+    bytes: int  #: Size [B].
+    provenance: JsonObject  #: Attributes about its making.
+    units: str = ""  #: Units of a texture.
+    summary: Summary | None = None  #: Statistics of the frames that are written.
+    saturated_share: list[float] | None = None  #: Share of saturated pixels of each written frame [1]; None without a detector.
+    scenario: JsonObject | None = None  #: Scenario as one table, as far as it can be read.
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text; keys that a kind of file does not have are left out."""
+        out: JsonObject = {"path": self.path, "title": self.title, "variables": self.variables}
+        out |= {} if self.frames is None else asdict(self.frames)
+        out |= {"pixels": self.pixels} | ({"units": self.units} if self.directions is None else asdict(self.directions))
+        out |= {"seed": self.seed, "bytes": self.bytes}
+        out |= {} if self.summary is None else {"statistics": self.summary.as_dict(), "summary": self.summary.line}
+        out |= {} if self.saturated_share is None else {"saturated_share": self.saturated_share}
+        return out | {"provenance": self.provenance} | ({} if self.directions is None else {"scenario": self.scenario})
+
+
+@dataclass(frozen=True)
+class ArrayFile:
+    """Arrays that this program computed and that are no pictures: a sweep, the air along paths, a map of chances."""
+
+    #: ``path``, ``title``: Place and title.
+    path: str
+    title: str
+    sizes: dict[str, int]  #: Length of each dimension.
+    variables: dict[str, str]  #: Units of each variable.
+    bytes: int  #: Size [B].
+    provenance: JsonObject  #: Attributes about its making.
+    scenario: JsonObject | None  #: Scenario as one table, as far as it can be read.
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text."""
+        return asdict(self)
+
+
+def is_array_file(dataset: xr.Dataset) -> bool:
+    """Return true for arrays of this program that are no pictures."""
+    return "seaglint_version" in dataset.attrs and not {"x", "y"} <= set(dataset.sizes)
+
+
+def _array_file(path: Path | str, dataset: xr.Dataset) -> ArrayFile:
+    return ArrayFile(
+        path=str(path),
+        title=str(dataset.attrs.get("title", "")),
+        sizes={str(name): int(size) for name, size in dataset.sizes.items()},
+        variables={str(name): str(array.attrs.get("units", "")) for name, array in dataset.data_vars.items()},
+        bytes=_size(path),
+        provenance=_provenance(dataset),
+        scenario=_scenario(dataset),
+    )
+
+
+def _scenario(dataset: xr.Dataset) -> JsonObject | None:
+    try:
+        scenario: JsonObject = json.loads(dataset.attrs["scenario"])
+    except (KeyError, ValueError):
+        return None
+    return scenario
+
+
+def _array_lines(facts: ArrayFile, everything: bool) -> list[str]:
+    """Return the facts of arrays as lines of text."""
+    out = [f"{facts.path}: {facts.title}", f"  dimensions        {', '.join(f'{name} {size}' for name, size in facts.sizes.items())}"]
+    out.append("  variables         " + ", ".join(f"{name} [{unit}]" if unit else name for name, unit in facts.variables.items()))
+    if facts.scenario is not None:
+        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
+            out.append(f"  scene             {scene_line(facts.scenario)}")
+    out.append(f"  file              {facts.bytes / 1e6:.1f} MB")
+    if everything:
+        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
+    return [*out, f"  how it was made   seaglint info --all {facts.path}"]
+
+
+def describe(path: Path | str) -> FileFacts | ArrayFile:
+    """Facts about an output file.
+
+    Raises
+    ------
+    DataError
+        Nothing is there, or it cannot be read.
+    """
+    if isinstance(path, Path) and path.is_file():
+        dataset = open_netcdf(path, decode_times=False)
+    else:
+        dataset = open_sequence(path, allow_partial=True)
+    with dataset:
+        try:
+            return _array_file(path, dataset) if is_array_file(dataset) else _facts(path, dataset)
+        except SeaglintError:
+            raise
+        except Exception as error:  # what a damaged file holds may be of any type, and h5py raises nearly anything
+            reason = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{path}: cannot be read as a seaglint file ({reason}); make it again") from error
+
+
+def _size(path: Path | str) -> int:
+    if isinstance(path, Path) and path.is_file():
+        return path.stat().st_size
+    return place_of(path).bytes
+
+
+def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
+    if "texture" in dataset:
+        return _texture_facts(path, dataset)
+    radiance = pictures(dataset)
+    azimuth, elevation = directions(dataset)
+    upright = azimuth.ndim == 1
+    frames = None
+    done = len(images(dataset))
+    if "time" in radiance.dims:
+        frames = _frames(dataset, radiance.sizes["time"], done)
+    saturated = None
+    if "saturated_share" in dataset:
+        shares = dataset["saturated_share"].to_numpy()
+        saturated = [float(share) for share in shares[shares == shares]]
+    return FileFacts(
+        path=str(path),
+        title=dataset.attrs.get("title", ""),
+        variables=sorted(map(str, dataset.data_vars)),
+        frames=frames,
+        pixels=[int(radiance.sizes["x"]), int(radiance.sizes["y"])],
+        directions=DirectionsHeld(
+            [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
+            [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
+            [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
+        ),
+        seed=int(dataset.attrs["seed"]) if "seed" in dataset.attrs else None,
+        bytes=_size(path),
+        provenance=_provenance(dataset),
+        summary=summarise(dataset) if done else None,
+        saturated_share=saturated,
+        scenario=_scenario(dataset),
+    )
+
+
+def _texture_facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
+    """A loop of a texture, whose pixels look nowhere and have no band."""
+    field = dataset["texture"]
+    return FileFacts(
+        path=str(path),
+        title=dataset.attrs.get("title", ""),
+        variables=["texture"],
+        frames=_frames(dataset, field.sizes["time"], len(images(dataset, "texture"))),
+        pixels=[int(field.sizes["x"]), int(field.sizes["y"])],
+        directions=None,
+        seed=int(dataset.attrs["seed"]),
+        bytes=_size(path),
+        provenance=_provenance(dataset),
+        units=field.attrs.get("units", ""),
+    )
+
+
+def _frames(dataset: xr.Dataset, count: int, done: int) -> FramesHeld:
+    return FramesHeld(count, done, done == count, int(dataset["frame"][0]), float(dataset.attrs["frame_rate_hz"]))
+
+
+def _provenance(dataset: xr.Dataset) -> JsonObject:
+    return {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN}
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str]:
+    """Return the facts as at most ten lines of text, or with ``everything`` that was noted when the file was made."""
+    if isinstance(facts, ArrayFile):
+        return _array_lines(facts, everything)
+    nx, ny = facts.pixels
+    out = [f"{facts.path}: {facts.title}"]
+    if (held := facts.frames) is not None:
+        state = "complete" if held.complete else f"UNFINISHED, {held.frames_done} done"
+        out.append(f"  frames            {held.frames} from number {held.first_frame} at {held.frame_rate_hz:g} Hz, {state}")
+    if facts.directions is not None:
+        seen = facts.directions
+        (a0, a1), (e0, e1), (w0, w1) = seen.azimuth_deg, seen.elevation_deg, seen.band_um
+        out += [
+            f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
+            f"  band              {w0:g} to {w1:g} um",
+        ]
+    else:
+        out.append(f"  pixels            {nx} x {ny}, periodic along every axis")
+    if facts.scenario is not None:
+        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
+            out.append(f"  scene             {scene_line(facts.scenario)}")
+    if facts.summary is not None:
+        out.append(f"  radiance          {facts.summary.line}")
+    if shares := facts.saturated_share:
+        out.append(
+            f"  saturated         {100 * sum(shares) / len(shares):.3g} % of the pixels, {100 * max(shares):.3g} % in the worst frame"
+        )
+    named = facts.variables if everything else [name for name in facts.variables if name not in _BOOKS]
+    out += [
+        f"  variables         {', '.join(named)}",
+        f"  file              {facts.bytes / 1e6:.1f} MB, seed {facts.seed}",
+    ]
+    if everything:
+        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
+    if facts.provenance:
+        out.append(f"  how it was made   seaglint info --all {facts.path}")
+    return out

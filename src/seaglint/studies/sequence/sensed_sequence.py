@@ -1,0 +1,321 @@
+"""A scenario with a sensor becomes a stored sequence of counts: drawn finer, blurred, integrated, read out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray, Progress
+from seaglint.base.errors import DataError
+from seaglint.base.threads import thread_limit
+from seaglint.cluster import Workers
+from seaglint.cluster.job import ATTEMPTS
+from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.imaging.refraction import RefractedScene
+from seaglint.instrument.detector import PhotonPixels
+from seaglint.instrument.figures_of_merit import blur_px
+from seaglint.instrument.scan import ScanPattern
+from seaglint.optics.band import apparent_temperature
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets import TABLES
+from seaglint.store.layout import Layout
+from seaglint.store.sequence_store import Frame, check_output, write_sequence
+from seaglint.store.writers import Share
+from seaglint.studies.build.sensor_model import line_of_sight_rates, scan, sensor_attributes, sensor_model
+from seaglint.studies.sequence import render_sequence as plain
+from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLight
+from seaglint.studies.sequence.memory import require_memory
+from seaglint.studies.sequence.out_of_view import report_out_of_view
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
+from seaglint.studies.sequence.scene_objects import Drawn, count_numbers, motion_numbers
+from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
+from seaglint.studies.sequence.sequence_work import Kept, over
+
+#: Instants at which a picture with a rolling shutter is drawn: rows take that next to their own, at most a sixteenth of the reading off.
+ROLLING_PARTS: Final = 8
+
+
+def render(
+    scenario: Scenario,
+    output: str | Path,
+    *,
+    frames: range | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    electrons: bool = False,
+    radiance: bool = False,
+    share: Share | None = None,
+    workers: Workers | None = None,
+) -> Path | str:
+    """Render frames of a scenario: counts where it has a detector, else the radiance at the aperture.
+
+    Parameters
+    ----------
+    scenario, output, frames, threads, resume, overwrite, progress, share, workers
+        As :func:`seaglint.studies.sequence.render_sequence.render`.
+    electrons, radiance : bool
+        With a detector: write electrons, and the radiance at the aperture averaged over pixels, beside counts.
+
+    Returns
+    -------
+    path
+        ``output``.
+    """
+    require_electrons(scenario, electrons)
+    if not scenario.sensor.senses:
+        if electrons or radiance:
+            raise DataError(
+                "electrons and radiance need a detector, and the scenario has no [sensor.detector]; leave them out, or add one "
+                "(radiance is written without them)"
+            )
+        return plain.render(
+            scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress,
+            share=share, workers=workers,
+        )  # fmt: skip
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
+    report_out_of_view(scenario, frames)
+    with thread_limit(threads):
+        settings = (scenario, frames, electrons, radiance)
+        layout, images = prepared_frames(settings)
+        spread = over(workers, prepared_frames, settings)
+        return write_sequence(
+            output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
+        )
+
+
+def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tuple[Layout, Frame]:
+    """Layout and frames of a scenario with a detector: some frames where asked, with electrons and with radiance."""
+    scenario, frames, electrons, radiance = settings
+    run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
+    return run.layout, run.images
+
+
+@dataclass(frozen=True, eq=False)
+class SensedSequence:
+    """Everything that is made before the first frame; make it with :func:`prepare_sensed`."""
+
+    fine: Sequence  #: The scene, drawn finer than the detector's pixels.
+    sensed: SensedFrames  #: The sensor on it.
+    scan: ScanPattern  #: When columns and rows are taken.
+    layout: Layout  #: What the store holds.
+    fine_scenario: Scenario  #: The scenario that is drawn: more pixels, and no sensor.
+
+    def images(self, number: int) -> Mapping[str, NDArray[Any]]:
+        """Return the stored arrays of a frame, by variable."""
+        out = self.sensed.images(number, self.layout.variables)
+        drawn: Any = self.sensed.fine
+        if drawn.objects is not None:
+            out |= self._truth(number, drawn)
+        others = [name for name in self.layout.variables if name not in out]
+        if not others:
+            return out
+        averaged = binned(drawn.drawn(number).layers, self.sensed.oversampling)
+        for name in others:
+            if name == "apparent_temperature":
+                view = self.fine.scene.view
+                out[name] = apparent_temperature(averaged["radiance"], view.band, view.atmosphere.wavenumber_cm)
+            else:
+                out[name] = averaged[name]
+        return out
+
+    def _truth(self, number: int, drawn: _Drawn) -> Mapping[str, NDArray[Any]]:
+        """Stored arrays of the objects of a frame, by variable of the group ``truth``."""
+        objects = drawn.objects
+        assert objects is not None
+        light, sea = drawn.light(number), binned_image(drawn.drawn(number).sea, self.sensed.oversampling)
+        scene = self.fine.scene_at(number / self.layout.frame_rate)
+        attitude = self.fine.track.at(number / self.layout.frame_rate).attitude
+        truth = objects.objects.truth(light.sights, sea, scene, (objects.imager, attitude))
+        motion = motion_numbers(light.streaks, truth, blur_px(objects.model), mirage=isinstance(scene, RefractedScene))
+        return {**truth, **motion, **count_numbers(light.each, self.sensed.seen(number), objects.model)}
+
+
+@dataclass(eq=False)
+class _Drawn:
+    """Fine pictures of the sea by number, and the light of objects; the latest of both are cached.
+
+    ``compose`` draws objects into the layers of the fine pictures too.
+    """
+
+    sequence: Sequence
+    scan: ScanPattern
+    oversampling: int
+    objects: ExposedObjects | None
+    rates: Rates
+    compose: bool
+    latest: tuple[int, Drawn] | None = field(default=None)
+    lit: tuple[int, ObjectLight] | None = field(default=None)
+
+    def __call__(self, number: int) -> NDArray[np.float32]:
+        return self.drawn(number).sea
+
+    def drawn(self, number: int) -> Drawn:
+        if self.latest is None or self.latest[0] != number:
+            time = number / self.sequence.layout.frame_rate
+            self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, time, compose=self.compose))
+        return self.latest[1]
+
+    def light(self, number: int) -> ObjectLight:
+        assert self.objects is not None
+        if self.lit is None or self.lit[0] != number:
+            time = number / self.sequence.layout.frame_rate
+            scene = self.sequence.scene_at(time)
+            self.lit = (number, self.objects.light(scene, time, self(number), self.rates(number)))
+        return self.lit[1]
+
+    def added(self, number: int) -> NDArray[np.float32] | None:
+        return None if self.objects is None else self.light(number).added
+
+
+def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> Drawn:
+    """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
+
+    Parameters
+    ----------
+    sequence : Sequence
+        The scene.
+    way : ScanPattern
+        When columns and rows are taken.
+    oversampling : int
+        Fine pixels in a pixel of the detector: these have one instant.
+    time : float
+        Of the frame [s].
+    compose : bool
+        Whether objects are drawn into it.
+    """
+    if way.instantaneous:
+        return sequence.drawn(time, compose=compose)
+    if way.kind == "staring":
+        return _rolled(sequence, way, oversampling, time, compose)
+    columns = sequence.layout.shape[2] // oversampling
+    delays = way.column_delays(columns)
+    parts, begin = [], 0
+    for end in range(1, columns + 1):
+        if end < columns and delays[end] == delays[begin]:
+            continue
+        parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling), compose=compose))
+        begin = end
+    return Drawn.beside(parts)
+
+
+def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, compose: bool) -> Drawn:
+    rows = sequence.layout.shape[1] // oversampling
+    delays = way.row_delays(rows)
+    parts: list[Drawn] = []
+    for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
+        instant = time + float(delays[some].mean())
+        parts.append(sequence.drawn(instant, compose=compose).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
+    return Drawn.below(parts)
+
+
+def binned_image(image: NDArray[np.floating[Any]], oversampling: int) -> NDArray[np.float64]:
+    """Means of an image over the detector's pixels."""
+    rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
+    return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
+
+
+def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
+    """Means of layers over the detector's pixels; ranges and slopes over what is seen of the sea."""
+
+    def mean(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+        return binned_image(image, oversampling)
+
+    over_sea = {"range", "slope"} & set(layers)
+    out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
+    for name in over_sea:
+        seen = np.isfinite(layers[name])
+        share = layers["coverage"] if "coverage" in layers else seen.astype(np.float32)
+        weight = mean(np.where(seen, share, 0.0))
+        total = mean(np.where(seen, share * np.nan_to_num(layers[name]), 0.0))
+        out[name] = np.where(weight > LEAST_SEEN, total / np.maximum(weight, LEAST_SEEN), np.nan).astype(np.float32)
+    if "glint_share" in out:
+        out["glint_share"] = share_of_glint(out["glint_radiance"], out["radiance"])
+    return out
+
+
+def prepare_sensed(
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: Kept | None = None
+) -> SensedSequence:
+    """Prepare the scene, drawn finer, and its sensor; also the way to single frames in Python. ``cached`` holds what scenes share.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> tables = {"optics": {"aperture_m": 0.02, "f_number": 2.0}, "detector": {"pitch_um": 15.0}}
+    >>> small = parse_scenario({"sensor": {"pixels": [8, 4], **tables}, "sea": {"resolve_waves": False}})
+    >>> found = prepare_sensed(small).images(0)["signal"]
+    >>> found.shape, found.dtype
+    ((4, 8), dtype('uint16'))
+    """
+    model = sensor_model(scenario)
+    n = scenario.render.oversampling or model.oversampling
+    require_memory(scenario, n, model)
+    sensor, way = scenario.sensor, scan(scenario)
+    columns, rows = sensor.pixels
+    finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
+    settings = scenario.render.model_copy(update={"apparent_temperature": False})
+    scanned = way.kind != "staring" and way.period > 0.0
+    fine = scenario.model_copy(update={"sensor": finer, "render": settings})
+    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
+    if isinstance(model.detector, PhotonPixels):
+        sequence = sequence.counting(model.photons.counted)
+    _require_track(sequence, way, sensor.pixels)
+
+    def rates(number: int) -> tuple[float, float]:
+        return line_of_sight_rates(sequence.track, number / sequence.layout.frame_rate, model.exposure_time, sensor.projection)
+
+    derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
+    objects = None
+    if sequence.objects is not None:
+        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, way, n)
+    compose = bool(radiance or derived or scenario.render.layers)
+    drawn = _Drawn(sequence, way, n, objects, rates, compose)
+    sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
+    own = sequence.layout
+    layout = replace(
+        own,
+        azimuth_deg=_coarse(own.azimuth_deg, n),
+        elevation_deg=_coarse(own.elevation_deg, n),
+        variables=(
+            "signal",
+            *(("electrons",) if electrons else ()),
+            *(("radiance",) if radiance else ()),
+            *derived,
+            *scenario.render.layers,
+        ),
+        per_frame=("saturated_share",),
+        details={"signal": signal_attributes(model)},
+        attributes={
+            **own.attributes,
+            "title": "Infrared image sequence of a detector looking at the sea",
+            "scenario": scenario.model_dump_json(exclude_none=True),
+            **sensor_attributes(model, n),
+            "scan": way.kind,
+            "scan_period_s": way.period,
+        },
+    )
+    return SensedSequence(sequence, sensed, way, layout.in_units(sensor.frames), fine)
+
+
+def _require_track(sequence: Sequence, way: ScanPattern, pixels: tuple[int, int]) -> None:
+    """Refuse keyframes that end before the last frame's last column or row."""
+    layout = sequence.layout
+    if layout.frames:
+        columns, rows = pixels
+        delay = float(max(way.column_delays(columns).max(), way.row_delays(rows).max()))
+        sequence.track.at(layout.frames[-1] / layout.frame_rate + delay)
+
+
+def _coarse(angles: FloatArray, n: int) -> FloatArray:
+    """Directions of the detector's pixels: means of those of the fine ones, of columns or rows, or of all pixels."""
+    if angles.ndim == 1:
+        return np.asarray(angles.reshape(-1, n).mean(axis=1))
+    rows, columns = angles.shape[0] // n, angles.shape[1] // n
+    return np.asarray(angles.reshape(rows, n, columns, n).mean(axis=(1, 3)))
