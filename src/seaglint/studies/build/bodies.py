@@ -16,12 +16,10 @@ from seaglint.formats.tables.input_tables import OBJECT_COLUMNS, read_track
 from seaglint.imaging.camera.pose import Track
 from seaglint.objects import solids as primitives
 from seaglint.objects.approach import CLEARANCE, first_contact
-from seaglint.objects.motion import rotation
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource, Solid
-from seaglint.objects.mesh_checks import oriented, require_materials, waterline
 from seaglint.objects.floating import Afloat, Steered, Swell
-from seaglint.objects.motion import east_north
-from seaglint.objects.motion import Course, Keyframed, Rest
+from seaglint.objects.mesh_checks import oriented, require_materials, waterline
+from seaglint.objects.motion import Course, Keyframed, Rest, east_north, rotation
 from seaglint.objects.solids import Operation, combined, common_volume, placed, plume_in, solid
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import object_tables

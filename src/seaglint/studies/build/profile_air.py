@@ -7,41 +7,36 @@ Air of a scenario from a profile: a model atmosphere or a sounding, with a haze 
 
 from __future__ import annotations
 
+import logging
+from dataclasses import asdict, dataclass, field, replace
+from datetime import datetime
+from functools import lru_cache, partial
 from itertools import pairwise
 from pathlib import Path
-import numpy as np
-from seaglint.base.conventions import FloatArray
-from seaglint.formats.lowtran.deck import MOST_LEVELS, ProfileLevel
-from seaglint.formats.soundings.sounding import Sounding, read_sounding
-from dataclasses import replace
-from datetime import datetime
 from typing import TYPE_CHECKING, Final
-from seaglint.air.profile.air_profile import AirProfile
-from seaglint.air.profile.air_sums import AirSums
+
+import numpy as np
+
+from seaglint.air.profile.absorber_densities import refractivity
+from seaglint.air.profile.air_profile import AirProfile, model_profile
+from seaglint.air.profile.air_sums import AirSums, GasRays
+from seaglint.air.profile.band_laws import OwnGases, Spectroscopy, with_gases
+from seaglint.air.profile.bent_ray import trapping_layers
 from seaglint.air.profile.hazes import HazeWeather
+from seaglint.air.profile.marine_layer import with_marine_layer
+from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
 from seaglint.air.protocol import wavenumber_grid
-from seaglint.base.limits import PROFILE_HEIGHTS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import ScenarioError
+from seaglint.base.free_form import JsonObject
+from seaglint.base.limits import NAVY_AEROSOL_WIND, PROFILE_BAND_UM, PROFILE_HEIGHTS, TABLE_BANDS_UM
 from seaglint.base.reports import REPORTS
-from seaglint.formats.soundings.sounding import Continuation, continuations
+from seaglint.formats.lowtran.deck import MOST_LEVELS, ProfileLevel
+from seaglint.formats.soundings.sounding import Continuation, Sounding, continuations, read_sounding
+from seaglint.formats.tables.input_tables import read_track
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
-import logging
-from dataclasses import asdict, dataclass, field, replace
-from functools import lru_cache, partial
-from seaglint.air.profile.absorber_densities import refractivity
-from seaglint.air.profile.air_profile import AirProfile, model_profile
-from seaglint.air.profile.band_laws import Spectroscopy
-from seaglint.air.profile.bent_ray import trapping_layers
-from seaglint.air.profile.air_sums import GasRays
-from seaglint.air.profile.marine_layer import with_marine_layer
-from seaglint.air.profile.band_laws import OwnGases, with_gases
-from seaglint.air.profile.profile_atmosphere import THERMAL_UM, Levels, ProfileAtmosphere
-from seaglint.base.errors import ScenarioError
-from seaglint.base.free_form import JsonObject
-from seaglint.base.limits import NAVY_AEROSOL_WIND, PROFILE_BAND_UM, TABLE_BANDS_UM
-from seaglint.formats.tables.input_tables import read_track
-from seaglint.optics.band import Band
 from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT
 
 if TYPE_CHECKING:
@@ -213,7 +208,6 @@ _log = logging.getLogger(__name__)
 OWN_OF_THE_PROFILE: Final = OwnGases()  #: Gases that are those of the profile.
 
 INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um.
-
 
 
 def profile_atmosphere(

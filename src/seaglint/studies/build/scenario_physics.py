@@ -7,51 +7,47 @@ Refraction of a scenario's pictures: standard, or by the profile of its air.
 
 from __future__ import annotations
 
-import numpy as np
-from seaglint.base.errors import ScenarioError
-from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
-from seaglint.imaging.camera.pose import Track
-from seaglint.objects.floating import Swell
-from seaglint.objects.floating import MOST_SAMPLES, FloatingTrack
-from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
-from seaglint.sea.wave_field import WaveField
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import assert_never
+from typing import Final, assert_never
+
+import numpy as np
+
 from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.profile.profile_atmosphere import ProfileAtmosphere
 from seaglint.air.protocol import Atmosphere, wavenumber_grid
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import FloatArray, surface_range
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import Attributes, JsonObject
+from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.sea_view import SeaView
-from seaglint.formats.tables.spectra import read_response
 from seaglint.formats.tables.input_tables import read_track
+from seaglint.formats.tables.spectra import read_response
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.pose import Track
+from seaglint.imaging.refraction import Bending
 from seaglint.imaging.scene import Accuracy
-from seaglint.imaging.camera.imager import Camera
-from seaglint.imaging.camera.imager import Attitude, Imager
 from seaglint.imaging.sparkle import Sparkles
+from seaglint.objects.floating import MOST_SAMPLES, FloatingTrack, Swell
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.variance import capillary_length, correlation_length
+from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 from seaglint.scenario.records.view_tables import Keyframe
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
-from seaglint.studies.build.profile_air import profile_atmosphere
-from seaglint.studies.build.waves_and_slopes import slopes
-from seaglint.studies.build.profile_air import program_sounding
-from seaglint.studies.build.waves_and_slopes import Waves, waves
-from typing import Final
-from seaglint.air.profile.profile_atmosphere import ProfileAtmosphere
-from seaglint.imaging.refraction import Bending
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build.profile_air import profile_atmosphere, program_sounding
+from seaglint.studies.build.waves_and_slopes import Waves, slopes, waves
 
 
 def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:

@@ -16,12 +16,11 @@ from seaglint.imaging.camera.pose import Track
 from seaglint.instrument.bolometer import ThermalPixels
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import PhotonPixels
-from seaglint.instrument.figures_of_merit import blur_px
+from seaglint.instrument.figures_of_merit import blur_px, integration_time_for, read_noise_for
 from seaglint.instrument.noise import DetectorNoise
 from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.scan import ScanPattern
-from seaglint.instrument.figures_of_merit import integration_time_for, read_noise_for
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sensor_table import PhotonDetector

@@ -5,32 +5,30 @@ From a scenario to the slope statistics of its sea.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, assert_never
+
 import numpy as np
+
 from seaglint.base.conventions import travel_azimuth
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_tables as wanted
-from seaglint.sea.slopes.slope_statistics import LIGHTEST
-from seaglint.sea.spectra.combined import CalmSpectrum
-from seaglint.sea.spectra.directional import DirectionalSpectrum
-from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
-from seaglint.sea.spectra.jonswap import JonswapSpectrum
-from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
-from seaglint.sea.spectra.combined import CombinedSpectrum
-import logging
-from functools import lru_cache
 from seaglint.scenario.records import sea_tables as wanted_slopes
 from seaglint.scenario.records.sea_tables import FlatSea
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.slopes.from_spectrum import nested_in, spectrum_slopes
-from seaglint.sea.slopes.slope_statistics import at_least_residual
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
-
+from seaglint.sea.slopes.slope_statistics import LIGHTEST, SlopeStatistics, at_least_residual, flat
+from seaglint.sea.spectra.combined import CalmSpectrum, CombinedSpectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.spectra.jonswap import JonswapSpectrum
+from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 
 _ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
 
