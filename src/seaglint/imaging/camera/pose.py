@@ -144,6 +144,19 @@ class Track:
         return [self.at(float(t)).attitude for t in times]
 
 
+def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
+    """Return positions and attitudes of a sensor at some times [m, deg, (times,)], under their names in :data:`seaglint.base.schema.VARIABLES`."""
+    sampled = [track.at(float(t)) for t in times]
+    return {
+        "sensor_east": np.array([p.east for p in sampled]),
+        "sensor_north": np.array([p.north for p in sampled]),
+        "sensor_height": np.array([p.height for p in sampled]),
+        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in sampled]),
+        "sensor_elevation": np.degrees([p.attitude.elevation for p in sampled]),
+        "sensor_roll": np.degrees([p.attitude.roll for p in sampled]),
+    }
+
+
 def _pose(values: FloatArray) -> Pose:
     east, north, height, azimuth, elevation, roll = (float(v) for v in values)
     return Pose(east, north, height, Attitude(azimuth, elevation, roll))
