@@ -1,4 +1,4 @@
-"""Pose of a moving sensor: position and attitude interpolated between keyframes."""
+"""Pose of a moving sensor: position and attitude, interpolated between the keyframes of a track."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Track:
 
     @classmethod
     def standing(cls, height: float, attitude: Attitude) -> Track:
-        """Track of a sensor that does not move, above the sea's origin."""
+        """Return the track of a sensor that does not move, above the sea's origin."""
         return cls(np.zeros(1), np.array([[0.0, 0.0, height, attitude.azimuth, attitude.elevation, attitude.roll]]))
 
     @classmethod
@@ -90,7 +90,7 @@ class Track:
         return cls(table[:, 0].copy(), table[:, 1:].copy())
 
     def at(self, time: float) -> Pose:
-        """Pose at a time [s]; a standing sensor has the same at all times.
+        """Return the pose at a time [s]; a fixed sensor has one pose at all times.
 
         Raises
         ------
@@ -109,7 +109,7 @@ class Track:
 
     @property
     def known(self) -> tuple[float, float]:
-        """First and last time at which it is known [s]."""
+        """First and last time at which the pose is known [s]; infinite for a fixed sensor."""
         return (float(self.time[0]), float(self.time[-1])) if self.time.size > 1 else (-np.inf, np.inf)
 
     @property
@@ -128,7 +128,7 @@ class Track:
         return bool(np.ptp(self.values[:, 3:], axis=0).max() > 0.0)
 
     def reach(self) -> tuple[tuple[float, float], ...]:
-        """Least and greatest azimuth, elevation and roll [rad], azimuth and roll unwrapped."""
+        """Return least and greatest azimuth, elevation and roll [rad], azimuth and roll unwrapped."""
         return tuple((float(angles.min()), float(angles.max())) for angles in self.values[:, 3:].T)
 
     @property
@@ -137,7 +137,7 @@ class Track:
         return self.time.size > 1
 
     def attitudes(self, parts: int = 8) -> list[Attitude]:
-        """Attitudes along the track, ``parts`` in each gap between keyframes."""
+        """Return attitudes along the track, ``parts`` in each gap between keyframes."""
         if not self.turns:
             return [_pose(self.values[0]).attitude]
         times = np.unique(np.concatenate([np.linspace(a, b, parts + 1) for a, b in zip(self.time[:-1], self.time[1:], strict=True)]))
@@ -145,7 +145,10 @@ class Track:
 
 
 def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
-    """Return positions and attitudes of a sensor at some times [m, deg, (times,)], under their names in :data:`seaglint.base.schema.VARIABLES`."""
+    """Return positions [m] and attitudes [deg] of a sensor at times [s, (times,)], each (times,).
+
+    They have the names of output variables (:data:`seaglint.base.schema.VARIABLES`).
+    """
     sampled = [track.at(float(t)) for t in times]
     return {
         "sensor_east": np.array([p.east for p in sampled]),
