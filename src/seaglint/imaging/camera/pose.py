@@ -62,7 +62,7 @@ class Track:
         """
         table = np.stack([np.asarray(columns[name], dtype=np.float64) for name in COLUMNS], axis=1)
         if table.shape[0] < 2:
-            raise DomainError(f"{table.shape[0]} keyframe{'s' * (table.shape[0] != 1)}; give two or more, or a sensor that stands still")
+            raise DomainError(f"{table.shape[0]} keyframe{'s' * (table.shape[0] != 1)}; give two or more, or a sensor that does not move")
         bad = np.argwhere(~np.isfinite(table))
         if bad.size:
             row, column = bad[0]
@@ -104,7 +104,7 @@ class Track:
         slack = 1e-9 * max(abs(first), abs(last), 1.0)
         if not first - slack <= time <= last + slack:
             text = f"time = {time:g} s is outside the platform's keyframes, which span {first:g} to {last:g} s"
-            raise DomainError(f"{text}; add keyframes or ask for fewer frames")
+            raise DomainError(f"{text}; add keyframes or request fewer frames")
         return _pose(np.array([np.interp(time, self.time, column) for column in self.values.T]))
 
     @property
