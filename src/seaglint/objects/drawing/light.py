@@ -83,7 +83,7 @@ class Surroundings:
 
     @classmethod
     def of(cls, view: SeaView, counted: Counting | None = None) -> Surroundings:
-        """Return the surroundings of a view's sky and mean sea for a detector that counts photons; without ``counted`` for one of energy."""
+        """Return the surroundings of a view's sky and mean sea for a detector of photons; without ``counted`` for one of energy."""
         grid = view.in_band.grid
         x, w = np.polynomial.legendre.leggauss(_ELEVATIONS)
         # crowded at the horizontal, where the sky is brightest and the sea darkens
