@@ -53,8 +53,9 @@ def packed(job: Job[Any, Any, Any]) -> bytes:
 
 def describe() -> tuple[Any, ...] | None:
     """Return the worker's :class:`seaglint.cluster.remote.Machine`; None where it lacks the package."""
+    # imported, not read from this module: the function's globals would need the package before it can report that it is missing
     try:
-        pass
+        from seaglint.cluster.remote import this_machine
     except ImportError:
         return None
     return tuple(this_machine())
