@@ -254,7 +254,7 @@ def test_a_scheduler_that_is_lost_in_the_middle(comes_back, tmp_path, monkeypatc
             else:
                 workers.patience = 3.0
                 monkeypatch.setattr("seaglint.cluster.dask.CONNECT", 3.0)  # nothing answers: no machine is too busy for that
-                with pytest.raises(BackendError, match="did not come back within 3 s; what is done stays"):
+                with pytest.raises(BackendError, match="did not come back within 3 s; finished units remain"):
                     list(found)
         assert any("scheduler is lost" in line for line in said)
     finally:
