@@ -225,7 +225,8 @@ class _DaskMapping:
                     seen = time.monotonic()
                 elif time.monotonic() - seen > self.workers.patience:
                     raise BackendError(
-                        f"no worker was left for {self.workers.patience:g} s; finished units remain: start some, and continue with resume=True"
+                        f"no worker was left for {self.workers.patience:g} s; finished units remain: start some, "
+                        "and continue with resume=True"
                     )
                 for outcome in self._read(ended):
                     self.losses = 0
