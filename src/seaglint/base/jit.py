@@ -39,14 +39,14 @@ _unliteral: Any = numba.types.unliteral  # without types
 
 def _compiled(function: F, **options: Any) -> F:
     """Compile a function with Numba on its first call, or load it from :func:`kernel_folder`."""
-    made: Any = numba.njit(**options)(function)
+    dispatcher: Any = numba.njit(**options)(function)
     if _settings.DISABLE_JIT:
-        return cast(F, made)
-    _cached(made, function, "")
-    return cast(F, made)
+        return cast(F, dispatcher)
+    _cached(dispatcher, function, "")
+    return cast(F, dispatcher)
 
 
-def _cached(made: Any, function: Callable[..., Any], form: str) -> bool:
+def _cached(dispatcher: Any, function: Callable[..., Any], form: str) -> bool:
     """Give a function a cache in the folder of this state of the sources; return True if the function has one.
 
     The name of the folder identifies all sources of the package. So its files are named by module, and programs of other copies of equal
@@ -54,15 +54,15 @@ def _cached(made: Any, function: Callable[..., Any], form: str) -> bool:
     """
     if not Path(function.__code__.co_filename).is_relative_to(PACKAGE):
         if not form:
-            made.enable_caching()  # Numba's own rules
+            dispatcher.enable_caching()  # Numba's own rules
         return False
     folder = kernel_folder(_settings.CACHE_DIR)
     if folder is None:
         return False
     _require_own_name(function)
-    made._cache = KernelCache(function, folder, form)
-    _name_apart(made)
-    _take_turns(made, folder)
+    dispatcher._cache = KernelCache(function, folder, form)
+    _name_apart(dispatcher)
+    _take_turns(dispatcher, folder)
     return True
 
 
@@ -118,7 +118,7 @@ def _take_turns(compiled: Any, folder: Path) -> None:
         try:
             save(*arguments)
         except OSError as error:  # a full disk: the program continues with the code in memory
-            _not_kept(folder, error.strerror or str(error))
+            _warn_not_cached(folder, error.strerror or str(error))
         finally:
             end_turn(folder, name)
 
@@ -126,11 +126,11 @@ def _take_turns(compiled: Any, folder: Path) -> None:
 
 
 @cache
-def _not_kept(folder: Path, reason: str) -> None:
+def _warn_not_cached(folder: Path, reason: str) -> None:
     logging.getLogger("seaglint").warning("compiled kernels cannot be kept in %s (%s) and are compiled again next time", folder, reason)
 
 
-def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]) -> None:
+def _in_callers(dispatcher: Any, function: Callable[..., Any], options: dict[str, Any]) -> None:
     """Give compiled callers a body to link in; the whole program that Numba compiles is only for calls from Python."""
 
     @cache
@@ -144,8 +144,10 @@ def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]
         # for "f(0)" and "f(1)" Numba would compile two forms; one form for any number is as fast after it is linked in
         return tuple(_unliteral(one) for one in types)
 
-    made.get_call_template = lambda args, kws: body().get_call_template(any_value(args), {k: any_value((v,))[0] for k, v in kws.items()})
-    made.get_overload = lambda signature: body().get_overload(signature)
+    dispatcher.get_call_template = lambda args, kws: body().get_call_template(
+        any_value(args), {k: any_value((v,))[0] for k, v in kws.items()}
+    )
+    dispatcher.get_overload = lambda signature: body().get_overload(signature)
 
 
 def kernel(function: F) -> F:
@@ -154,18 +156,18 @@ def kernel(function: F) -> F:
     It does not count references to its array arguments: for a call every few nanoseconds, counting costs more than the arithmetic. Products
     are fused with sums where the processor can: bytes are equal on one type of processor.
     """
-    made: Any = _compiled(function, **UNCOUNTED)
+    dispatcher: Any = _compiled(function, **UNCOUNTED)
     if not _settings.DISABLE_JIT:
-        _in_callers(made, function, UNCOUNTED)
-    return cast(F, made)
+        _in_callers(dispatcher, function, UNCOUNTED)
+    return cast(F, dispatcher)
 
 
 def njit(function: F) -> F:
     """Compile a function; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
-    made: Any = _compiled(function, **COUNTED)
+    dispatcher: Any = _compiled(function, **COUNTED)
     if not _settings.DISABLE_JIT:
-        _in_callers(made, function, COUNTED)
-    return cast(F, made)
+        _in_callers(dispatcher, function, COUNTED)
+    return cast(F, dispatcher)
 
 
 def njit_parallel(function: F) -> F:

@@ -77,7 +77,7 @@ PREFIX: Final = "seaglint-kernels-"
 #: Packages with all files in the digest: their plain functions may become kernels elsewhere.
 ROOMS: Final = ("optics", "sea", "air", "facet", "radiance", "imaging", "objects", "clutter", "detection")
 
-KEPT: Final = 5  #: Number of folders of other source versions, such as other branches, that are not removed.
+MOST_FOLDERS: Final = 5  #: Number of folders of other source versions, such as other branches, that are not removed.
 
 IN_USE: Final = 86400.0  #: Time from its start during which a program may still compile [s]; its folder is not removed meanwhile.
 
@@ -123,8 +123,8 @@ def _known_digests() -> dict[str, str]:
     """Return the digests that an earlier process wrote; empty without a file, or for a damaged one."""
     for parent in _parents(""):
         with suppress(OSError, ValueError):
-            found = json.loads((parent / DIGESTS).read_bytes())
-            return {str(exact): str(digest) for exact, digest in found.items()} if isinstance(found, dict) else {}
+            content = json.loads((parent / DIGESTS).read_bytes())
+            return {str(exact): str(digest) for exact, digest in content.items()} if isinstance(content, dict) else {}
     return {}
 
 
@@ -200,13 +200,13 @@ def _own_temporary() -> Path:
 
 
 def remove_old(present: Path) -> None:
-    """Remove folders of other source versions, except the last :data:`KEPT` and those used within a day."""
+    """Remove folders of other source versions, except the last :data:`MOST_FOLDERS` and those used within a day."""
     used: list[tuple[float, Path]] = []
     for folder in present.parent.glob(f"{PREFIX}*"):
         with suppress(OSError):  # another process was quicker
             if folder != present:
                 used.append((folder.stat().st_mtime, folder))
-    for when, folder in sorted(used, reverse=True)[KEPT:]:
+    for when, folder in sorted(used, reverse=True)[MOST_FOLDERS:]:
         if time.time() - when > IN_USE:
             gone = folder.with_name(f"{folder.name[: len(PREFIX) + 20]}.{os.urandom(4).hex()}")
             with suppress(OSError):

@@ -39,8 +39,10 @@ class Parameter(NamedTuple):
 def described(record: type) -> dict[str, Parameter]:
     """Return the descriptions of a record's fields by name; fields without a description are omitted."""
     hints = get_type_hints(record, include_extras=True)
-    found = {field.name: [extra for extra in get_args(hints[field.name]) if isinstance(extra, Parameter)] for field in fields(record)}
-    return {name: extras[0] for name, extras in found.items() if extras}
+    descriptions = {
+        field.name: [extra for extra in get_args(hints[field.name]) if isinstance(extra, Parameter)] for field in fields(record)
+    }
+    return {name: extras[0] for name, extras in descriptions.items() if extras}
 
 
 def documented(*records: type, **words: str) -> Callable[[Function], Function]:

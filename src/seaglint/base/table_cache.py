@@ -21,7 +21,7 @@ from seaglint.base.machine import processor
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
 
 
-def kept(make: Callable[[int], FloatArray]) -> Callable[[int], FloatArray]:
+def cached_table(make: Callable[[int], FloatArray]) -> Callable[[int], FloatArray]:
     """Return a function with its results cached on disk: it reads a table that an earlier process has computed.
 
     It is for tables that depend on one whole number alone. The folder of the files changes with every source of physics, and their names

@@ -5,6 +5,6 @@ results to files and return a small record for each unit.
 """
 
 from seaglint.cluster.job import Done, Failed, Job, Workers
-from seaglint.cluster.local import Here, LocalProcesses
+from seaglint.cluster.local import LocalProcesses, ThisProcess
 
-__all__ = ["Done", "Failed", "Here", "Job", "LocalProcesses", "Workers"]
+__all__ = ["Done", "Failed", "Job", "LocalProcesses", "ThisProcess", "Workers"]

@@ -30,7 +30,7 @@ CONNECT: Final = 5.0  #: Time within which a scheduler must answer [s].
 
 PATIENCE: Final = 60.0  #: Time without a scheduler or without workers after which a job is abandoned [s].
 
-LOOK: Final = 2.0  #: Time between two queries of the list of workers [s].
+REFRESH: Final = 2.0  #: Time between two queries of the list of workers [s].
 
 AHEAD: Final = 2  #: Units assigned to each worker in advance: one in progress, and the next.
 
@@ -38,7 +38,7 @@ BATCH: Final = 4  #: Divisor of the batch size: units are sent when a ``BATCH``-
 
 TOGETHER: Final = 1e-4  #: Time for each worker in which records are gathered into one request [s]: a request costs as much as many records.
 
-Say = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(eq=False)
@@ -58,7 +58,7 @@ class DaskWorkers:
     ----------
     connect : callable
         Function that returns a client; called again after a loss of the scheduler.
-    say : callable
+    report : callable
         Called with messages for the user, a line at a time.
     patience : float
         Longest time without the scheduler or without workers [s].
@@ -66,12 +66,12 @@ class DaskWorkers:
 
     task = staticmethod(do)
 
-    def __init__(self, connect: Callable[[], Any], say: Say = lambda line: None, patience: float = PATIENCE) -> None:
-        self._connect, self._say, self.patience = connect, say, patience
+    def __init__(self, connect: Callable[[], Any], report: Report = lambda line: None, patience: float = PATIENCE) -> None:
+        self._connect, self._report, self.patience = connect, report, patience
         self._client = connect()
         self._known: dict[str, Machine] = {}
         self._present: tuple[str, ...] = ()
-        self._looked = -LOOK
+        self._looked = -REFRESH
 
     @property
     def count(self) -> int:
@@ -125,25 +125,25 @@ class DaskWorkers:
 
     def look(self, *, at_once: bool = False) -> tuple[str, ...]:
         """Return the addresses of the workers; new ones are queried for their version and processor."""
-        if at_once or time.monotonic() - self._looked >= LOOK:
+        if at_once or time.monotonic() - self._looked >= REFRESH:
             try:
                 self._present = tuple(self._client.nthreads())
                 new = [address for address in self._present if address not in self._known]
                 answers = self._client.run(describe, workers=new, on_error="return") if new else {}
             except Exception as error:
                 raise _SchedulerGoneError(one_line(error)) from error
-            machines = judged(answers, this_machine())
-            self._tell_processors(machines)
+            machines = usable_workers(answers, this_machine())
+            self._report_processors(machines)
             self._known |= machines
             self._looked = time.monotonic()
         return self._present
 
-    def _tell_processors(self, new: dict[str, Machine]) -> None:
+    def _report_processors(self, new: dict[str, Machine]) -> None:
         """Report once each processor type that differs from this machine's."""
         reported = {this_machine().processor} | {machine.processor for machine in self._known.values()}
         for processor in sorted({machine.processor for machine in new.values()} - reported):
             some = [address for address, machine in new.items() if machine.processor == processor]
-            self._say(
+            self._report(
                 f"{len(some)} workers ({_some(some)}) have another processor type, {processor} and not {this_machine().processor}: "
                 "the last bits of their frames can differ"
             )
@@ -157,7 +157,7 @@ class DaskWorkers:
             It does not answer in time.
         """
         self.close()
-        self._say(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
+        self._report(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
         until = time.monotonic() + self.patience
         while True:
             try:
@@ -171,7 +171,7 @@ class DaskWorkers:
                 time.sleep(0.5)
             else:
                 self._known.clear()
-                self._looked = -LOOK
+                self._looked = -REFRESH
                 return
 
     def submit(self, units: list[bytes], content: bytes) -> list[Any]:
@@ -215,15 +215,15 @@ class _DaskMapping:
 
     def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
         """Yield the outcomes of the units."""
-        seen = time.monotonic()
+        last_seen = time.monotonic()
         while True:
             try:
                 if not self._fill():
                     return
                 ended = self._wait()
                 if self.workers.look():
-                    seen = time.monotonic()
-                elif time.monotonic() - seen > self.workers.patience:
+                    last_seen = time.monotonic()
+                elif time.monotonic() - last_seen > self.workers.patience:
                     raise BackendError(
                         f"no worker was left for {self.workers.patience:g} s; finished units remain: start some, "
                         "and continue with resume=True"
@@ -233,7 +233,7 @@ class _DaskMapping:
                     yield outcome
             except _SchedulerGoneError as error:
                 self._lost(error)
-                seen = time.monotonic()
+                last_seen = time.monotonic()
 
     def cancel(self) -> None:
         """Cancel all unfinished units."""
@@ -335,7 +335,7 @@ def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
     return 1, one_line(error)
 
 
-def judged(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
+def usable_workers(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
     """Return the usable workers by their descriptions; workers that answered with an error are queried again later.
 
     Raises
@@ -414,7 +414,7 @@ def require_dask() -> None:
 
 
 @contextmanager
-def connected(address: str, say: Say = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
+def connected(address: str, report: Report = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
     """Provide the workers of the scheduler at an address.
 
     Raises
@@ -428,7 +428,7 @@ def connected(address: str, say: Say = lambda line: None, *, patience: float = P
     if not re.fullmatch(r"((tcp|tls|ws|wss|inproc)://)?[^/\s]+:\d+|inproc://\S+", address):
         raise DataError(f"address = {address!r} is no address of a Dask scheduler; give one such as tcp://host:8786")
     with quiet():
-        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), say, patience)
+        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), report, patience)
         try:
             workers.wait_for_one()
             yield workers
@@ -477,7 +477,7 @@ def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:
 
 
 @contextmanager
-def queued(path: Path, say: Say = lambda line: None) -> Iterator[DaskWorkers]:
+def queued(path: Path, report: Report = lambda line: None) -> Iterator[DaskWorkers]:
     """Provide workers of the batch queue that a file describes; their jobs end with the context.
 
     Raises
@@ -502,7 +502,7 @@ def queued(path: Path, say: Say = lambda line: None) -> Iterator[DaskWorkers]:
             raise DataError(f"{path}: {made.__name__} refuses these settings: {one_line(error)}") from error
         try:
             cluster.scale(jobs=jobs)
-            workers = DaskWorkers(lambda: client_of(cluster, str(path)), say, timeout)
+            workers = DaskWorkers(lambda: client_of(cluster, str(path)), report, timeout)
             try:
                 _first(workers, path, jobs, timeout)
                 yield workers

@@ -25,7 +25,7 @@ from seaglint.base.errors import BackendError, DomainError, SeaglintError
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt, outgoing
 
 
-class Here:
+class ThisProcess:
     """Worker that is the calling process itself."""
 
     count = 1
@@ -94,7 +94,7 @@ class _Worker:
         """Return the number of the process in the system."""
         return self.process.pid
 
-    def tell(self, *message: Any) -> None:
+    def send(self, *message: Any) -> None:
         """Send a message; the end of a process is noticed when its answer is read."""
         with suppress(OSError):
             self.pipe.send(message)
@@ -264,7 +264,7 @@ class _LocalMapping:
         for worker in self.workers:
             if worker.job != self.job:
                 worker.job, worker.ready = self.job, False
-                worker.tell("job", self.job, self.content)
+                worker.send("job", self.job, self.content)
 
     def _hand_out(self) -> None:
         """Give each idle process a unit: preferably one that has not failed in this process."""
@@ -272,7 +272,7 @@ class _LocalMapping:
             if worker.ready and worker.task is None and (task := self._task_for(worker)) is not None:
                 worker.task = task
                 task.tried_by.append(worker.number)
-                worker.tell("unit", outgoing(task.unit))
+                worker.send("unit", outgoing(task.unit))
 
     def _task_for(self, worker: _Worker) -> _LocalTask | None:
         others = [other for other in self.workers if other is not worker]

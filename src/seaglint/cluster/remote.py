@@ -73,7 +73,7 @@ def do(unit: bytes, content: bytes) -> bytes:
     from seaglint.base.threads import thread_limit
 
     leave_reports_to_parent()
-    name, threads = _here()
+    name, threads = _worker_and_threads()
     with _one_at_a_time:
         # the start of a job may load or compile kernels: it has the same limit of threads as its units
         try:
@@ -99,7 +99,7 @@ def _work(content: bytes) -> Callable[[Any], Any]:
     return _started[key]
 
 
-def _here() -> tuple[str, int]:
+def _worker_and_threads() -> tuple[str, int]:
     """Return the worker's name, and the number of threads that it may use."""
     import numba
     from distributed import get_worker

@@ -53,18 +53,18 @@ class AngleSurvey:
     walk_azimuths: tuple[float, float]  #: Least and greatest azimuth of walked pixels [rad].
 
 
-def covers(made: AngleSurvey, requested: AngleSurvey) -> bool:
+def covers(prepared: AngleSurvey, requested: AngleSurvey) -> bool:
     """True if a prepared scene covers another camera."""
-    one, other = made.grid, requested.grid
+    one, other = prepared.grid, requested.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
         return False
-    (left, right), (first, last) = made.walk_azimuths, requested.walk_azimuths
+    (left, right), (first, last) = prepared.walk_azimuths, requested.walk_azimuths
     if first == last:
         return True
     # azimuths are not wrapped: both ranges are compared in the same turn
     turn = 2.0 * np.pi * np.round((0.5 * (first + last) - 0.5 * (left + right)) / (2.0 * np.pi))
     around = right - left >= 2.0 * np.pi - SAME
-    return requested.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
+    return requested.walk_from <= prepared.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
 
 
 def corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:
@@ -76,9 +76,11 @@ def corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, fl
     return float(azimuth[touched].min()), float(azimuth[touched].max())
 
 
-KEPT_HEIGHTS = 3  #: Number of prepared heights that are cached.
+CACHED_HEIGHTS = 3  #: Number of prepared heights that are cached.
 
-MOST_KEPT = 1 << 29  #: Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame.
+MOST_CACHED = (
+    1 << 29
+)  #: Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame.
 
 NEAR_CIRCLE = np.radians(300.0)  #: Least range of azimuths for which the sweep's image covers the full circle [rad].
 
@@ -172,8 +174,8 @@ class TurnedScene:
 
     def _for(self, imager: Imager) -> TurnedScene:
         attitudes = self.track.attitudes()
-        turned = replace(self, imager=imager, _heights=OrderedDict())
-        surveyed = replace(turned, _survey=turned._surveyed(attitudes, self.accuracy.oversampling))
+        changed = replace(self, imager=imager, _heights=OrderedDict())
+        surveyed = replace(changed, _survey=changed._surveyed(attitudes, self.accuracy.oversampling))
         return surveyed if self.track.turns else replace(surveyed, _still=surveyed._plan(attitudes[0]))
 
     @property
@@ -202,8 +204,8 @@ class TurnedScene:
         DomainError
             Pixels finer than those prepared, or a view beyond it.
         """
-        surveyed, made = self._for(imager)._survey, self._survey
-        if not covers(made, surveyed):
+        surveyed, prepared = self._for(imager)._survey, self._survey
+        if not covers(prepared, surveyed):
             raise DomainError(
                 "the camera looks beyond the view that the scene was prepared for, or has finer pixels; stay inside it or prepare a scene "
                 "for this camera"
@@ -289,7 +291,7 @@ class TurnedScene:
             pixels = pixels[covered]
             if pixels.size:
                 quadrilaterals, cells, parts = self._columns(every.some(covered), grid)
-                if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_KEPT:
+                if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_CACHED:
                     resampling = launch.weights_of(quadrilaterals, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
@@ -308,8 +310,8 @@ class TurnedScene:
         wide = last - first
         cells = grid._replace(middle=grid.middle + (0.5 * (first + last) - 0.5 * grid.columns) * grid.step, columns=wide, circle=False)
         begin = first % grid.columns
-        there = min(wide, grid.columns - begin)
-        parts = [(begin, begin + there)] + ([(0, wide - there)] if wide > there else [])
+        before_end = min(wide, grid.columns - begin)
+        parts = [(begin, begin + before_end)] + ([(0, wide - before_end)] if wide > before_end else [])
         return quadrilaterals._replace(column=quadrilaterals.column - first), cells, tuple(parts)
 
     def _node(self, eye: float) -> float:
@@ -336,7 +338,7 @@ class TurnedScene:
                 sparkles=self.sparkles,
             )
         self._heights[at] = _Height(view, swept, partial(self._rays, view))
-        while len(self._heights) > KEPT_HEIGHTS:
+        while len(self._heights) > CACHED_HEIGHTS:
             self._heights.popitem(last=False)
         return self._heights[at]
 

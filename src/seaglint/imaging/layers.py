@@ -137,8 +137,8 @@ def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any
 
     NaN without sea.
     """
-    seen = coverage > LEAST_SEEN
-    return np.where(seen, weighted / np.where(seen, coverage, 1.0), np.nan).astype(weighted.dtype)
+    visible = coverage > LEAST_SEEN
+    return np.where(visible, weighted / np.where(visible, coverage, 1.0), np.nan).astype(weighted.dtype)
 
 
 def share_of_glint(glint: NDArray[Any], radiance: NDArray[Any]) -> NDArray[Any]:
@@ -166,14 +166,14 @@ def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[
 def summed(parts: Sequence[Layers]) -> Layers:
     """Return the image of parts that lie behind each other; each part is a sum over its share of the pixels and has a ``coverage``."""
 
-    def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
+    def total(images: list[NDArray[Any]]) -> NDArray[np.float32]:
         return np.asarray(np.sum(images, axis=0), np.float32)
 
     # means do not add: the first two are weighted with the coverage, the share of glint follows from the sums
     means = {"range", "slope", "glint_share"} & set(parts[0])
-    layers = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    layers = {name: total([part[name] for part in parts]) for name in parts[0] if name not in means}
     for name in means - {"glint_share"}:
-        layers[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), layers["coverage"])
+        layers[name] = mean_over_sea(total([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), layers["coverage"])
     if "glint_share" in means:
         layers["glint_share"] = share_of_glint(layers["glint_radiance"], layers["radiance"])
     return Layers(layers)

@@ -173,20 +173,20 @@ def ray(
     sine = min(max(-climb, 0.0), 1.0)
     i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.radiance.shape[0] - 1)
     warm = warm_light(tables.thermal, axes, air.path.thermal, i, sight, sine, slope)
-    there = sunlight_at(sun, -sight.east, -sight.north, arc)
-    lit = FacetOptics(there, optics.roughness, optics.tables)
+    local_sun = sunlight_at(sun, -sight.east, -sight.north, arc)
+    lit = FacetOptics(local_sun, optics.roughness, optics.tables)
     grazing = (sine, math.sqrt(1.0 - sine * sine))
     solar, _ = facet_sunlight(lit, room.disc, air.path.sun, (i, 0.0), sight, grazing, slope)
     if solar > 0.0:
-        solar *= there.share * strength_kernel(tables.strength, there.up)
-    if solar > 0.0 and bounds.steepest > there.lower_tangent:
+        solar *= local_sun.share * strength_kernel(tables.strength, local_sun.up)
+    if solar > 0.0 and bounds.steepest > local_sun.lower_tangent:
         lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
-        share, lift = sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
+        share, lift = sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), local_sun)
         if lift > 0.0:
-            there = raised_sun(there, lift)
-            risen = FacetOptics(there, optics.roughness, optics.tables)
+            local_sun = raised_sun(local_sun, lift)
+            risen = FacetOptics(local_sun, optics.roughness, optics.tables)
             solar, _ = facet_sunlight(risen, room.disc, air.path.sun, (i, 0.0), sight, grazing, slope)
-            solar *= there.share * strength_kernel(tables.strength, there.up)
+            solar *= local_sun.share * strength_kernel(tables.strength, local_sun.up)
         solar *= share
     path = air.path.radiance[i]
     if air.path.sunlit.haze.values.shape[0] > 0:
@@ -222,8 +222,8 @@ def walk_pixels(
         row, column = pixels[p] // columns, pixels[p] % columns
         n = samples[p]
         channels[p] = 0.0
-        for part_of in range(n * n):
-            f, g = (part_of // n + 0.5) / n, (part_of % n + 0.5) / n
+        for sample in range(n * n):
+            f, g = (sample // n + 0.5) / n, (sample % n + 0.5) / n
             norm = 0.0
             for k in range(3):
                 upper = (1.0 - g) * corner[row, column, k] + g * corner[row, column + 1, k]

@@ -23,7 +23,7 @@ from seaglint.air.profile.ray_paths import LayeredIndex, RayPaths
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression, horizon_range
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
 from seaglint.imaging.scene import Instant, image
@@ -108,17 +108,17 @@ class Bending:
         middle = math.atan2(height - self.height, arc) - 0.5 * arc / EFFECTIVE_EARTH_RADIUS
         # images by way of a duct, or grazing a warm sea, lie up to 10 mrad from the straight line
         wide = STRAYED + 0.2 * arc / EFFECTIVE_EARTH_RADIUS
-        tried = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 8001)
-        off = self.paths(tried).at(arc) - height
-        found = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
-        found = found[np.isfinite(off[found]) & np.isfinite(off[found + 1])]
-        low, high, below = tried[found], tried[found + 1], off[found]
+        elevations = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 8001)
+        off = self.paths(elevations).at(arc) - height
+        brackets = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
+        brackets = brackets[np.isfinite(off[brackets]) & np.isfinite(off[brackets + 1])]
+        low, high, below = elevations[brackets], elevations[brackets + 1], off[brackets]
         # bisection of all intervals at once, with the sign of the lower end
         for _ in range(HALVINGS):
             half = 0.5 * (low + high)
-            here = self.paths(half).at(arc) - height
-            same = (here <= 0.0) == (below <= 0.0)
-            low, high, below = np.where(same, half, low), np.where(same, high, half), np.where(same, here, below)
+            half_off = self.paths(half).at(arc) - height
+            same_side = (half_off <= 0.0) == (below <= 0.0)
+            low, high, below = np.where(same_side, half, low), np.where(same_side, high, half), np.where(same_side, half_off, below)
         return 0.5 * (low + high)
 
 
@@ -141,19 +141,19 @@ class RowShift:
         rays = bending.paths(nodes)
         # halve the gaps between rays that see different things, so that the edges of sea, sky and mirages lie within a small part of a row
         for _ in range(HALVINGS):
-            seen = bending.straight(rays)
-            cut = np.flatnonzero(_broken(nodes, seen) | (np.diff(rays.sea.astype(int)) != 0))
+            straight = bending.straight(rays)
+            cut = np.flatnonzero(_broken(nodes, straight) | (np.diff(rays.sea.astype(int)) != 0))
             if cut.size == 0:
                 break
             nodes = np.asarray(np.sort(np.concatenate([nodes, 0.5 * (nodes[cut] + nodes[cut + 1])]))[::-1], np.float64)
             rays = bending.paths(nodes)
-        seen, step = bending.straight(rays), camera.row_step / FINER
-        above = math.ceil(max(float(seen.max()) - camera.top, 0.0) / step) + FINER
+        straight, step = bending.straight(rays), camera.row_step / FINER
+        above = math.ceil(max(float(straight.max()) - camera.top, 0.0) / step) + FINER
         top = camera.top + above * step
         # whole steps from the camera's top, also where the zenith limits them
         if top > 0.5 * math.pi:
             top = camera.top + math.floor((0.5 * math.pi - camera.top) / step) * step
-        bottom = max(float(seen.min()) - FINER * step, -0.5 * math.pi)
+        bottom = max(float(straight.min()) - FINER * step, -0.5 * math.pi)
         rows = max(math.floor((top - bottom) / step), 1)
         return cls(camera, _grid(camera, top, step, rows), bending, rays)
 
@@ -161,12 +161,12 @@ class RowShift:
     def sea(self) -> csr_array:
         """Shares of the standard picture's rows in the camera's, of sea and sky [1, (rows, standard rows)]."""
         if not self._sea:
-            self._sea.append(self._mixed(self.bending.straight(self.rays), self.standard, held=True)[0])
+            self._sea.append(self._mixed(self.bending.straight(self.rays), self.standard, clamped=True)[0])
         return self._sea[0]
 
     def behind(self, share: FloatArray) -> csr_array:
         """Return the shares of :attr:`sea` times the transmitted ``share`` of every piece between two rays [1, (rows, standard rows)]."""
-        return self._mixed(self.bending.straight(self.rays), self.standard, held=True, factor=share)[0]
+        return self._mixed(self.bending.straight(self.rays), self.standard, clamped=True, factor=share)[0]
 
     @cached_property
     def beyond(self) -> FloatArray:
@@ -189,17 +189,17 @@ class RowShift:
 
     def objects(self, arc: float, standard: Camera, *, into_sea: bool) -> tuple[csr_array, csr_array]:
         """Return shares of a standard picture's rows in the camera's rows for an object at an arc [m], and shares times row [1, pixels]."""
-        return self._mixed(self.bending.over(self.rays, arc, into_sea=into_sea), standard, held=False)
+        return self._mixed(self.bending.over(self.rays, arc, into_sea=into_sea), standard, clamped=False)
 
     def images(self, arc: float, elevation: float, *, into_sea: bool) -> list[tuple[float, float]]:
         """Return the images of a point at an arc [m] and a standard elevation [rad]: row from the top [pixels], and magnification [1]."""
-        e, seen = self.rays.elevation, self.bending.over(self.rays, arc, into_sea=into_sea) - elevation
+        e, difference = self.rays.elevation, self.bending.over(self.rays, arc, into_sea=into_sea) - elevation
         with np.errstate(invalid="ignore", divide="ignore"):
-            met = np.flatnonzero((seen[:-1] > 0.0) & (seen[1:] <= 0.0) | (seen[:-1] <= 0.0) & (seen[1:] > 0.0))
-            share = seen[met] / (seen[met] - seen[met + 1])
-            larger = np.abs((e[met + 1] - e[met]) / (seen[met + 1] - seen[met]))
-        rows = (self.camera.top - (e[met] + share * (e[met + 1] - e[met]))) / self.camera.row_step
-        return [(float(row), float(size)) for row, size in zip(rows, larger, strict=True)]
+            crossed = np.flatnonzero((difference[:-1] > 0.0) & (difference[1:] <= 0.0) | (difference[:-1] <= 0.0) & (difference[1:] > 0.0))
+            share = difference[crossed] / (difference[crossed] - difference[crossed + 1])
+            magnification = np.abs((e[crossed + 1] - e[crossed]) / (difference[crossed + 1] - difference[crossed]))
+        rows = (self.camera.top - (e[crossed] + share * (e[crossed + 1] - e[crossed]))) / self.camera.row_step
+        return [(float(row), float(size)) for row, size in zip(rows, magnification, strict=True)]
 
     def sea_arcs(self) -> FloatArray:
         """Return the mean arc of the sea in each row [m, (rows,)]; NaN for a row without sea."""
@@ -217,17 +217,19 @@ class RowShift:
         row = ((self.camera.top - 0.5 * (e[:-1] + e[1:])) / self.camera.row_step).astype(np.intp)
         return np.clip(row, 0, self.camera.rows - 1), (e[:-1] - e[1:]) / self.camera.row_step
 
-    def _mixed(self, seen: FloatArray, standard: Camera, *, held: bool, factor: FloatArray | None = None) -> tuple[csr_array, csr_array]:
-        """Return the shares of standard rows and their first moments; places beyond the standard picture move to its edge if ``held``.
+    def _mixed(
+        self, straight: FloatArray, standard: Camera, *, clamped: bool, factor: FloatArray | None = None
+    ) -> tuple[csr_array, csr_array]:
+        """Return the shares of standard rows and their first moments; places beyond the standard picture move to its edge if ``clamped``.
 
-        Without ``held`` they are left out.
+        Without ``clamped`` they are left out.
         """
         e, (row, share) = self.rays.elevation, self._pieces
         share = share if factor is None else share * factor
-        place = (standard.top - seen) / standard.row_step
+        place = (standard.top - straight) / standard.row_step
         first, last = place[:-1].copy(), place[1:].copy()
         ends = (first, last)
-        apart = _broken(e, seen) | (np.diff(self.rays.sea.astype(int)) != 0) if held else _broken(e, seen)
+        apart = _broken(e, straight) | (np.diff(self.rays.sea.astype(int)) != 0) if clamped else _broken(e, straight)
         # between rays that see different things each ray represents half of the piece
         whole = np.isfinite(first) & np.isfinite(last) & ~apart
         parts = [(row[whole], share[whole], first[whole], last[whole])]
@@ -238,7 +240,7 @@ class RowShift:
         middle = (self.camera.top - 0.5 * (e[:-1] + e[1:])) / self.camera.row_step
         where = np.concatenate([middle[whole], *(middle[np.isfinite(end) & ~whole] for end in ends)])
         low, high = np.minimum(first, last), np.maximum(first, last)
-        if held:
+        if clamped:
             low, high = (np.clip(x, 1e-9, standard.rows - 1e-6) for x in (low, high))
         high = np.maximum(high, low + 1e-9)
         rows, columns, weights, moments = [], [], [], []
@@ -246,20 +248,20 @@ class RowShift:
         for k in range(int(np.ceil(np.max(high - low, initial=0.0))) + 1):
             cell = np.floor(low) + k
             part = share * np.clip(np.minimum(high, cell + 1.0) - np.maximum(low, cell), 0.0, None) / (high - low)
-            kept = (part > 0.0) & (cell >= 0) & (cell < standard.rows)
-            rows.append(row[kept])
-            columns.append(cell[kept].astype(np.intp))
-            weights.append(part[kept])
-            moments.append(part[kept] * where[kept])
+            inside = (part > 0.0) & (cell >= 0) & (cell < standard.rows)
+            rows.append(row[inside])
+            columns.append(cell[inside].astype(np.intp))
+            weights.append(part[inside])
+            moments.append(part[inside] * where[inside])
         at = (np.concatenate(rows), np.concatenate(columns))
         size = (self.camera.rows, standard.rows)
         return csr_array((np.concatenate(weights), at), shape=size), csr_array((np.concatenate(moments), at), shape=size)
 
 
-def _broken(elevation: FloatArray, seen: FloatArray) -> NDArray[np.bool_]:
+def _broken(elevation: FloatArray, straight: FloatArray) -> NDArray[np.bool_]:
     """Return True between rays whose places in the standard picture lie far apart [(rays - 1,)]."""
     with np.errstate(invalid="ignore"):
-        return np.abs(np.diff(seen)) > BROKEN * np.abs(np.diff(elevation)) + 1e-12
+        return np.abs(np.diff(straight)) > BROKEN * np.abs(np.diff(elevation)) + 1e-12
 
 
 def _grid(camera: Camera, top: float, step: float, rows: int) -> Camera:
@@ -414,8 +416,3 @@ def air_beyond(view: SeaView, bending: Bending, beyond: FloatArray) -> tuple[Flo
     share = ((through * tau[1] * sea) @ weights) / max(float((tau[1] * sea) @ weights), 1e-300)
     added = (1.0 - share) * float(light[1] @ weights) + ((1.0 - through) * tau[1] * air) @ weights
     return share[each], added[each]
-
-
-def pixels_of(camera: Camera) -> Imager:
-    """Return the pixels of an upright image grid."""
-    return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)

@@ -55,16 +55,16 @@ def sun_in_sky(view: SeaView) -> SunInSky:
         return NO_SUN
     dip = horizon_depression(view.sensor_height)
     # a disc that the horizon cuts has the light of its part above it
-    aloft = view.atmosphere.sunlight_at(view.sensor_height, 0.5 * math.pi - max(elevation, 0.5 * SOLAR_ANGULAR_RADIUS - dip))
-    if aloft is not None:
-        spectrum = view.sun_distance_factor * aloft[view.in_band.grid]
+    sunlight = view.atmosphere.sunlight_at(view.sensor_height, 0.5 * math.pi - max(elevation, 0.5 * SOLAR_ANGULAR_RADIUS - dip))
+    if sunlight is not None:
+        spectrum = view.sun_distance_factor * sunlight[view.in_band.grid]
         return SunInSky(_disc(spectrum, view), float(view.solar_azimuth), float(elevation))
     spectrum = view.irradiance
     if visible_sun(view.solar_zenith)[0] == 0.0:
         try:
             spectrum = view.sun_distance_factor * view.atmosphere.solar_irradiance(0.5 * math.pi)[view.in_band.grid]
-        except DomainError as refused:
-            if refused.name != "solar_zenith":
+        except DomainError as error:
+            if error.name != "solar_zenith":
                 raise
     return SunInSky(_disc(spectrum, view), float(view.solar_azimuth), float(elevation))
 
@@ -139,9 +139,9 @@ def disc_in_pixels(sun: SunInSky, corner: FloatArray, pixels: NDArray[np.int64])
     axes = np.array([[ca, -sa, 0.0], [-se * sa, -se * ca, ce], [ce * sa, ce * ca, se]])
     row, column = np.divmod(pixels, corner.shape[1] - 1)
     at = np.stack([corner[row + i, column + j] for i, j in ((0, 0), (0, 1), (1, 1), (1, 0))], axis=1)
-    seen = at @ axes.T
-    near = (seen[..., 2] > math.cos(_LARGE)).all(axis=1)
-    plane = seen[near, :, :2] / seen[near, :, 2:]
+    in_axes = at @ axes.T
+    near = (in_axes[..., 2] > math.cos(_LARGE)).all(axis=1)
+    plane = in_axes[near, :, :2] / in_axes[near, :, 2:]
     radius = math.tan(SOLAR_ANGULAR_RADIUS)
     area = np.abs(sum(_sector(plane[:, k], plane[:, (k + 1) % 4], radius) for k in range(4)))
     # ratio of the disc's solid angle on the sphere to its area in the plane

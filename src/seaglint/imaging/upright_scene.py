@@ -23,7 +23,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import sky_above
 from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging import launch
-from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import Accuracy, Instant, Levels, joined, require_columns
@@ -41,11 +41,11 @@ def sky_rows(view: SeaView, camera: Camera) -> Rows:
     """Return the rows of a camera, with the radiance of the sky and the Sun in rows that touch the sky."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
     # the sky is evaluated in rows that touch it only, with 2 mrad to spare: crests never lower the horizon by more than a few rows
-    seen = elevation[camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3]
+    visible = elevation[camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3]
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
     # one row more, as nothing is interpolated beyond the last
-    sky = sky_above(view, np.append(seen, seen[-1:]))
+    sky = sky_above(view, np.append(visible, visible[-1:]))
     return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, sun_in_sky(view))
 
 
@@ -160,22 +160,22 @@ class SweptScene:
         DomainError
             Pixels of another size, a view beyond the one prepared, or a height that the air was not prepared for.
         """
-        made, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
-        own, other = made.column_step, camera.column_step
-        if abs(other - own) > SAME * own or abs(camera.row_step - made.row_step) > SAME * made.row_step:
+        prepared, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
+        own, other = prepared.column_step, camera.column_step
+        if abs(other - own) > SAME * own or abs(camera.row_step - prepared.row_step) > SAME * prepared.row_step:
             raise DomainError(
                 f"pixels of {1e3 * other:.6g} x {1e3 * camera.row_step:.6g} mrad, and the scene was prepared for "
-                f"{1e3 * own:.6g} x {1e3 * made.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
+                f"{1e3 * own:.6g} x {1e3 * prepared.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
             )
-        outside = beyond(made, camera)
+        outside = beyond(prepared, camera)
         if outside > SAME:
             raise DomainError(
                 f"the camera looks {np.degrees(outside):.4g} deg beyond the view that the scene was prepared for; "
                 "stay inside it or prepare a scene for this camera"
             )
-        if not made.height * (1.0 - SAME) <= camera.height <= highest * (1.0 + SAME):
+        if not prepared.height * (1.0 - SAME) <= camera.height <= highest * (1.0 + SAME):
             raise DomainError(
-                f"camera at {camera.height:g} m, and the scene was prepared for {made.height:g} to {highest:g} m; "
+                f"camera at {camera.height:g} m, and the scene was prepared for {prepared.height:g} to {highest:g} m; "
                 "stay between them or prepare a scene for this height"
             )
         if self._tables is None:
@@ -184,7 +184,7 @@ class SweptScene:
         if camera.height != walk.eye:
             rise, fall = sight_lines(walk.range_m, camera.height)
             walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
-        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
+        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=prepared.height))
         return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
 
     def reseeded(self, seed: int) -> Self:
@@ -205,8 +205,7 @@ class SweptScene:
     @property
     def pixels(self) -> Imager:
         """Pixels of the camera, independent of its attitude."""
-        camera = self.camera
-        return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
+        return pixels_of(self.camera)
 
     def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
         """Return azimuths of the columns and elevations of the rows [rad]."""
@@ -385,11 +384,11 @@ def calm_doublings(width: float, most: int) -> int:
     return min(max(math.ceil(3.0 * width) - 1, 0), most - 1).bit_length()
 
 
-def beyond(made: Camera, other: Camera) -> float:
+def beyond(prepared: Camera, other: Camera) -> float:
     """Return the angle by which the view of a camera extends beyond another's view [rad]; 0 or less for a view inside it."""
-    aside = abs(float(wrap_angle(other.azimuth - made.azimuth))) + 0.5 * (other.width - made.width)
-    around = made.width >= 2.0 * np.pi - SAME
-    return max(-np.inf if around else aside, other.top - made.top, made.bottom - other.bottom)
+    aside = abs(float(wrap_angle(other.azimuth - prepared.azimuth))) + 0.5 * (other.width - prepared.width)
+    around = prepared.width >= 2.0 * np.pi - SAME
+    return max(-np.inf if around else aside, other.top - prepared.top, prepared.bottom - other.bottom)
 
 
 def composed(parts: Sequence[Layers]) -> Layers:

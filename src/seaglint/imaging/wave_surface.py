@@ -315,14 +315,14 @@ def slopes(surface: Surface, line: SurfaceLine, r: float) -> tuple[float, float]
 
 
 @kernel
-def address(line: SurfaceLine, j: int, first: float, some: tuple[int, int], strip: Strip) -> int:
-    """Compute fractions and cells over a level's part ``j`` of the readings ``some = (begin, end)`` of a strip, up to the line's next knot.
+def address(line: SurfaceLine, j: int, first: float, readings: tuple[int, int], strip: Strip) -> int:
+    """Compute fractions and cells over a level's part ``j`` of a strip's ``readings = (begin, end)``, up to the line's next knot.
 
     ``first`` [m]: origin of ``strip.arc``. Returns the number of the next reading. The addresses are computed apart from the readings, in
     numbers of 32 bits, of which the processor takes several at a time.
     """
     v, u = strip.fraction
-    begin, end = some
+    begin, end = readings
     r = first + strip.arc[begin]
     m = piece(line, j, r)
     knot = line.knot[j, 0] + (m + 1) / line.knot[j, 1] - first if m < line.part[j, 4] else math.inf
@@ -343,9 +343,9 @@ def address(line: SurfaceLine, j: int, first: float, some: tuple[int, int], stri
     last, row, bits, low = np.uint32(size - 1), np.uint32(size + 3), np.uint32(SUBCELL_BITS), np.uint32(SUBCELLS - 1)
     part = np.float32(1.0 / SUBCELLS)
     # unsigned: Numba tests every signed address for a negative value
-    room = np.uint64(begin)
+    origin = np.uint64(begin)
     for n in range(end - begin):
-        k = room + np.uint64(n)
+        k = origin + np.uint64(n)
         along = strip.arc[k]
         at_u, at_v = np.uint32(offset_u + np.int32(along * move_u)), np.uint32(offset_v + np.int32(along * move_v))
         u[k], v[k] = np.float32(np.int32(at_u & low)) * part, np.float32(np.int32(at_v & low)) * part
@@ -384,8 +384,8 @@ def add_between(strip: Strip, bits: int) -> None:
     before, low, high = strip.read[0], strip.read[1], strip.read[2]
     for m in range(STRIP >> bits):
         beyond = strip.read[np.uint64(m + 3)]
-        rise, there, step = half * (high - before), half * (beyond - low), high - low
-        bend, twist = step + step + step - rise - rise - there, rise + there - step - step
+        rise, next_rise, step = half * (high - before), half * (beyond - low), high - low
+        bend, twist = step + step + step - rise - rise - next_rise, rise + next_rise - step - step
         for k in range(apart):
             t = np.float32(k) * part
             strip.height[np.uint64(m * apart + k)] += low + t * (rise + t * (bend + t * twist))

@@ -22,7 +22,7 @@ from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distort
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.transfer import BYTES_PER_FINE_PIXEL, Sampling, Transfer, isolated, needed_oversampling, padded_shape
 
-KEPT: Final = 4  #: Number of transfers of different sizes or smears that are cached.
+CACHED: Final = 4  #: Number of transfers of different sizes or smears that are cached.
 
 SHORT_BELOW: Final = 0.95  #: Share of the well above which the shorter exposure is used.
 
@@ -134,7 +134,7 @@ class SensorModel:
         cached = self._transfers.get(key)
         if cached is None:
             cached = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
-            while len(self._transfers) > KEPT:
+            while len(self._transfers) > CACHED:
                 self._transfers.popitem(last=False)
         self._transfers.move_to_end(key)
         return cached
@@ -190,10 +190,10 @@ class SensorModel:
             places = distorted_places((radiance.shape[0], radiance.shape[1]), optics.distortion)
             radiance = map_coordinates(radiance, places, order=1, mode="nearest").astype(np.float32)
         shape = (radiance.shape[0], radiance.shape[1])
-        alone = None if drawn else isolated(radiance)
-        if alone is not None and alone.any():
-            points = self.transfer(shape, oversampling, rates, points=True)(alone)
-            out = self.transfer(shape, oversampling, rates)(radiance - alone) + points
+        isolated_light = None if drawn else isolated(radiance)
+        if isolated_light is not None and isolated_light.any():
+            points = self.transfer(shape, oversampling, rates, points=True)(isolated_light)
+            out = self.transfer(shape, oversampling, rates)(radiance - isolated_light) + points
         else:
             out = self.transfer(shape, oversampling, rates)(radiance)
         if added is not None:
@@ -221,8 +221,8 @@ class SensorModel:
         if seen.ndim == 3:
             begin = frame * self.frame_interval if time is None else time
             frames = [self.expose(picture, frame + k, begin + k * self.frame_interval) for k, picture in enumerate(seen)]
-            counted = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
-            return Exposure(*counted, sum(one.saturated for one in frames))
+            signals = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
+            return Exposure(*signals, sum(one.saturated for one in frames))
         line, noise = self.readout, self.noise
         shape = (seen.shape[0], seen.shape[1])
         pattern = self._pattern(shape)

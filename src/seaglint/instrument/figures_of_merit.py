@@ -217,7 +217,7 @@ def figures(
     nyquist = 0.5 / model.ifov
     frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
     transfer = mtf(model, frequency, rates)
-    here = budget(model, mean)
+    at_mean = budget(model, mean)
     floor = budget(model, 0.0).total
     time = detector.integration_time if isinstance(detector, PhotonPixels) else model.frame_interval
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
@@ -229,7 +229,9 @@ def figures(
         along=transfer["along"]["total"].tolist(),
         across=transfer["across"]["total"].tolist(),
         nyquist_cycles_per_mrad=1e-3 * nyquist,
-        parts={way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
+        parts={
+            direction: {name: part.tolist() for name, part in parts.items() if name != "total"} for direction, parts in transfer.items()
+        },
     )
     return SensorDataSheet(
         detector="photon" if photon else "thermal",
@@ -260,9 +262,9 @@ def figures(
         noise_budget=BudgetAtMean(
             scene_radiance=mean,
             scene_apparent_temperature_k=_finite(float(photons.apparent_temperature(mean))),
-            signal=here.signal,
-            parts=here.parts,
-            total_temporal=here.total,
+            signal=at_mean.signal,
+            parts=at_mean.parts,
+            total_temporal=at_mean.total,
             fixed_pattern=fixed_pattern(model, mean),
         ),
         three_d_noise=three_d(model, mean),
@@ -353,13 +355,13 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
     """
     pixels = _photon_pixels(model)
 
-    def over(time: float) -> float:
+    def log_ratio(time: float) -> float:
         return math.log(netd(exposed(time), temperature) / stated)
 
     def exposed(time: float) -> SensorModel:
         return replace(model, detector=replace(pixels, integration_time=time))
 
-    if over(longest) > 0.0:
+    if log_ratio(longest) > 0.0:
         raise DomainError(
             f"NETD = {1e3 * stated:.4g} mK is below the {1e3 * netd(exposed(longest), temperature):.4g} mK of the longest integration, "
             f"{longest:.4g} s; give a higher one, a lower frame rate or a faster lens",
@@ -367,7 +369,7 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
             value=stated,
             allowed=f"from {netd(exposed(longest), temperature):.4g} K",
         )
-    if over(SHORTEST) < 0.0:
+    if log_ratio(SHORTEST) < 0.0:
         raise DomainError(
             f"NETD = {1e3 * stated:.4g} mK is reached by any integration time; give a lower one, or integration_time_s",
             name="netd",
@@ -375,7 +377,7 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
             allowed=f"up to {netd(exposed(SHORTEST), temperature):.4g} K",
         )
     # NETD falls with the integration time over many decades: the root is sought in the logarithms of both
-    time = math.exp(brentq(lambda x: over(math.exp(x)), math.log(SHORTEST), math.log(longest), xtol=1e-10))
+    time = math.exp(brentq(lambda x: log_ratio(math.exp(x)), math.log(SHORTEST), math.log(longest), xtol=1e-10))
     line = exposed(time).readout
     signal = float(line.units(model.photons.radiance(temperature)))
     if signal > line.full_scale:

@@ -95,7 +95,7 @@ TILE: Final = 96  #: Side of the tiles into which sources over a larger area are
 
 STEP: Final = 16  #: Step of the sizes of windows [pixels], so that few filters are needed.
 
-KEPT: Final = 8  #: Number of filters of windows that are cached.
+CACHED: Final = 8  #: Number of filters of windows that are cached.
 
 
 class Boxes(NamedTuple):
@@ -269,17 +269,17 @@ class LocalLight:
             total = total / (np.sinc(x / m) ** 4)[None, :] / (np.sinc(y / m) ** 4)[:, None]
             phase = np.exp(1j * np.pi * x)[None, :] * np.exp(1j * np.pi * y)[:, None]  # a pixel's middle is half a pixel behind its edge
             cached = self._filters[shape] = (total * phase).astype(np.complex64)
-            while len(self._filters) > KEPT:
+            while len(self._filters) > CACHED:
                 self._filters.popitem(last=False)
         return cached
 
-    def seen(
+    def changes(
         self,
         boxes: Boxes,
         instants: Instants,
         sea: Backdrop,
         bent: LensShift,
-        wanted: tuple[tuple[int, int] | None, tuple[int, int] | None] = (None, None),
+        requested: tuple[tuple[int, int] | None, tuple[int, int] | None] = (None, None),
     ) -> list[tuple[int, int, NDArray[np.float32]]]:
         """Return the change of the radiance on the pixels around sources in an exposure.
 
@@ -293,7 +293,7 @@ class LocalLight:
             Image of the sea behind them.
         bent : LensShift
             Distortion of the lens.
-        wanted : (columns, rows)
+        requested : (columns, rows)
             First and end of the requested pixels, None for all: sources farther from them than the margin are left out.
 
         Returns
@@ -304,7 +304,7 @@ class LocalLight:
         if boxes.column.size == 0 or instants.weight.size == 0:
             return []
         limits = list(_extent(boxes, instants, bent))
-        for k, some in enumerate(wanted):
+        for k, some in enumerate(requested):
             if some is not None:
                 limits[2 * k] = max(limits[2 * k], some[0] - self.margin)
                 limits[2 * k + 1] = min(limits[2 * k + 1], some[1] + self.margin)

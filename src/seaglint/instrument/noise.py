@@ -158,8 +158,8 @@ class Pattern:
         up = np.zeros(count)
         for value in np.unique(number):
             draws = stream(self.seed, "sensor blinking", int(value) & 0xFFFFFFFF).random(count)
-            here = number == value
-            up[here] = draws[here] < BLINK_SHARE
+            members = number == value
+            up[members] = draws[members] < BLINK_SHARE
         return up
 
 

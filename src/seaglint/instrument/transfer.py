@@ -214,8 +214,8 @@ class Transfer:
                 f"a picture of {fine.shape} for a sensor prepared for {(self.shape[0] * n, self.shape[1] * n)}; prepare another"
             )
         level = np.float32(fine.mean(dtype=np.float64))  # the transformed values are small: single precision rounds little
-        given = np.pad(fine - level, [_pads(n * self.before[i], n * self.shape[i], n * self.padded[i]) for i in (0, 1)], mode="edge")
-        spectrum = scipy.fft.rfft2(given)
+        padded = np.pad(fine - level, [_pads(n * self.before[i], n * self.shape[i], n * self.padded[i]) for i in (0, 1)], mode="edge")
+        spectrum = scipy.fft.rfft2(padded)
         spectrum *= self.filter
         # taking every n-th row of the result is a sum over n parts of its spectrum: the transform along columns is n times shorter
         folded = spectrum.reshape(n, rows, -1).sum(axis=0) / np.float32(n)

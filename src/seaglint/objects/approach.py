@@ -58,20 +58,20 @@ def first_contact(body: Body, eye: Callable[[float], FloatArray], corners: Float
     while pieces:
         begin, end = pieces.pop()
         # between breaks the path is a cubic (a spline less a line): four places determine it
-        way = np.stack([eye(t) - flat.at(t).position for t in np.linspace(begin, end, 4)])
-        if _beyond(way, reach):
+        path = np.stack([eye(t) - flat.at(t).position for t in np.linspace(begin, end, 4)])
+        if _beyond(path, reach):
             continue
         times = np.linspace(begin, end, 5)
-        own = np.stack([_in_body(body, eye, float(t)) for t in times])
-        line = own[0] + (own[-1] - own[0]) * np.linspace(0.0, 1.0, 5)[:, None]
-        if halved < MOST_PIECES and end > begin and float(np.linalg.norm(own - line, axis=1).max()) > STRAIGHT:
+        sensor = np.stack([_in_body(body, eye, float(t)) for t in times])
+        line = sensor[0] + (sensor[-1] - sensor[0]) * np.linspace(0.0, 1.0, 5)[:, None]
+        if halved < MOST_PIECES and end > begin and float(np.linalg.norm(sensor - line, axis=1).max()) > STRAIGHT:
             halved += 1
             middle = 0.5 * (begin + end)
             pieces += [(middle, end), (begin, middle)]
             continue
-        share = min((at for part in body.parts if (at := _met(part, own[0], own[-1])) is not None), default=None)
+        share = min((at for part in body.parts if (at := _first_touch(part, sensor[0], sensor[-1])) is not None), default=None)
         if share is not None:
-            return Contact(begin + share * (end - begin), float(np.linalg.norm(own[0] + share * (own[-1] - own[0]))))
+            return Contact(begin + share * (end - begin), float(np.linalg.norm(sensor[0] + share * (sensor[-1] - sensor[0]))))
     return None
 
 
@@ -81,12 +81,12 @@ def _in_body(body: Body, eye: Callable[[float], FloatArray], time: float) -> Flo
     return np.asarray(at.rotation.T @ (eye(time) - at.position))
 
 
-def _beyond(way: FloatArray, reach: float) -> bool:
+def _beyond(path: FloatArray, reach: float) -> bool:
     """Return True if a cubic path through four places at even times stays farther than ``reach`` [m] from the origin.
 
     The path lies in the hull of its Bezier points, and these lie in a ball about the middle of its ends.
     """
-    p, q, r, s = way
+    p, q, r, s = path
     control = np.stack([p, (-5.0 * p + 18.0 * q - 9.0 * r + 2.0 * s) / 6.0, (2.0 * p - 9.0 * q + 18.0 * r - 5.0 * s) / 6.0, s])
     middle = 0.5 * (p + s)
     return bool(np.linalg.norm(middle) - np.linalg.norm(control - middle, axis=1).max() > reach)
@@ -112,7 +112,7 @@ def _radius(part: Solid | GasPlume | PointSource) -> float:
     return CLEARANCE
 
 
-def _met(part: Solid | GasPlume | PointSource, start: FloatArray, end: FloatArray) -> float | None:
+def _first_touch(part: Solid | GasPlume | PointSource, start: FloatArray, end: FloatArray) -> float | None:
     """Return the share of a straight path at which it first meets a part [1]; None where it does not."""
     if isinstance(part, Solid):
         return 0.0 if inside(part, start) else _pierced(part, start, end)
@@ -149,5 +149,5 @@ def _pierced(part: Solid, start: FloatArray, end: FloatArray) -> float | None:
     g = np.einsum("ij,ij->i", to, across) / size
     h = other @ along / size
     share = np.where(np.isfinite(size), np.einsum("ij,ij->i", v, other) / size, np.inf)
-    met = share[(g >= 0.0) & (h >= 0.0) & (g + h <= 1.0) & (share >= 0.0) & (share <= 1.0)]
-    return float(met.min()) if met.size else None
+    crossings = share[(g >= 0.0) & (h >= 0.0) & (g + h <= 1.0) & (share >= 0.0) & (share <= 1.0)]
+    return float(crossings.min()) if crossings.size else None

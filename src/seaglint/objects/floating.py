@@ -74,8 +74,8 @@ class Swell:
         for waves in every:
             k = np.hypot(waves[:, 0], waves[:, 1])
             # largest response of the narrow side at any heading
-            felt = (waves[:, 3] ** 2 + waves[:, 4] ** 2) * np.minimum(1.0, 1.0 / np.maximum(k * min(half_sides), 1e-300)) ** 2
-            shares.append(np.stack([felt, felt * k**2], axis=1))
+            response = (waves[:, 3] ** 2 + waves[:, 4] ** 2) * np.minimum(1.0, 1.0 / np.maximum(k * min(half_sides), 1e-300)) ** 2
+            shares.append(np.stack([response, response * k**2], axis=1))
         whole = np.concatenate(shares) / np.concatenate(shares).sum(axis=0)
         weight = np.sort(whole.max(axis=1))
         least = weight[min(int(np.searchsorted(np.cumsum(weight), NEGLIGIBLE)), weight.size - 1)]
@@ -228,11 +228,11 @@ class FloatingTrack(Track):
         poses = [afloat.at(float(t)) for t in times]
         flat = [Track.at(afloat, float(t)) for t in times]
         numbers, base_numbers = np.array([_numbers(p) for p in poses]), np.array([_numbers(p) for p in flat])
-        spread = (numbers - base_numbers).std(axis=0)
-        low, high = numbers.min(axis=0) - SPARE * spread, numbers.max(axis=0) + SPARE * spread
+        deviation = (numbers - base_numbers).std(axis=0)
+        low, high = numbers.min(axis=0) - SPARE * deviation, numbers.max(axis=0) + SPARE * deviation
         if len(times) > 1 and times[1] - times[0] > DENSE:
-            low = np.minimum(low, base_numbers.min(axis=0) - FARTHEST * spread)
-            high = np.maximum(high, base_numbers.max(axis=0) + FARTHEST * spread)
+            low = np.minimum(low, base_numbers.min(axis=0) - FARTHEST * deviation)
+            high = np.maximum(high, base_numbers.max(axis=0) + FARTHEST * deviation)
         return cls(base.time, base.values, swell, half, heading, low, high)
 
     def at(self, time: float) -> Pose:
@@ -242,7 +242,7 @@ class FloatingTrack(Track):
         lift = self.swell.under(np.array([flat.east, flat.north]), heading, self.half_sides, time)
         turn = tilt(heading, lift.starboard, lift.forward)
         mast = turn @ np.array([0.0, 0.0, flat.height])
-        attitude = _turned(flat.attitude, turn)
+        attitude = _tilted(flat.attitude, turn)
         return Pose(flat.east + float(mast[0]), flat.north + float(mast[1]), lift.height + float(mast[2]), attitude)
 
     def _heading(self, time: float) -> float:
@@ -291,7 +291,7 @@ def _numbers(pose: Pose) -> tuple[float, float, float, float]:
     return pose.height, pose.attitude.azimuth, pose.attitude.elevation, pose.attitude.roll
 
 
-def _turned(attitude: Attitude, turn: FloatArray) -> Attitude:
+def _tilted(attitude: Attitude, turn: FloatArray) -> Attitude:
     """Return an attitude rotated with the vessel; its azimuth and roll are within half a turn of the original angles."""
     right, _, forward = attitude.axes @ turn.T
     elevation = math.asin(min(max(float(forward[2]), -1.0), 1.0))

@@ -34,27 +34,37 @@ def oriented(mesh: Mesh) -> Mesh:
     vertices, triangles = mesh
     if not len(triangles) or not np.isfinite(vertices).all():
         raise DomainError("the mesh has no triangles, or vertices that are no finite numbers; export it again")
-    same = merged(vertices)[triangles]
-    valid = (same[:, 0] != same[:, 1]) & (same[:, 1] != same[:, 2]) & (same[:, 2] != same[:, 0])
-    same, triangles = same[valid], triangles[valid]
-    _require_closed(same)
-    filled = volume((vertices, triangles))
+    merged_corners = merged(vertices)[triangles]
+    valid = (
+        (merged_corners[:, 0] != merged_corners[:, 1])
+        & (merged_corners[:, 1] != merged_corners[:, 2])
+        & (merged_corners[:, 2] != merged_corners[:, 0])
+    )
+    merged_corners, triangles = merged_corners[valid], triangles[valid]
+    _require_closed(merged_corners)
+    enclosed = volume((vertices, triangles))
     size = np.ptp(vertices, axis=0)
-    if abs(filled) <= THINNEST * max(float(np.prod(size)), 1e-3 * float(size.max()) ** 3):
-        raise DomainError(f"the mesh has no volume ({abs(filled):.3g} m3); give it some thickness")
-    _require_uncrossed(vertices, same)
-    return vertices, np.ascontiguousarray(triangles if filled > 0.0 else triangles[:, ::-1])
+    if abs(enclosed) <= THINNEST * max(float(np.prod(size)), 1e-3 * float(size.max()) ** 3):
+        raise DomainError(f"the mesh has no volume ({abs(enclosed):.3g} m3); give it some thickness")
+    _require_uncrossed(vertices, merged_corners)
+    return vertices, np.ascontiguousarray(triangles if enclosed > 0.0 else triangles[:, ::-1])
 
 
 def inside(part: Solid, place: FloatArray) -> bool:
     """Return True if a place [m, (3,)] in the body's axes is inside a solid: seen from it, the surface fills the whole sphere."""
     if np.any(place < part.vertices.min(axis=0)) or np.any(place > part.vertices.max(axis=0)):
         return False
-    a, b, c = (part.vertices[part.triangles[:, i]] - place for i in range(3))
+    return encloses_origin((part.vertices - place, part.triangles))
+
+
+def encloses_origin(mesh: Mesh) -> bool:
+    """Return True if a closed surface encloses the origin: the solid angles of its triangles add to a full sphere."""
+    a, b, c = (mesh[0][mesh[1][:, i]] for i in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    # half of a solid angle by its tangent (Van Oosterom and Strackee 1983); the sum is 2 pi inside and 0 outside
     numerator = np.sum(a * np.cross(b, c), axis=1)
     denominator = la * lb * lc + np.sum(a * b, axis=1) * lc + np.sum(b * c, axis=1) * la + np.sum(c * a, axis=1) * lb
-    return bool(abs(np.sum(np.arctan2(numerator, denominator))) > np.pi)  # half of the solid angle
+    return bool(abs(np.sum(np.arctan2(numerator, denominator))) > np.pi)
 
 
 def _require_closed(triangles: NDArray[np.int64]) -> None:
@@ -84,11 +94,11 @@ def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> No
     first = second = -1
     for slab in range(slabs):
         bottom, top = (begin + wide * k / slabs for k in (slab, slab + 1))
-        some = order[(low[order, axes[1]] <= top) & (high[order, axes[1]] >= bottom)]
-        arranged = [np.ascontiguousarray(values[some][..., axes]) for values in (corners, low, high)]
-        first, second = _crossing(arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[some]), depth)
+        members = order[(low[order, axes[1]] <= top) & (high[order, axes[1]] >= bottom)]
+        arranged = [np.ascontiguousarray(values[members][..., axes]) for values in (corners, low, high)]
+        first, second = _crossing(arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[members]), depth)
         if first >= 0:
-            first, second = int(some[first]), int(some[second])
+            first, second = int(members[first]), int(members[second])
             break
     if first >= 0:
         x, y, z = corners[first].mean(axis=0)

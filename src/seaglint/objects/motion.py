@@ -49,9 +49,9 @@ def rotation(heading: float, pitch: float = 0.0, roll: float = 0.0) -> FloatArra
     return np.asarray(level @ pitched @ rolled)
 
 
-def heading_of(turned: FloatArray) -> float:
+def heading_of(matrix: FloatArray) -> float:
     """Return the heading of a rotation [rad]: azimuth of the body's forward axis."""
-    return math.atan2(float(turned[0, 1]), float(turned[1, 1]))
+    return math.atan2(float(matrix[0, 1]), float(matrix[1, 1]))
 
 
 def tilt(heading: float, starboard: float, forward: float) -> FloatArray:
@@ -234,7 +234,7 @@ class Keyframed:
             )
         heading = np.zeros(len(time)) if follows else angles[:, 0]
         frames = [rotation(float(h), float(p), float(r)) for h, (p, r) in zip(heading, angles[:, 1:], strict=True)]
-        turned = Rotation.from_matrix(np.stack(frames))
+        rotations = Rotation.from_matrix(np.stack(frames))
         turn = np.asarray((Rotation.from_matrix(np.stack(frames[:-1])).inv() * Rotation.from_matrix(np.stack(frames[1:]))).magnitude())
         for row in np.flatnonzero(turn > np.pi - 1e-7)[:1]:
             raise DomainError(
@@ -246,7 +246,7 @@ class Keyframed:
                 f"{np.degrees(MOST_TURN):g} deg/s: correct heading_deg, pitch_deg, roll_deg or a time"
             )
         spline = CubicSpline(time, position, bc_type="natural") if path == "spline" else None
-        return cls(time.copy(), position.copy(), follows, spline, Slerp(time, turned))
+        return cls(time.copy(), position.copy(), follows, spline, Slerp(time, rotations))
 
     @property
     def known(self) -> tuple[float, float]:
@@ -266,8 +266,8 @@ class Keyframed:
             position = np.asarray(self._spline(t))
         else:
             position = np.array([np.interp(t, self.time, column) for column in self.position.T])
-        turned = np.asarray(self._turns(t).as_matrix())
-        return Placement(position, rotation(self._course(t)) @ turned if self.follows else turned)
+        attitude = np.asarray(self._turns(t).as_matrix())
+        return Placement(position, rotation(self._course(t)) @ attitude if self.follows else attitude)
 
     def velocity(self, time: float) -> FloatArray:
         """Return the velocity towards east, north and up [m s-1, (3,)]; at a corner of straight lines the velocity of the next line."""

@@ -72,17 +72,17 @@ def cone(radius: float, length: float, top_radius: float = 0.0) -> Mesh:
     turn = 2.0 * np.pi * np.arange(SIDES) / SIDES
     circle = np.stack([np.cos(turn), np.sin(turn), np.zeros(SIDES)], axis=1) * (np.pi / SIDES) / np.sin(np.pi / SIDES)
     up = np.array([0.0, 0.0, 0.5 * length])
-    here = np.arange(SIDES)
-    there, foot = (here + 1) % SIDES, np.full(SIDES, SIDES)
-    bottom = np.stack([foot, there, here], axis=1)
+    lower = np.arange(SIDES)
+    next_lower, foot = (lower + 1) % SIDES, np.full(SIDES, SIDES)
+    bottom = np.stack([foot, next_lower, lower], axis=1)
     if top_radius == 0.0:
         corners = np.concatenate([radius * circle - up, [-up, up]])
-        sides = np.stack([here, there, np.full(SIDES, SIDES + 1)], axis=1)
+        sides = np.stack([lower, next_lower, np.full(SIDES, SIDES + 1)], axis=1)
         return corners, np.concatenate([bottom, sides]).astype(np.int32)
     corners = np.concatenate([radius * circle - up, [-up], top_radius * circle + up, [up]])
-    above, beside = here + SIDES + 1, there + SIDES + 1
-    sides = np.concatenate([np.stack([here, there, beside], axis=1), np.stack([here, beside, above], axis=1)])
-    top = np.stack([np.full(SIDES, 2 * SIDES + 1), above, beside], axis=1)
+    upper, next_upper = lower + SIDES + 1, next_lower + SIDES + 1
+    sides = np.concatenate([np.stack([lower, next_lower, next_upper], axis=1), np.stack([lower, next_upper, upper], axis=1)])
+    top = np.stack([np.full(SIDES, 2 * SIDES + 1), upper, next_upper], axis=1)
     return corners, np.concatenate([bottom, sides, top]).astype(np.int32)
 
 
@@ -132,8 +132,8 @@ def _unit_sphere() -> Mesh:
     # corners on the border of two faces occur twice, equal but for rounding
     _, first, back = np.unique(np.round(every, 9), axis=0, return_index=True, return_inverse=True)
     corners = every[first] / np.linalg.norm(every[first], axis=1, keepdims=True)
-    turned = np.arange(len(triangles))[:, None, None] * len(rows) + np.array(small)
-    triangles = back.reshape(-1)[turned.reshape(-1, 3)].astype(np.int32)
+    numbers = np.arange(len(triangles))[:, None, None] * len(rows) + np.array(small)
+    triangles = back.reshape(-1)[numbers.reshape(-1, 3)].astype(np.int32)
     return corners * np.sqrt(4.0 * np.pi / surface_area((corners, triangles))), triangles
 
 
@@ -143,12 +143,12 @@ Operation = Literal["union", "intersection", "difference"]
 def solid(mesh: Mesh, temperature: ArrayLike, emissivity: ArrayLike) -> Solid:
     """Return a solid from a mesh and a material: one temperature [K] and emissivity [1], or one for each vertex."""
     vertices, triangles = mesh
-    wide = (len(vertices),)
+    shape = (len(vertices),)
     return Solid(
         np.ascontiguousarray(vertices, np.float64),
         np.ascontiguousarray(triangles, np.int32),
-        np.array(np.broadcast_to(temperature, wide), np.float64),
-        np.array(np.broadcast_to(emissivity, wide), np.float64),
+        np.array(np.broadcast_to(temperature, shape), np.float64),
+        np.array(np.broadcast_to(emissivity, shape), np.float64),
     )
 
 
@@ -223,13 +223,13 @@ def _manifold(part: Solid) -> Any:
 
     values = np.column_stack([part.vertices, part.temperature, part.emissivity])
     # vertices at one place count as one: seams would otherwise be holes
-    same = merged(part.vertices)
-    twice = np.flatnonzero(same != np.arange(len(same)))
+    first = merged(part.vertices)
+    duplicates = np.flatnonzero(first != np.arange(len(first)))
     mesh = manifold3d.Mesh64(
         np.ascontiguousarray(values),
         np.ascontiguousarray(part.triangles, np.uint64),
-        twice.astype(np.uint64),
-        same[twice].astype(np.uint64),
+        duplicates.astype(np.uint64),
+        first[duplicates].astype(np.uint64),
     )
     result = manifold3d.Manifold(mesh)
     if result.status() != manifold3d.Error.NoError:

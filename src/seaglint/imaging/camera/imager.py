@@ -222,6 +222,11 @@ class Imager:
         return Camera(height, attitude.azimuth, attitude.elevation, self.width, self.height_angle, self.columns, self.rows)
 
 
+def pixels_of(camera: Camera) -> Imager:
+    """Return the pixels of an upright image grid, for any attitude; the inverse of :meth:`Imager.camera`."""
+    return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
+
+
 def pixel_pitch(corners: FloatArray) -> tuple[float, float]:
     """Return the least and the median angle between neighbouring corners [rad]."""
     across = np.linalg.norm(np.diff(corners, axis=1), axis=-1)

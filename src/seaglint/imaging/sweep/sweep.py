@@ -113,13 +113,13 @@ def add_rows(
 
 
 @kernel
-def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after: float, width: float) -> float:
+def leaning(light: np.ndarray, j: int, k: int, before: float, centre: float, after: float, width: float) -> float:
     """Return the derivative of a radiance over elevation [per rad] at piece ``j``, from its neighbours.
 
     ``before, here, after``: elevations of the centres of the neighbours and of the piece; a missing neighbour has the centre of the piece.
     The radiance at the ends of the piece differs from its mean by no more than the mean differs from its neighbours, and is above 0.
     """
-    fall, rise = light[j, k] - light[j - 1 if before != here else j, k], light[j + 1 if after != here else j, k] - light[j, k]
+    fall, rise = light[j, k] - light[j - 1 if before != centre else j, k], light[j + 1 if after != centre else j, k] - light[j, k]
     if before == after:
         return 0.0
     most = 2.0 * min(max(abs(fall), abs(rise)), light[j, k]) / width
@@ -210,16 +210,16 @@ def shade_line(
     # radiance is linear over a piece; next to a hidden gap only the neighbour on the other side gives the slope
     low = elevation(lowest)
     high = elevation(extent[0, 1]) if count > 0 else low
-    before = here = 0.5 * (low + high)
+    before = centre = 0.5 * (low + high)
     emitted = path = 0.0
     for j in range(count):
         beyond = elevation(extent[j + 1, 1]) if j + 1 < count else high
-        after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else here
+        after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else centre
         width = max(high - low, 1e-15)
         if light.shape[1] > FEWEST:
-            emitted = leaning(light, j, EMITTED, before, here, after, width)
-            path = leaning(light, j, PATH, before, here, after, width)
-        lean = (leaning(light, j, TOTAL, before, here, after, width), leaning(light, j, SUN, before, here, after, width), emitted, path)
+            emitted = leaning(light, j, EMITTED, before, centre, after, width)
+            path = leaning(light, j, PATH, before, centre, after, width)
+        lean = (leaning(light, j, TOTAL, before, centre, after, width), leaning(light, j, SUN, before, centre, after, width), emitted, path)
         add_rows(images[0], swept.rows, (low, high), line.weight, light[j], lean)
         if images.shape[0] > 1:
             interval = 0
@@ -227,7 +227,7 @@ def shade_line(
                 interval += 1
             add_rows(images[1 + interval], swept.rows, (low, high), line.weight, light[j], lean)
         low, high = high, beyond
-        before, here = (here, after) if after != here else (0.5 * (low + high), 0.5 * (low + high))
+        before, centre = (centre, after) if after != centre else (0.5 * (low + high), 0.5 * (low + high))
 
 
 @kernel

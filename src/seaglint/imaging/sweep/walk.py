@@ -161,11 +161,11 @@ def elevation(tangent: float) -> float:
 def in_view(walk: Walk, strip: Strip, first: int, count: int, crest: float, tangent: float) -> bool:
     """Return True where a height of the strip, raised by ``crest`` [m], is above the line of sight of this tangent."""
     # unsigned, as in :func:`~seaglint.imaging.wave_surface.address`
-    seen, at = np.int64(0), np.uint64(first)
+    visible, at = np.int64(0), np.uint64(first)
     for n in range(count):
         k = np.uint64(n)
-        seen += walk.rise[at + k] * (strip.height[k] + crest) - walk.fall[at + k] > tangent
-    return bool(seen > 0)
+        visible += walk.rise[at + k] * (strip.height[k] + crest) - walk.fall[at + k] > tangent
+    return bool(visible > 0)
 
 
 @kernel
@@ -280,23 +280,23 @@ def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces
     first = 0
     while first < count:
         # counted from fixed places, so that roundings do not depend on where a view begins
-        begin, some = stretch * math.floor(pieces.arc[first] / stretch), min(STRIP, count - first)
-        while some > 1 and pieces.arc[first + some - 1] >= begin + stretch:
-            some -= 1
-        for n in range(some):
+        begin, number = stretch * math.floor(pieces.arc[first] / stretch), min(STRIP, count - first)
+        while number > 1 and pieces.arc[first + number - 1] >= begin + stretch:
+            number -= 1
+        for n in range(number):
             strip.arc[np.uint64(n)] = pieces.arc[np.uint64(first + n)] - begin
         for i in range(line.part.shape[0]):
             done = 0
-            while done < some:
-                done = address(line, i, begin, (done, some), strip)
+            while done < number:
+                done = address(line, i, begin, (done, number), strip)
             origin, row = np.uint64(line.part[i, 2]), np.uint64(line.part[i, 1] + 3)
             c, s = np.float32(line.turn[i, 0]), np.float32(line.turn[i, 1])
-            for n in range(some):
+            for n in range(number):
                 k, j = np.uint64(n), np.uint64(first + n)
                 along, across = gradient(surface.lattice, origin + np.uint64(strip.cell[k]), row, u[k], v[k])
                 pieces.slope[j, 0] += c * along - s * across
                 pieces.slope[j, 1] += s * along + c * across
-        first += some
+        first += number
 
 
 @kernel
@@ -310,8 +310,8 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
     """
     # the test below is trace(inverse(facets) spread) <= limits[0], times the determinant: no division in the loop
     det = rough.east_east * rough.north_north - rough.east_north * rough.east_north
-    most = limits[0] * det if rough.east_east + rough.north_north > 0.0 else -1.0  # mirrors stay apart
-    left, n, below = 0, 0, lowest
+    limit = limits[0] * det if rough.east_east + rough.north_north > 0.0 else -1.0  # mirrors stay apart
+    merged, n, below = 0, 0, lowest
     while n < count:
         j = np.uint64(n)
         begin, sample, top, length = pieces.sample[j], pieces.sample[j], pieces.extent[j, 1], pieces.extent[j, 0]
@@ -323,28 +323,28 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
         arc = pieces.arc[j] * weight
         cell = math.floor((limits[3] - elevation(top)) * limits[1])
         n += 1
-        while n < count and left > 0:
+        while n < count and merged > 0:
             k = np.uint64(n)
             above = pieces.extent[k, 1]
             if pieces.sample[k] != sample + 1 or above > limits[2] or math.floor((limits[3] - elevation(above)) * limits[1]) != cell:
                 break
             w, e, f = above - top, pieces.slope[k, 0] - east, pieces.slope[k, 1] - north
             share = 1.0 / (weight + w)
-            more = (sums[0] + w * e, sums[1] + w * f, sums[2] + w * e * e, sums[3] + w * e * f, sums[4] + w * f * f)
-            middle = (more[0] * share, more[1] * share)
-            ee, en = more[2] * share - middle[0] * middle[0], more[3] * share - middle[0] * middle[1]
-            nn = more[4] * share - middle[1] * middle[1]
-            if rough.north_north * ee - 2.0 * rough.east_north * en + rough.east_east * nn > most:
+            new_sums = (sums[0] + w * e, sums[1] + w * f, sums[2] + w * e * e, sums[3] + w * e * f, sums[4] + w * f * f)
+            new_mean = (new_sums[0] * share, new_sums[1] * share)
+            ee, en = new_sums[2] * share - new_mean[0] * new_mean[0], new_sums[3] * share - new_mean[0] * new_mean[1]
+            nn = new_sums[4] * share - new_mean[1] * new_mean[1]
+            if rough.north_north * ee - 2.0 * rough.east_north * en + rough.east_east * nn > limit:
                 break
-            sums, mean, spread = more, middle, (ee, en, nn)
+            sums, mean, spread = new_sums, new_mean, (ee, en, nn)
             arc, weight, length = arc + w * pieces.arc[k], weight + w, length + pieces.extent[k, 0]
             sample, top = pieces.sample[k], above
             n += 1
-        at = np.uint64(left)
+        at = np.uint64(merged)
         pieces.arc[at] = arc / weight if sample > begin else pieces.arc[j]
         pieces.begin[at], pieces.sample[at] = begin, sample
         pieces.extent[at, 0], pieces.extent[at, 1] = length, top
         pieces.slope[at, 0], pieces.slope[at, 1] = east + mean[0], north + mean[1]
         pieces.spread[at, 0], pieces.spread[at, 1], pieces.spread[at, 2] = spread
-        left, below = left + 1, top
-    return left
+        merged, below = merged + 1, top
+    return merged

@@ -28,10 +28,10 @@ from scipy.sparse import csr_array
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range
-from seaglint.imaging.camera.imager import Attitude
+from seaglint.imaging.camera.imager import Attitude, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.imaging.refraction import RefractedScene, pixels_of
+from seaglint.imaging.refraction import RefractedScene
 from seaglint.objects.body import PointSource
 from seaglint.objects.drawing.draw import Drawer, DrawnBodies, PixelPatch, Stage, solid_angles
 from seaglint.objects.drawing.eye import Stand, TangentPlane, grid_over
@@ -136,9 +136,9 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
             own = patch.planes[list(planes)].sum(axis=0) if planes else np.zeros(share.cover.shape)
             if patch.clear > 0.0 and EMITTED in planes:
                 own = own + share.radiance
-            was = np.asarray(layers[name][where], np.float64)
+            sea_value = np.asarray(layers[name][where], np.float64)
             touched = (share.cover > LEAST_COVER) | (own != 0.0)
-            new = np.asarray(out[name][where], np.float64) + own - share.cover * was
+            new = np.asarray(out[name][where], np.float64) + own - share.cover * sea_value
             out[name][where] = np.where(touched, np.maximum(new, 0.0), out[name][where]).astype(np.float32)
     _distances(layers, stage, picture.patches, out)
     if {"slope", "glint_share"} & set(out):
@@ -205,13 +205,13 @@ def _distances(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out:
         return
     for patch in patches:
         where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
-        was = np.asarray(out["range"][where], np.float64)
-        there = np.asarray(layers["coverage"][where], np.float64) if "coverage" in layers else np.isfinite(was).astype(np.float64)
+        sea_range = np.asarray(out["range"][where], np.float64)
+        sea_share = np.asarray(layers["coverage"][where], np.float64) if "coverage" in layers else np.isfinite(sea_range).astype(np.float64)
         cover = patch.planes[COVER]
-        share = np.where(np.isfinite(was), there * (1.0 - cover), 0.0)
+        share = np.where(np.isfinite(sea_range), sea_share * (1.0 - cover), 0.0)
         total = share + cover
-        new = (share * np.nan_to_num(was) + patch.planes[DISTANCE]) / np.maximum(total, LEAST_SEEN)
-        out["range"][where] = np.where(cover > LEAST_COVER, new, was).astype(np.float32)
+        new = (share * np.nan_to_num(sea_range) + patch.planes[DISTANCE]) / np.maximum(total, LEAST_SEEN)
+        out["range"][where] = np.where(cover > LEAST_COVER, new, sea_range).astype(np.float32)
 
 
 def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
@@ -249,7 +249,7 @@ def sights(
     out = []
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
-        sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(SUMS))
+        sums = sum((_in_first_turn(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(SUMS))
         points = [patch for patch, _ in own if patch.clear > 0.0]
         drawn = {id(patch.placed): (float(patch.sums[WHOLE]), float(patch.sums[DRY])) for patch, _ in own}
         parts = [one for one in picture.placed if one.part.body == number]
@@ -271,7 +271,7 @@ def sights(
     return tuple(out)
 
 
-def _beside(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
+def _in_first_turn(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
     """Return the sums of a part with its columns counted as in the first part; on a panorama they may differ by full circles."""
     if circle == 0 or sums[SEEN] == 0.0 or first[SEEN] == 0.0:
         return sums
@@ -310,7 +310,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     dark = np.zeros(layers.radiance.shape)
     for one in placed:
         if isinstance(one.part.kind, Mesh):
-            _add(dark, stage, laid(one, light.sun, stage.pose.height))
+            _add(dark, stage, projected_on_sea(one, light.sun, stage.pose.height))
     touched = (dark > LEAST_COVER) & (layers.glint_radiance > 0.0)
     if not touched.any():
         return layers
@@ -326,7 +326,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     return Layers(out)
 
 
-def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
+def projected_on_sea(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
     """Return a part projected on the mean sea along the Sun's rays; None where the rays pass over the sea."""
     p, radius = one.surface, EFFECTIVE_EARTH_RADIUS
     above = eye + p[:, 2]
@@ -394,7 +394,9 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
         arc, waves = 0.5 * (near + far), near <= straight.sea_hides
         if patch.placed.radius == 0.0:
             elevation = standard.top - float(patch.sums[DOWN]) * standard.row_step
-            shown, images = ([one for one in shift.images(arc, elevation, into_sea=how) if _inside(stage, one[0])] for how in (True, waves))
+            shown, images = (
+                [one for one in shift.images(arc, elevation, into_sea=into_water) if _inside(stage, one[0])] for into_water in (True, waves)
+            )
             if patch.clear > 0.0 and images:
                 patches += [_image(patch, *one) for one in images]
             elif shown:  # in the picture, and hidden
@@ -442,12 +444,12 @@ def _shifted(patch: PixelPatch, mixed: tuple[csr_array, csr_array], unhidden: cs
 def _lines(lines: FloatArray, shares: csr_array, unhidden: csr_array) -> FloatArray:
     """Return the lines of a patch by rows of the picture: a row of the standard picture is divided among its images [sr, (2, rows)]."""
     total = np.asarray(unhidden.sum(axis=0)).ravel()
-    each = lines / np.where(total > 0.0, total, np.inf)
-    out = np.stack([unhidden @ each[0], shares @ each[1]])
-    met = np.flatnonzero(total)
-    if met.size:
+    per_share = lines / np.where(total > 0.0, total, np.inf)
+    out = np.stack([unhidden @ per_share[0], shares @ per_share[1]])
+    rows_met = np.flatnonzero(total)
+    if rows_met.size:
         # rows that no ray meets, between rows that rays meet, are in the picture and hidden: they go to the image of the row above
-        dark = np.arange(met[0], met[-1])[total[met[0] : met[-1]] == 0.0]
+        dark = np.arange(rows_met[0], rows_met[-1])[total[rows_met[0] : rows_met[-1]] == 0.0]
         for row in dark:
-            out[0, unhidden[:, [met[met < row][-1]]].nonzero()[0][0]] += lines[0, row]
+            out[0, unhidden[:, [rows_met[rows_met < row][-1]]].nonzero()[0][0]] += lines[0, row]
     return out

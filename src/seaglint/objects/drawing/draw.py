@@ -31,7 +31,7 @@ from seaglint.objects.drawing.eye import FEWEST_CELLS, Grid, Lens, Stand, Tangen
 from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sampled_solid, sea_before, shadow_map
 from seaglint.objects.drawing.light import Arriving, Corners, Counting, Surroundings
 from seaglint.objects.drawing.prepared_bodies import DrawnPart, Mesh, Placed, parts_of, placed
-from seaglint.objects.drawing.raster import LIFT, Faces, SunMap
+from seaglint.objects.drawing.raster import LIFT, TURN_OF_COLUMNS, TURN_OF_ROWS, Faces, SunMap
 from seaglint.objects.drawing.sample_sums import (
     ACROSS,
     COUNTED,
@@ -85,8 +85,8 @@ def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[fl
     step = np.maximum(high - low, 1e-12) / CELLS
     # places of the samples as in raster.sample_place: a thin part is hit in proportion to its width
     i = np.arange(CELLS)
-    x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
-    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
+    x = low[0] + step[0] * (i[None] + np.mod(0.5 + TURN_OF_ROWS * i[:, None], 1.0))
+    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + TURN_OF_COLUMNS * i[None], 1.0))
     own = [other for other in every if other is not one and other.part.body == one.part.body and other.radius > 0.0]
     direction = np.stack([x, y, np.ones_like(x)], axis=-1) @ plane.axes
     length = np.linalg.norm(direction, axis=-1)
@@ -114,10 +114,10 @@ def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[fl
 
 def _on_plane(one: Placed, plane: TangentPlane) -> tuple[FloatArray, np.ndarray]:
     """Return tangents of a part's points and one over their depth, 0 behind the sensor, and flags of points in front of it."""
-    seen = one.surface @ plane.axes.T
-    ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
-    depth = np.where(ahead, seen[:, 2], 1.0)
-    return np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1), ahead
+    in_axes = one.surface @ plane.axes.T
+    ahead = in_axes[:, 2] > 1e-3 * np.sqrt((in_axes**2).sum(axis=1))
+    depth = np.where(ahead, in_axes[:, 2], 1.0)
+    return np.stack([in_axes[:, 0] / depth, in_axes[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1), ahead
 
 
 def _faces(one: Placed, plane: TangentPlane, low: FloatArray, top: float, step: FloatArray) -> Faces:
@@ -154,7 +154,7 @@ _FEW: Final = 192
 _FACES_SUN: Final = 1e-3  #: Least reflectance of a surface for which its shadow map is computed.
 
 _POLE: Final = math.radians(88.0)
-_KEPT: Final = 4
+_CACHED: Final = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,10 +245,10 @@ class Stage:
 
     def box(self, faces: Faces) -> tuple[float, float, float, float] | None:
         """Return left, right, top and bottom of a part in the image [pixels]; None for a part that is wholly behind the camera."""
-        seen = faces.point[:, 2] > 0.0
-        if not seen.any():
+        in_front = faces.point[:, 2] > 0.0
+        if not in_front.any():
             return None
-        across, down = (faces.image[:, k] if seen.all() else faces.image[seen, k] for k in (0, 1))
+        across, down = (faces.image[:, k] if in_front.all() else faces.image[in_front, k] for k in (0, 1))
         low, high = np.array([across.min(), down.min()]), np.array([across.max(), down.max()])
         if faces.bend >= 1.0:  # over the pole of the image's angles
             return 0.0, float(self.imager.columns), 0.0, float(self.imager.rows)
@@ -285,7 +285,7 @@ class Drawer:
             self._light[view] = Surroundings.of(view, self.counted)
         self._light.move_to_end(view)
         cached = self._light[view]
-        while len(self._light) > _KEPT:
+        while len(self._light) > _CACHED:
             self._light.popitem(last=False)
         return cached
 
@@ -381,10 +381,10 @@ def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
 
 
 def _drawn(
-    stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, about: tuple[Surroundings, dict[int, FloatArray]]
+    stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, around_bodies: tuple[Surroundings, dict[int, FloatArray]]
 ) -> PixelPatch | None:
     """Draw one part on a separate grid of samples, among plumes with covers by their identity; None for a part without contribution."""
-    light, known = about
+    light, cover_by_part = around_bodies
     plane = TangentPlane.to(one.place)
     faces = stage.faces(one, plane, one)
     box = stage.box(faces)
@@ -395,9 +395,9 @@ def _drawn(
         return None
     # parts of the same body come first: they hide samples, but do not count as occlusion of the body
     others = sorted(_overlapping(one, every), key=lambda other: other.part.body != one.part.body)
-    plumes = [other for other in others if id(other.part) in known]  # other plumes are outside the pixels to draw
+    plumes = [other for other in others if id(other.part) in cover_by_part]  # other plumes are outside the pixels to draw
     gases = np.array([other.gas for other in plumes]).reshape(-1, 13)
-    covers = np.array([known[id(other.part)] for other in plumes]).reshape(-1, CHORDS)
+    covers = np.array([cover_by_part[id(other.part)] for other in plumes]).reshape(-1, CHORDS)
     solids = [stage.faces(other, plane, one) for other in others if isinstance(other.part.kind, Mesh)]
     own = sum(isinstance(other.part.kind, Mesh) and other.part.body == one.part.body for other in others)
     around = (stage.pose.height, stage.crests(one), NOTHING, gases, covers, plane.axes, one.heading, one.water, NOTHING)
@@ -435,9 +435,16 @@ def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: tupl
     rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
     if stage.window.circle:
         columns = columns % stage.window.circle
-    keep = (rows >= stage.rows[0]) & (rows < stage.rows[1])
-    also = (columns >= stage.columns[0]) & (columns < stage.columns[1])
-    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums[0], sums[1][[DRY_INSIDE, DRY_SEEN]][:, keep])
+    inside_rows = (rows >= stage.rows[0]) & (rows < stage.rows[1])
+    inside_columns = (columns >= stage.columns[0]) & (columns < stage.columns[1])
+    return PixelPatch(
+        one,
+        rows[inside_rows],
+        columns[inside_columns],
+        planes[:, inside_rows][:, :, inside_columns],
+        sums[0],
+        sums[1][[DRY_INSIDE, DRY_SEEN]][:, inside_rows],
+    )
 
 
 def _point(
@@ -452,9 +459,9 @@ def _point(
     kind = one.part.kind
     assert isinstance(kind, PointSource)  # only points have no extent
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
-    over = stage.view.in_band
-    spectrum = np.ones(over.weights.size) if kind.temperature is None else planck_wavenumber(over.wavenumber_cm, kind.temperature)
-    through = float(arriving.clear @ spectrum / (over.weights @ spectrum))
+    band = stage.view.in_band
+    spectrum = np.ones(band.weights.size) if kind.temperature is None else planck_wavenumber(band.wavenumber_cm, kind.temperature)
+    through = float(arriving.clear @ spectrum / (band.weights @ spectrum))
     clear = clear_to_point(scene, solids, one.distance) * through
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
     if not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):

@@ -46,8 +46,8 @@ class View:
 
     def known(self, motion: Motion) -> tuple[float, float]:
         """Return the first and last time at which the poses of both camera and body are known [s]."""
-        mine, its = self.track.known, motion.known
-        return max(mine[0], its[0]), min(mine[1], its[1])
+        camera, body = self.track.known, motion.known
+        return max(camera[0], body[0]), min(camera[1], body[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,10 +97,10 @@ class ImagePath:
         count = 3
         nodes, places = _evaluated(view, motion, middle, (begin, end), count, about)
         while True:
-            finer, found = _evaluated(view, motion, middle, (begin, end), 2 * count - 1, about)
+            finer, finer_places = _evaluated(view, motion, middle, (begin, end), 2 * count - 1, about)
             guess = np.stack([_through(nodes, places[:, k])(finer) for k in (0, 1)], axis=1)
-            count, nodes, places = 2 * count - 1, finer, found
-            if float(np.abs(guess - found).max()) < NEAR or count >= MOST_NODES:
+            count, nodes, places = 2 * count - 1, finer, finer_places
+            if float(np.abs(guess - finer_places).max()) < NEAR or count >= MOST_NODES:
                 return cls(_through(nodes, places[:, 0]), _through(nodes, places[:, 1]), front)
 
     def at(self, times: FloatArray) -> FloatArray:

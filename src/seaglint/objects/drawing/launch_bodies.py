@@ -79,17 +79,17 @@ def part_planes(
     """
     lens, window = camera
     planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros((SUMS, grid.pixels[1]))
-    for some in strips(grid):
-        samples = lay_samples(some, lens, around.axes)
-        meet(faces[0], some, samples)
-        outline(faces[0], lens, around.axes, some, samples)
-        scene = around._replace(others=_depths(samples, some, faces[1]), own=_depths(samples, some, faces[2]) if faces[2] else NOTHING)
-        rows = slice(some.first[1] - grid.first[1], some.first[1] - grid.first[1] + some.pixels[1])
+    for strip in strips(grid):
+        samples = lay_samples(strip, lens, around.axes)
+        meet(faces[0], strip, samples)
+        outline(faces[0], lens, around.axes, strip, samples)
+        scene = around._replace(others=_depths(samples, strip, faces[1]), own=_depths(samples, strip, faces[2]) if faces[2] else NOTHING)
+        rows = slice(strip.first[1] - grid.first[1], strip.first[1] - grid.first[1] + strip.pixels[1])
         out = (planes[:, rows], sums[:, rows])
         if isinstance(body, SensorMesh):
-            shade_solid(some, lens, window, samples, body, scene, arriving, shadow, out)
+            shade_solid(strip, lens, window, samples, body, scene, arriving, shadow, out)
         else:
-            shade_gas(some, lens, window, samples, body, scene, arriving, out)
+            shade_gas(strip, lens, window, samples, body, scene, arriving, out)
     return planes, sums
 
 
@@ -115,10 +115,10 @@ def clear_to_point(around: BodySurroundings, solids: Sequence[Faces], distance: 
 
 def hit_cells(grid: Grid, lens: Lens, axes: FloatArray, faces: Faces) -> Iterator[tuple[Grid, np.ndarray]]:
     """Iterate over strips of a grid, with the cells whose samples a part covers (rows, columns)."""
-    for some in strips(grid):
-        samples = lay_samples(some, lens, axes)
-        meet(faces, some, samples)
-        yield some, samples.triangle >= 0
+    for strip in strips(grid):
+        samples = lay_samples(strip, lens, axes)
+        meet(faces, strip, samples)
+        yield strip, samples.triangle >= 0
 
 
 def sampled_solid(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float, float]) -> tuple[float, Samples]:

@@ -134,7 +134,7 @@ class Surroundings:
         eye, view = self.view.sensor_height, self.view
         arcs = np.array([[p.arc[0], p.arc[1], p.arc[0], p.arc[1]] for p in places])
         heights = np.array([[p.height[0], p.height[0], p.height[1], p.height[1]] for p in places])
-        heights = np.maximum(np.maximum(heights, 0.0), _lowest_seen(eye, arcs))
+        heights = np.maximum(np.maximum(heights, 0.0), _lowest_visible(eye, arcs))
         tau = np.clip(view.atmosphere.transmittance(eye, arcs, heights)[..., view.in_band.grid], 0.0, 1.0) * view.in_band.weights
         kinds = np.stack([np.ones_like(self.counted), self.counted])[:, None]
         path = view.atmosphere.path_radiance(eye, arcs, heights)[..., view.in_band.grid] * view.in_band.weights
@@ -142,7 +142,7 @@ class Surroundings:
         scattered = self._scattered(arcs, heights, places)
         out = []
         for i, (place, source) in enumerate(zip(places, sources, strict=True)):
-            seen = tau[i] * kinds
+            through_air = tau[i] * kinds
             sun = (sunlight[i] * kinds).sum(axis=-1)
             # sunlight scattered into the path is known as a sum over the band: its assumed spectrum is that of arriving sunlight
             as_counted = np.divide(sun, sun[0], out=np.ones_like(sun), where=sun[0] > 0.0)
@@ -155,17 +155,19 @@ class Surroundings:
                     1.0 / lengths[1] if lengths[1] > 0.0 else 0.0,
                 ]
             )
-            emitted, cover = self._plume(source, seen) if isinstance(source, GasPlume) else (self._blackbodies(source, seen), np.zeros(0))
-            mirrored = np.ascontiguousarray(np.tensordot(seen, self.diffuse, axes=(2, 2)))
+            emitted, cover = (
+                self._plume(source, through_air) if isinstance(source, GasPlume) else (self._blackbodies(source, through_air), np.zeros(0))
+            )
+            mirrored = np.ascontiguousarray(np.tensordot(through_air, self.diffuse, axes=(2, 2)))
             along = (path[i] * kinds).sum(axis=-1) + scattered[i] * as_counted
             out.append(Arriving(corner, np.ascontiguousarray(emitted), mirrored, sun, along, cover, tau[i, 0].copy()))
         return out
 
-    def _blackbodies(self, kelvin: FloatArray, seen: FloatArray) -> FloatArray:
+    def _blackbodies(self, kelvin: FloatArray, through_air: FloatArray) -> FloatArray:
         """Return the light of blackbodies at temperatures [K, (k,)] through the air [W m-2 sr-1, (2, corners, k)]."""
-        return np.asarray(seen @ planck_wavenumber(self.view.in_band.wavenumber_cm, kelvin[:, None]).T)
+        return np.asarray(through_air @ planck_wavenumber(self.view.in_band.wavenumber_cm, kelvin[:, None]).T)
 
-    def _plume(self, plume: GasPlume, seen: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _plume(self, plume: GasPlume, through_air: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the emission of a plume through the air along its chords [W m-2 sr-1, (2, corners, k)], and the absorbed share [1, (k,)].
 
         The share is of the light behind the plume, approximated by a blackbody at the sea's temperature through the same air: most of it is
@@ -173,12 +175,12 @@ class Surroundings:
         difference to their exact shares, so that a plume at the sea's temperature is invisible.
         """
         absorbed = plume_emissivity(plume, self.view.in_band.wavenumber_cm).T
-        behind = seen * self._sea
+        behind = through_air * self._sea
         mean = behind[0].mean(axis=0)
         # in opaque air the band's weights alone
         weights = mean if mean.any() else self.view.in_band.weights
         cover = weights @ absorbed / weights.sum()
-        emitted = (seen * planck_wavenumber(self.view.in_band.wavenumber_cm, plume.temperature)) @ absorbed
+        emitted = (through_air * planck_wavenumber(self.view.in_band.wavenumber_cm, plume.temperature)) @ absorbed
         return emitted + behind.sum(axis=-1)[..., None] * cover - behind @ absorbed, np.ascontiguousarray(cover)
 
     def bare_cover(self, plume: GasPlume) -> FloatArray:
@@ -232,13 +234,13 @@ def _hemispheres(up: FloatArray, azimuth: FloatArray, solid: FloatArray, light: 
     for m, c in enumerate(cosines):
         s = math.sqrt(max(1.0 - c * c, 0.0))
         for a, turn in enumerate(turns):
-            seen = sum(np.maximum(c * up[:, None] + s * level * np.cos(azimuth - side * turn), 0.0) for side in (1.0, -1.0))
-            weight = solid * seen
+            cosine = sum(np.maximum(c * up[:, None] + s * level * np.cos(azimuth - side * turn), 0.0) for side in (1.0, -1.0))
+            weight = solid * cosine
             out[m, a] = np.tensordot(weight / weight.sum(), light, axes=2)
     return out
 
 
-def _lowest_seen(eye: float, arcs: FloatArray) -> FloatArray:
+def _lowest_visible(eye: float, arcs: FloatArray) -> FloatArray:
     """Return the height of points at arcs [m] with a line to the sensor that touches the depth :data:`LOWEST_LINE`; 0 for nearer points."""
     radius = EFFECTIVE_EARTH_RADIUS + LOWEST_LINE
     beyond = arcs / EFFECTIVE_EARTH_RADIUS - math.acos(radius / (EFFECTIVE_EARTH_RADIUS + eye))

@@ -18,6 +18,7 @@ from seaglint.objects.body import Body, GasPlume, PointSource, Solid
 from seaglint.objects.combustion_gas import longest_chord
 from seaglint.objects.drawing.crests import Span
 from seaglint.objects.drawing.eye import Stand
+from seaglint.objects.mesh_checks import encloses_origin
 from seaglint.objects.solids import merged
 
 #: Largest number of temperatures of a body that are evaluated one by one; more are interpolated linearly in a table of 257.
@@ -178,7 +179,7 @@ def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
         middle = stand.place + stand.turn @ part.kind.middle
         surface = part.kind.vertices @ stand.turn.T + stand.place
         out = Placed(part, middle, part.kind.radius, surface, none, eye, stand.water)
-        if out.distance < out.radius and _holds_sensor(surface, part.kind.corners):
+        if out.distance < out.radius and encloses_origin((surface, part.kind.corners)):
             raise DomainError(
                 f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
             )
@@ -193,13 +194,3 @@ def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
             raise DomainError(f"objects '{part.name}': the sensor is inside its plume; move it, or the sensor")
         return Placed(part, middle, 1.03 * float(axes.max()), surface, gas, eye, stand.water)
     return Placed(part, stand.place, 0.0, stand.place[None], none, eye, stand.water)
-
-
-def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:
-    """Return True if a closed surface encloses the sensor: its solid angles add to a full sphere."""
-    size = np.linalg.norm(surface, axis=1)
-    a, b, c = (surface[corners[:, k]] for k in range(3))
-    p, q, r = (size[corners[:, k]] for k in range(3))
-    spat = np.einsum("ij,ij->i", a, np.cross(b, c))
-    below = p * q * r + np.einsum("ij,ij->i", a, b) * r + np.einsum("ij,ij->i", b, c) * p + np.einsum("ij,ij->i", c, a) * q
-    return bool(abs(2.0 * np.arctan2(spat, below).sum()) > 2.0 * np.pi)

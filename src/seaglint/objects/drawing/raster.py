@@ -199,17 +199,17 @@ def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Sam
 
 
 @njit
-def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, float], times: float, met: tuple[float, int]) -> None:
+def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, float], times: float, edge_hit: tuple[float, int]) -> None:
     """Add the area to the right of a descending line (x, y to x, y) [cells] to the changes of shares along rows.
 
-    ``met``: inverse depth and triangle for cells on the line without a hit.
+    ``edge_hit``: inverse depth and triangle for cells on the line without a hit.
     """
     high, wide = samples.share.shape
     x0, y0, x1, y1 = line
     if y0 == y1:  # a horizontal line has no area to its right, but cells on it
         j = math.floor(y0)
         if 0 <= j < high:
-            _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), met)
+            _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), edge_hit)
         return
     if y0 > y1:
         times, x0, y0, x1, y1 = -times, x1, y1, x0, y0
@@ -231,7 +231,7 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
         if b > wide:
             d, b = d * (wide - a) / (b - a), float(wide)
         i, last = int(a), min(math.ceil(b), wide)
-        _touch(samples, j, i, max(last, min(i + 1, wide)), met)
+        _touch(samples, j, i, max(last, min(i + 1, wide)), edge_hit)
         # the mean share of cell k to the right of the line is the difference of the integral at its two sides
         done = 0.0
         for k in range(i, last + 1):
@@ -241,11 +241,11 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
 
 
 @kernel
-def _touch(samples: Samples, j: int, first: int, end: int, met: tuple[float, int]) -> None:
+def _touch(samples: Samples, j: int, first: int, end: int, edge_hit: tuple[float, int]) -> None:
     """Set inverse depth and triangle of cells of a row without a hit."""
     for i in range(first, end):
         if samples.near[j, i] <= 0.0:
-            samples.near[j, i], samples.triangle[j, i] = met
+            samples.near[j, i], samples.triangle[j, i] = edge_hit
 
 
 @kernel

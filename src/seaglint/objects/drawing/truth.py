@@ -109,9 +109,9 @@ def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[N
         if box is not None:
             where = box.where()
             mask[where] = box.seen
-            more = box.seen & (box.cover >= most[where]) & ((box.cover > 0.0) | (number[where] == 0))
-            number[where] = np.where(more, np.uint16(body), number[where])
-            most[where] = np.where(more, box.cover, most[where])
+            covers_most = box.seen & (box.cover >= most[where]) & ((box.cover > 0.0) | (number[where] == 0))
+            number[where] = np.where(covers_most, np.uint16(body), number[where])
+            most[where] = np.where(covers_most, box.cover, most[where])
         masks.append(mask)
     return masks, number
 
@@ -187,10 +187,10 @@ def _numbers(
     if not point:
         row["contrast_W_m2_sr"] = total / sight.seen
         row["temperature_difference_K"] = kelvin(float(box.added.sum()) / sight.seen) - kelvin(float(box.hidden.sum()) / sight.seen)
-    spread = _clutter(box, sea, covered)
+    clutter = _clutter(box, sea, covered)
     peak = difference / np.where(box.solid > 0.0, box.solid, 1.0)
-    if spread > 0.0:
-        row["signal_to_clutter"] = float(np.abs(peak).max()) / spread
+    if clutter > 0.0:
+        row["signal_to_clutter"] = float(np.abs(peak).max()) / clutter
     return row
 
 
