@@ -136,6 +136,7 @@ def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co
     for gas, share in ((CARBON_DIOXIDE, co2_share), (WATER_VAPOUR, h2o_share)):
         if share <= 0.0:
             continue
+        # grams of the gas per square metre, by the law of ideal gases
         column = length[:, None] * share * gas.molar_mass * constants.atm / (constants.R * temperature)
         for band in gas.bands:
             strength, overlap, width = band_at(gas, band, temperature, share)
@@ -160,6 +161,7 @@ def band_at(gas: Gas, band: WideBand, temperature: float, share: float) -> tuple
     Components at one place add: their strengths, and the roots of strength times overlap (Modest 2013, section 11.10).
     """
     ratio = REFERENCE / temperature
+    # effective pressure in atm: the module's P_e at p = p_0
     pressure = (1.0 + (gas.broadening[0] * ratio**0.5 + gas.broadening[1] - 1.0) * share) ** band.exponent
     strengths, overlaps = [], []
     for steps, strength in zip(band.steps, band.strength, strict=True):
@@ -186,6 +188,7 @@ def _levels(gas: Gas, steps: tuple[int, ...], temperature: float) -> tuple[float
         upper = _rising(v + 1.0, g + abs(step) - 1) * np.exp(-u * v)
         every = _LEVELS.astype(np.float64)
         lower = _rising(every + 1.0, g - 1) * np.exp(-u * every)
+        # sums over the levels of each vibration factorise
         psi *= float(upper.sum() / lower.sum())
         phi *= float(np.sqrt(upper).sum() ** 2 / upper.sum())
     return psi * float(-np.expm1(-quanta @ np.asarray(steps))), phi
@@ -243,5 +246,6 @@ def _tabulated(temperature: float, co2_share: float, h2o_share: float, longest: 
     hats = csr_array((np.concatenate([width * (1.0 - right), width * right]), (np.tile(rows, 2), np.concatenate([left, left + 1]))))
     spectra = emissivity(middle, longest * chord_shares(), temperature, co2_share, h2o_share)
     out = np.asarray(spectra @ hats / hats.sum(axis=0))
+    # the table is cached: all callers share it
     out.setflags(write=False)
     return out

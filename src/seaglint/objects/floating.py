@@ -76,8 +76,10 @@ class Swell:
             # largest response of the narrow side at any heading
             response = (waves[:, 3] ** 2 + waves[:, 4] ** 2) * np.minimum(1.0, 1.0 / np.maximum(k * min(half_sides), 1e-300)) ** 2
             shares.append(np.stack([response, response * k**2], axis=1))
+        # shares of the variance of height and of slope, whichever is greater counts
         whole = np.concatenate(shares) / np.concatenate(shares).sum(axis=0)
         weight = np.sort(whole.max(axis=1))
+        # the weakest waves that together carry less than NEGLIGIBLE are omitted
         least = weight[min(int(np.searchsorted(np.cumsum(weight), NEGLIGIBLE)), weight.size - 1)]
         selected, first = [], 0
         for waves in every:
@@ -108,6 +110,7 @@ class Swell:
                 # over the waterline the displacement of a tile is approximated as linear
                 aside = self.wander[i](np.asarray(place[0]), np.asarray(place[1]))
                 at, stretch = at + np.array([float(d) for d in aside]), stretch + self.wander[i].gradient(float(place[0]), float(place[1]))
+            # starboard and forward as east and north
             axes = (math.cos(heading), -math.sin(heading)), (math.sin(heading), math.cos(heading))
             total += _lifted(waves, at, stretch, np.array(axes), np.asarray(half_sides, np.float64), time)
         moving = 0.0 if velocity is None else float(velocity[0] * total[2] + velocity[1] * total[3])
@@ -230,6 +233,7 @@ class FloatingTrack(Track):
         numbers, base_numbers = np.array([_numbers(p) for p in poses]), np.array([_numbers(p) for p in flat])
         deviation = (numbers - base_numbers).std(axis=0)
         low, high = numbers.min(axis=0) - SPARE * deviation, numbers.max(axis=0) + SPARE * deviation
+        # extremes between sparse samples are not known: bounds from the standard deviation
         if len(times) > 1 and times[1] - times[0] > DENSE:
             low = np.minimum(low, base_numbers.min(axis=0) - FARTHEST * deviation)
             high = np.maximum(high, base_numbers.max(axis=0) + FARTHEST * deviation)
@@ -297,6 +301,7 @@ def _tilted(attitude: Attitude, turn: FloatArray) -> Attitude:
     elevation = math.asin(min(max(float(forward[2]), -1.0), 1.0))
     azimuth = math.atan2(float(forward[0]), float(forward[1]))
     level_right, level_up, _ = Attitude(azimuth, elevation).axes
+    # angle from the unrolled camera's right to the turned camera's right
     roll = math.atan2(-float(right @ level_up), float(right @ level_right))
     near = (attitude.azimuth + float(wrap_angle(azimuth - attitude.azimuth)), attitude.roll + float(wrap_angle(roll - attitude.roll)))
     return Attitude(near[0], elevation, near[1])

@@ -70,6 +70,7 @@ def tilt(heading: float, starboard: float, forward: float) -> FloatArray:
         Matrix (3, 3) that acts on east, north and up.
     """
     level = rotation(heading)
+    # the forward axis moves up the slope within its vertical plane
     ahead = np.array([0.0, 1.0, forward]) / math.hypot(1.0, forward)
     normal = np.array([-starboard, -forward, 1.0])
     normal /= np.linalg.norm(normal)
@@ -99,6 +100,7 @@ def east_north(latitude: float, longitude: float, start: tuple[float, float]) ->
     # notation of Vincenty's inverse formula: reduced latitudes U, longitude on the auxiliary sphere, iterated; then his series A and B
     f = FLATTENING
     u1, u2 = (math.atan((1.0 - f) * math.tan(angle)) for angle in (start[0], latitude))
+    # the shorter way round
     difference = math.remainder(longitude - start[1], 2.0 * math.pi)
     s1, c1, s2, c2 = math.sin(u1), math.cos(u1), math.sin(u2), math.cos(u2)
     reduced = difference
@@ -232,6 +234,7 @@ class Keyframed:
                 f"{names[row]} to {names[row + 1]}: the object jumps at {speed[row]:.4g} m/s; allowed are {MOST_SPEED:g} m/s: correct a "
                 "position or a time"
             )
+        # with ``follows`` the course is applied later, as a function of time
         heading = np.zeros(len(time)) if follows else angles[:, 0]
         frames = [rotation(float(h), float(p), float(r)) for h, (p, r) in zip(heading, angles[:, 1:], strict=True)]
         rotations = Rotation.from_matrix(np.stack(frames))
@@ -245,6 +248,7 @@ class Keyframed:
                 f"{names[row]} to {names[row + 1]}: the attitude jumps, at {np.degrees(turn[row] / step[row]):.4g} deg/s; allowed are "
                 f"{np.degrees(MOST_TURN):g} deg/s: correct heading_deg, pitch_deg, roll_deg or a time"
             )
+        # natural: no acceleration at the ends
         spline = CubicSpline(time, position, bc_type="natural") if path == "spline" else None
         return cls(time.copy(), position.copy(), follows, spline, Slerp(time, rotations))
 

@@ -134,10 +134,12 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
             if name not in out:
                 continue
             own = patch.planes[list(planes)].sum(axis=0) if planes else np.zeros(share.cover.shape)
+            # a point has no planes: its radiance goes where emission goes
             if patch.clear > 0.0 and EMITTED in planes:
                 own = own + share.radiance
             sea_value = np.asarray(layers[name][where], np.float64)
             touched = (share.cover > LEAST_COVER) | (own != 0.0)
+            # coverage of the unchanged sea is subtracted, so that the order of bodies does not matter
             new = np.asarray(out[name][where], np.float64) + own - share.cover * sea_value
             out[name][where] = np.where(touched, np.maximum(new, 0.0), out[name][where]).astype(np.float32)
     _distances(layers, stage, picture.patches, out)
@@ -264,6 +266,7 @@ def sights(
         if points and seen == 0.0:  # points alone: their mean place, of no solid angle
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
         elif points:
+            # points beside solids: the place is the centroid of the solids alone
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
         shares_of = tuple(share for _, share in own)
         above = dry if extended else float(len(parts))
@@ -314,6 +317,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     touched = (dark > LEAST_COVER) & (layers.glint_radiance > 0.0)
     if not touched.any():
         return layers
+    # shadows of several bodies may overlap
     share = np.minimum(dark, 1.0)
     if "coverage" in layers:  # only the sea is shadowed
         share = np.minimum(dark / np.maximum(layers["coverage"], LEAST_COVER), 1.0)
@@ -391,6 +395,7 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
     patches: list[PixelPatch] = []
     for patch in picture.patches:
         near, far = patch.placed.span[0].arc
+        # one shift for a whole part, of the arc of its middle
         arc, waves = 0.5 * (near + far), near <= straight.sea_hides
         if patch.placed.radius == 0.0:
             elevation = standard.top - float(patch.sums[DOWN]) * standard.row_step
@@ -404,6 +409,7 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
                 patches.append(replace(patch, rows=row, lines=np.array([[1.0], [0.0]]), clear=0.0))
         else:
             mixed = shift.objects(arc, standard, into_sea=waves)
+            # rays into the sea see all rows of the part: they show how much the sea hides
             unhidden = mixed[0] if waves else shift.objects(arc, standard, into_sea=True)[0]
             patches += _shifted(patch, mixed, unhidden, stage)
     return DrawnBodies(picture.bodies, picture.stands, tuple(patches), picture.placed)

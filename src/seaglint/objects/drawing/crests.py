@@ -107,8 +107,10 @@ def in_sight(crest: Crests, azimuth: float, arc: float, height: float, tangent: 
     f, g = x - i, min(max((arc - crest.arc[low]) / (crest.arc[low + 1] - crest.arc[low]), 0.0), 1.0)
     a = (1.0 - g) * crest.height[i, low] + g * crest.height[i, low + 1]
     b = (1.0 - g) * crest.height[i + 1, low] + g * crest.height[i + 1, low + 1]
+    # under water
     if height < a + f * (b - a):
         return False
+    # no crest in front reaches a steep line of sight
     if tangent < -STEEP:
         return True
     a = (1.0 - g) * crest.tangent[i, low] + g * crest.tangent[i, low + 1]

@@ -44,6 +44,7 @@ def stand(placement: Placement, pose: Pose) -> Stand:
     sine, drop = math.sin(psi), 2.0 * math.sin(0.5 * psi) ** 2
     radius = EFFECTIVE_EARTH_RADIUS + height
     place = np.array([radius * sine * s, radius * sine * c, height - pose.height - radius * drop])
+    # axes at the body's place: away from the sensor, inclined by psi, and across
     ahead, aside = np.array([(1.0 - drop) * s, (1.0 - drop) * c, -sine]), np.array([c, -s, 0.0])
     axes = np.stack([s * ahead + c * aside, c * ahead - s * aside, np.array([sine * s, sine * c, 1.0 - drop])], axis=1)
     if placement.water is None:  # the mean sea under the origin; over a body it is a plane
@@ -86,9 +87,11 @@ def lens(imager: Imager, attitude: Attitude) -> Lens:
     axes = attitude.axes
     if imager.projection == "pinhole":
         wide, high = 2.0 * math.tan(0.5 * imager.width), 2.0 * math.tan(0.5 * imager.height_angle)
+        # (right, into the image, up): the form (a u, a v, b) of a lens
         turn = np.ascontiguousarray(axes[[0, 2, 1]].T)
         steps = (wide / imager.columns, -high / imager.rows)
         return Lens(turn, True, (-0.5 * wide, steps[0]), (0.5 * high, steps[1]), -steps[0] * steps[1])
+    # angles are of the unrolled camera; only the roll turns them
     turn = np.eye(3) if attitude.roll == 0.0 else (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes).T
     steps = (imager.width / imager.columns, -imager.height_angle / imager.rows)
     first = (attitude.azimuth - 0.5 * imager.width, attitude.elevation + 0.5 * imager.height_angle)
@@ -109,6 +112,7 @@ def image_point(lens: Lens, direction: tuple[float, float, float], about: float)
         return (u / v - lens.across[0]) / lens.across[1], (w / v - lens.down[0]) / lens.down[1], True
     column = (math.atan2(u, v) - lens.across[0]) / lens.across[1]
     circle = 2.0 * math.pi / lens.across[1]
+    # whole turns, so that a body across the seam of a panorama has continuous columns
     column += circle * math.floor((about - column) / circle + 0.5)
     return column, (math.atan2(w, math.sqrt(u * u + v * v)) - lens.down[0]) / lens.down[1], True
 
@@ -151,6 +155,7 @@ def grid_over(box: tuple[float, float, float, float], fewest: int = FEWEST_CELLS
     """Return a grid of cells over a box (left, right, top, bottom) [pixels], at least ``fewest`` along a pixel's side."""
     cells, begin, size, first, pixels = [], [], [], [], []
     for low, high in ((box[0], box[1]), (box[2], box[3])):
+        # small bodies have more cells to a pixel, large ones no fewer than ``fewest``
         n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), fewest)
         a, b = math.floor(low * n), math.ceil(high * n)
         b = max(b, a + 1)

@@ -77,6 +77,7 @@ class ImagePath:
         """
         first, last = view.known(motion)
         length = times[1] - times[0]
+        # the interval is moved within the known times, not cut, where possible
         begin = max(min(times[0], last - length), first)
         end = min(begin + length, last)
         if end <= begin:
@@ -154,6 +155,7 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
     first, last = view.known(motion)
     if isinstance(part.kind, PointSource):
         ends = (min(max(time, first), last) for time in times)
+        # a point has no shape: only its distance, and so its light, changes
         far = [float(np.linalg.norm(stand(motion.at(time), view.pose(time)).place)) for time in ends]
         return int(min(max(math.ceil(abs(far[1] - far[0]) / (NEARER * max(min(far), 1e-3))), 1), MOST_STAGES))
     if isinstance(part.kind, Mesh):
@@ -161,6 +163,7 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
     else:
         centre, half = np.asarray(part.kind.centre), np.asarray(part.kind.semi_axes)
         low, high = centre - half, centre + half
+    # the corners of the bounding box move at least as much as the body
     corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
     points = np.concatenate([middle_of(part)[None], corners])
     shapes = []
@@ -191,7 +194,9 @@ class Streak:
         pair = path.at(np.array([time - step, time + step]))
         if not (places > BEHIND).all() or not (pair > BEHIND).all():
             return None
+        # 33 places: the length of a curve, not of its chord
         length = float(np.hypot(*np.diff(places, axis=1)).sum())
+        # image points count from the corner, labels from the centre of the first pixel
         return cls(places.mean(axis=1) - 0.5, places[:, [0, -1]].T - 0.5, length, (pair[:, 1] - pair[:, 0]) / (2.0 * step))
 
 

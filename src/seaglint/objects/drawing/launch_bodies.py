@@ -149,6 +149,7 @@ def sea_before(levels: Levels, surface: Surface, eye: float, span: Span) -> Cres
     keep = ahead.size
     left, right = span.azimuth
     wide = (right - left) * max(far, 1e-3)
+    # across the body the sea is as fine as in the picture
     coarse = float(levels.shortest[int(np.searchsorted(levels.begins, near, side="right")) - 1])
     lines = min(max(math.ceil(wide * LINES_PER_WAVE / coarse) + 1, 3), MOST_LINES)
     azimuths = np.linspace(left, right, lines)

@@ -50,6 +50,7 @@ class Mesh:
         kelvin = np.concatenate([np.asarray(s.temperature, np.float64) for s in solids])
         temperatures, inverse = np.unique(kelvin, return_inverse=True)
         code: FloatArray = np.asarray(inverse, np.float64)
+        # many temperatures, as in a file with one for each vertex, become an even table
         if temperatures.size > MOST_TEMPERATURES:
             temperatures = np.linspace(temperatures[0], temperatures[-1], _TABLED)
             code = (kelvin - temperatures[0]) / (temperatures[1] - temperatures[0])
@@ -64,6 +65,7 @@ def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np
     same = merged(vertices)[corners]
     start, end = same, np.roll(same, -1, axis=1)
     count = len(vertices)
+    # an edge has one number for both triangles, whichever direction they run along it
     keys, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
     ends = np.stack(np.divmod(keys, count), axis=1).astype(np.int32)
     return ends, np.where(start < end, which.reshape(same.shape) + 1, -(which.reshape(same.shape) + 1)).astype(np.int32)
@@ -133,6 +135,7 @@ class Placed:
         low, high = _extent(self.surface, self.eye, (s, c))
         turn, near = (low[0], high[0]), low[1]
         if math.hypot(self.place[0], self.place[1]) <= self.radius:  # over or under the sensor
+            # all azimuths, from the sensor's foot on
             turn, near = (-math.pi, math.pi), 0.0
         ends = (middle + turn[0], middle + turn[1])
         return Span(ends, (near, high[1]), low[2], high[2]), (low[3], high[3])
@@ -188,6 +191,7 @@ def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
         axes, middle = np.asarray(part.kind.semi_axes), stand.place + stand.turn @ np.asarray(part.kind.centre)
         # 3 % beyond the surface, so that the surface between the points is inside their hull
         surface = middle + 1.03 * (_BALL * axes) @ stand.turn.T
+        # rows convert a direction in the sensor's axes to units of the semi-axes
         to_unit = stand.turn.T / axes[:, None]
         gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [longest_chord(part.kind)]])
         if np.linalg.norm(gas[:3]) < 1.0:

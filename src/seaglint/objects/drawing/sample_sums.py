@@ -129,6 +129,7 @@ def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, floa
     turn = 0.0
     if scene.crests.tangent.shape[0] > 0:
         aside, ahead = at[0] * c - at[1] * s, at[0] * s + at[1] * c
+        # the azimuth from the body's centre, by a fast series: only small angles occur
         turn = elevation(aside / ahead) if ahead > 0.0 else math.atan2(aside, ahead)
     return in_sight(scene.crests, azimuth + turn, at[3], at[4], at[2] / max(level, 1e-9))
 
@@ -243,6 +244,7 @@ def _facet(
     ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
     wx, wy, wz = v[c, 0] - v[a, 0], v[c, 1] - v[a, 1], v[c, 2] - v[a, 2]
     nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
+    # the normal is not normalised: square of twice the triangle's area
     size = nx * nx + ny * ny + nz * nz
     px, py, pz = at[0] - v[a, 0], at[1] - v[a, 1], at[2] - v[a, 2]
     # shares of the corners b and c

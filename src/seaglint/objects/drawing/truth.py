@@ -49,6 +49,7 @@ class _Pixels:
         top, bottom = max(self.top - margin, 0), min(self.top - margin + rows, self.shape[0])
         width = min(math.ceil(rows * columns / (bottom - top)), self.shape[1])
         left = self.left - margin - (width - columns) // 2
+        # the box moves inwards at the edge of the image and has its full width
         left = left if self.around else min(max(left, 0), self.shape[1] - width)
         return np.ix_(np.arange(top, bottom), (left + np.arange(width)) % self.shape[1])
 
@@ -109,6 +110,7 @@ def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[N
         if box is not None:
             where = box.where()
             mask[where] = box.seen
+            # of equal covers the later body has the pixel, but a point takes no pixel from another body
             covers_most = box.seen & (box.cover >= most[where]) & ((box.cover > 0.0) | (number[where] == 0))
             number[where] = np.where(covers_most, np.uint16(body), number[where])
             most[where] = np.where(covers_most, box.cover, most[where])
@@ -125,6 +127,7 @@ def _pixels(sight: BodySight, shape: tuple[int, int], around: bool) -> _Pixels |
     left, right = _columns(np.concatenate([s.columns for s in shares]), shape[1], around)
     top, bottom = max(top, 0), min(bottom, shape[0])
     size = (bottom - top, right - left)
+    # several parts of a body, and its images in a mirage, may share a pixel: their sums add
     cover, added, hidden, solid = (np.zeros(size) for _ in range(4))
     seen = np.zeros(size, bool)
     for s in shares:
@@ -134,6 +137,7 @@ def _pixels(sight: BodySight, shape: tuple[int, int], around: bool) -> _Pixels |
         np.add.at(added, index, s.radiance * s.pixel)
         np.add.at(hidden, index, s.cover * s.image * s.pixel)
         np.maximum.at(solid, index, s.pixel)
+        # a point covers nothing: it touches the pixels to which it adds light
         np.logical_or.at(seen, index, (s.cover > s.least) | ((s.cover == 0.0) & (s.radiance != 0.0)))
     return _Pixels(top, left, shape, around, cover, added, hidden, solid, seen) if seen.any() else None
 
@@ -171,7 +175,9 @@ def _numbers(
         return row
     difference = box.added - box.hidden
     total = float(difference.sum())
+    # points have no solid angle: their place is a mean, not a ratio of sums
     point = sight.seen == 0.0
+    # sums count pixels from their corner, labels from the centre of the first
     weight = 1.0 if point else sight.seen
     row["column_px"] = _on_image(sight.across / weight - 0.5, box)
     row["row_px"] = sight.down / weight - 0.5
@@ -180,6 +186,7 @@ def _numbers(
     row["bbox_width_px"], row["bbox_height_px"] = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
     row["pixels"] = float(box.cover.sum())
     row["irradiance_W_m2"] = total
+    # the centroid of the change of light, which may be negative: a cold body hides warm sea
     if abs(total) > 0.0:
         j, i = np.mgrid[0 : difference.shape[0], 0 : difference.shape[1]]
         row["signal_column_px"] = _on_image(box.left + float((difference * i).sum()) / total, box)
@@ -188,6 +195,7 @@ def _numbers(
         row["contrast_W_m2_sr"] = total / sight.seen
         row["temperature_difference_K"] = kelvin(float(box.added.sum()) / sight.seen) - kelvin(float(box.hidden.sum()) / sight.seen)
     clutter = _clutter(box, sea, covered)
+    # the change is a radiance times solid angle: over the solid angle it compares with the sea's deviation
     peak = difference / np.where(box.solid > 0.0, box.solid, 1.0)
     if clutter > 0.0:
         row["signal_to_clutter"] = float(np.abs(peak).max()) / clutter
