@@ -53,6 +53,7 @@ class Scale:
         """Return the values of a brightness, the inverse of :meth:`share`."""
         s = np.asarray(share, np.float64)
         if self.steps is not None:
+            # cells without pixels make flat steps, which have no inverse
             rising = np.concatenate([[True], np.diff(self.steps) > 0.0])
             return np.asarray(np.interp(s, self.steps[rising], np.linspace(self.low, self.high, CELLS + 1)[rising]))
         if self.width is None:

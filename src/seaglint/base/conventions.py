@@ -84,6 +84,7 @@ def surface_range(height: float, depression: ArrayLike) -> FloatArray:
     c = a * (2.0 + a)
     with np.errstate(invalid="ignore"):
         disc = b * b - c
+        # the near root as a quotient: b - sqrt(disc) would cancel
         t = c / (b + np.sqrt(disc))
         psi = np.arctan2(t * np.cos(d), 1.0 + a - t * np.sin(d))
         return np.asarray(np.where((disc >= 0.0) & (d > 0.0), EFFECTIVE_EARTH_RADIUS * psi, np.nan))

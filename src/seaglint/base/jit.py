@@ -186,6 +186,7 @@ def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
     """
     threads = int(numba.get_num_threads())
     size = max(-(-count // (threads * SHARES_PER_THREAD)), 1)
+    # the number of parts depends on threads, results must not
     parts = [(first, min(first + size, count)) for first in range(0, count, size)]
     work((0, 0))  # compiles in one thread, unless the kernel is compiled
     if threads == 1:

@@ -101,6 +101,7 @@ def _read(node: ast.expr) -> Any:
         case ast.Call(func=ast.Attribute() as name, args=fields):
             module, _, record = ast.unparse(name).rpartition(".")
             members = [_read(one) for one in fields]
+            # Numba has a separate type for tuples of equal members
             same = len(set(members)) == 1
             instance = getattr(importlib.import_module(module), record)
             return types.NamedUniTuple(members[0], len(members), instance) if same else types.NamedTuple(members, instance)

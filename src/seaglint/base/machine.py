@@ -31,5 +31,6 @@ def cache_folder() -> Path:
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "seaglint" / "cache"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "seaglint"
+    # the specification ignores relative paths
     base = os.environ.get("XDG_CACHE_HOME", "")
     return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "seaglint"

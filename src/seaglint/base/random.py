@@ -99,6 +99,7 @@ def last_event(key: tuple[int, int], time: float) -> int:
     slot = instant // SLOTS
     mask = (2 << (instant - SLOTS * slot)) - 1
     for _ in range(LOOK_BACK):
+        # three independent words: a bit is set in all of them with the chance 1/8
         events = bits(key, 3 * slot) & bits(key, 3 * slot + 1) & bits(key, 3 * slot + 2) & mask
         if events > 0:
             return SLOTS * slot + highest_bit(events)
@@ -110,6 +111,7 @@ def last_event(key: tuple[int, int], time: float) -> int:
 @kernel
 def normal_quantile(p: float) -> float:
     """Return the quantile of the standard normal density, relative error 1.2e-9 (P. J. Acklam's rational approximation)."""
+    # tails and middle have separate fits; the coefficients are Acklam's
     if p < 0.02425 or p > 0.97575:
         q = math.sqrt(-2.0 * math.log(min(p, 1.0 - p)))
         top = (

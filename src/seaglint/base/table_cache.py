@@ -54,6 +54,7 @@ def _path(make: Callable[[int], FloatArray], number: int) -> Path | None:
 
 def _write(path: Path, table: FloatArray) -> None:
     """Write a table as a whole or, on a full disk or without permission, not at all."""
+    # written aside and moved: other processes see a whole file or none
     partial = path.with_name(f"{path.name}.{os.urandom(4).hex()}")
     try:
         with open(partial, "xb") as file:

@@ -170,6 +170,7 @@ class DaskWorkers:
                     ) from error
                 time.sleep(0.5)
             else:
+                # workers may be others now: all are queried again
                 self._known.clear()
                 self._looked = -REFRESH
                 return
@@ -267,6 +268,7 @@ class _DaskMapping:
         ended = []
         with suppress(queue.Empty):
             ended.append(self.ended.get(timeout=0.5))
+            # a short wait gathers the records of many workers in one request
             time.sleep(min(TOGETHER * self.workers.count, 0.05))
             while True:
                 ended.append(self.ended.get_nowait())
@@ -276,6 +278,7 @@ class _DaskMapping:
 
     def _read(self, ended: list[Any]) -> Iterator[Done[Any, Any] | Failed[Any]]:
         """Yield the outcomes of futures that ended; units to be tried again are queued."""
+        # the scheduler came back without its tasks
         if any(future.status in ("cancelled", "lost") for future in ended):
             raise _SchedulerGoneError("tasks are lost")
         whole = [future for future in ended if future.status == "finished"]

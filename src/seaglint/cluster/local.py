@@ -72,6 +72,7 @@ class _Worker:
         ours, theirs = socket.socketpair()
         with theirs:
             number = theirs.fileno()
+            # the worker finds what its parent can import
             path = os.pathsep.join(os.path.abspath(p) for p in sys.path)
             environment = os.environ | {"PYTHONPATH": path, "NUMBA_NUM_THREADS": str(threads)} | dict.fromkeys(_ONE_THREAD, "1")
             # in a new session Ctrl-C reaches only the parent; text that a unit prints goes to stderr, as stdout may have a result
@@ -277,6 +278,7 @@ class _LocalMapping:
     def _task_for(self, worker: _Worker) -> _LocalTask | None:
         others = [other for other in self.workers if other is not worker]
         for task in self.queue:
+            # a unit that failed in one process goes to another, if there is one
             if worker.number not in task.tried_by or all(other.number in task.tried_by for other in others):
                 self.queue.remove(task)
                 return task
@@ -297,6 +299,7 @@ class _LocalMapping:
             case ("refused", job, pickled, line, where) if job == self.job:
                 worker.job = ""
                 self.lost_at_start += 1
+                # an error of the user's input is final; others may be a fault of one process
                 error = pickle.loads(pickled) if pickled is not None else RuntimeError(line)
                 if isinstance(error, SeaglintError):
                     raise error

@@ -93,6 +93,7 @@ def do(unit: bytes, content: bytes) -> bytes:
 def _work(content: bytes) -> Callable[[Any], Any]:
     key = hashlib.blake2b(content, digest_size=16).hexdigest()
     if key not in _started:
+        # one job at a time: an earlier one frees its tables
         _started.clear()
         start, settings = pickle.loads(zlib.decompress(content))
         _started[key] = start(settings)

@@ -51,6 +51,7 @@ def surface_of(
             raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
     count = np.array([z.shape[2] for z in lattices], dtype=np.int64)
+    # addresses of the lattices in one array, with their borders of three points
     first = np.concatenate([[0], np.cumsum(count * (sizes + 3) ** 2)]).astype(np.int64)
     rows = np.empty(first[-1], np.float32)
     for lattice, begin, n in zip(lattices, first, sizes, strict=False):

@@ -126,6 +126,7 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray, part: tupl
             for row in range(BLOCK * block, min(BLOCK * block + BLOCK, out.shape[1])):
                 for k in range(planes.shape[0]):
                     if planes[k] == SKY:
+                        # sky is what remains of the total: no channel of its own
                         rest = columns[column, SUN, row] + columns[column, EMITTED, row] + columns[column, PATH, row]
                         out[k, row, column] = columns[column, TOTAL, row] - rest
                     else:

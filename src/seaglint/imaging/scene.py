@@ -98,6 +98,7 @@ class Levels:
         DomainError
             Steps that do not suit the lattices.
         """
+        # with 0 columns all waves stay geometry: one level
         columns, step = accuracy.shortest_wave_columns, accuracy.step
         detail = Detail.of(waves, None if columns > 0.0 else 1)
         shortest = np.array([level.shortest_wave for level in detail.levels])
@@ -145,7 +146,9 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
     that it omits. Lines farther apart than ``L`` overestimate a band by the ratio of their distance to ``L``.
     """
     mss = np.array([sum(level.mss) for level in detail.levels])
+    # the variance that each level adds to the next coarser one
     bands = np.append(mss[:-1] - mss[1:], mss[-1])[:, None]
+    # a band's length: the geometric mean of its limits
     waves = np.append(np.sqrt(shortest[:-1] * shortest[1:]), 2.0 * shortest[-1])[:, None]
     far = max(last, camera.height)
     arcs = np.geomspace(1e-2 * min(camera.height, far), far, _ARCS)

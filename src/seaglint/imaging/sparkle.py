@@ -124,6 +124,7 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     shown = mirrored.chance > 0.0
     if not shown.any():
         return 0.0
+    # number of cells in a pixel
     many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
     return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
 

@@ -314,6 +314,7 @@ class SweptScene:
     def _tabled(self, arcs: FloatArray) -> Swept:
         """Return the tables that columns read, for samples at ``arcs`` [m]."""
         view, camera, levels = self.view, self.camera, self._levels
+        # a calm sea has few samples: the path is known at each
         every = 1 if self.waves is None else PATH_EVERY
         # the path is evaluated at the middle of the piece that ends at a sample
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
@@ -339,6 +340,7 @@ class SweptScene:
         view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
         crest = 0.0 if waves is None else waves.significant_height
         towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
+        # facets are seen no more grazingly than the last sample
         floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
         last = [*levels.begins[1:], arcs[-1]]
         out = []

@@ -63,6 +63,7 @@ def lag_weights(time_constant: float, interval: float) -> FloatArray:
     if time_constant <= 0.0:
         return np.ones(1)
     decay = math.exp(-interval / time_constant)
+    # decay^n reaches FORGOTTEN at n = log(FORGOTTEN) / log(decay)
     count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(decay)) if decay > 0.0 else 0, MOST_REMEMBERED - 1)
     # the forgotten frames' share is divided among the others, so that a steady scene has its full signal
     weights = (1.0 - decay) * decay ** np.arange(count)

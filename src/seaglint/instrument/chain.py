@@ -83,6 +83,7 @@ class SensorModel:
         """Straight line from radiance to counts."""
         optics, detector, photons = self.optics, self.detector, self.photons
         warm = optics.emissivity * optics.solid_angle + optics.housing_solid_angle
+        # warm optics and housing are blackbodies; their electrons have the conversion of the scene
         glow = float(photons.radiance(optics.temperature)) * warm * detector.active_area if warm > 0.0 else 0.0
         light = detector.active_area * optics.solid_angle * optics.transmission
         if isinstance(detector, ThermalPixels):
@@ -98,6 +99,7 @@ class SensorModel:
             gain = detector.gain
         else:
             hot = light * per_joule * float(photons.radiance(FULL_SCALE_TEMPERATURE)) + background
+            # the converter ends at the full well, or at a hot blackbody without a well
             gain = (capacity if math.isfinite(capacity) else hot) / (detector.top_count - detector.offset)
         return Readout(light * per_joule, background, dark, capacity, gain, detector.offset, detector.top_count)
 
@@ -227,6 +229,7 @@ class SensorModel:
         shape = (seen.shape[0], seen.shape[1])
         pattern = self._pattern(shape)
         when = frame * self.frame_interval if time is None else time
+        # gain and curvature act on light alone; dark signal is added after them
         light = pattern.response(np.maximum(line.per_radiance * seen.astype(np.float64), 0.0) + (line.background - line.dark))
         dark = pattern.dark(shape) + line.dark
         detector = self.detector
@@ -237,6 +240,7 @@ class SensorModel:
             full = units >= well
             if detector.short_integration_time is not None:
                 factor = detector.range_factor
+                # fewer electrons in proportion to the time, scaled back after the shot noise
                 second = self._collected(mean / factor, frame, well, 1) * factor
                 short = units > SHORT_BELOW * well
                 units, full = np.where(short, second, units), second >= well * factor

@@ -102,6 +102,7 @@ class Readout:
     per_radiance: float  #: Units for each unit of in-band radiance at the aperture [units (W m-2 sr-1)-1].
     background: float  #: Units without a scene: dark current, warm optics and housing.
     dark: float  #: Units of dark current, a part of ``background``.
+    # capacity and full scale differ: the converter may end before the well
     capacity: float  #: Units at which a pixel saturates; infinite without saturation.
     gain: float  #: Units for each count.
     offset: float  #: Counts without units.

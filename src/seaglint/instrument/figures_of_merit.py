@@ -121,12 +121,14 @@ def budget(model: SensorModel, radiance: float) -> Budget:
     signal = float(line.units(radiance))
     parts: dict[str, float] = {}
     if isinstance(detector, PhotonPixels):
+        # shot noise: the variance of electrons is their mean
         parts["scene"] = math.sqrt(line.per_radiance * radiance)
         parts["optics"] = math.sqrt(max(line.background - line.dark, 0.0))
         parts["dark"] = math.sqrt(line.dark)
         parts["read"] = detector.read_noise
     else:
         parts["detector"] = model.read_rms
+    # a converter's steps are uniform errors: step over the root of 12
     parts |= {"one_over_f": noise.one_over_f, "quantisation": line.gain / math.sqrt(12.0)}
     parts |= {name: getattr(noise, name) for name in ("frame", "row_temporal", "column_temporal")}
     return Budget(signal, parts)
@@ -140,6 +142,7 @@ def fixed_pattern(model: SensorModel, radiance: float) -> float:
         gain, offset, (first, second) = noise.gain_spread * light, noise.offset_spread, (0.0, 0.0)
     else:
         gain, offset, (first, second) = 0.0, 0.0, noise.corrected_at
+    # zero at the two signals of the correction; without correction both are 0
     curved = noise.curvature_spread * (light - first) * (light - second) / min(line.full_scale, 1e15)
     return math.sqrt(gain**2 + offset**2 + curved**2)
 
@@ -152,6 +155,7 @@ def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
     pixel = math.sqrt(sum(value**2 for name, value in temporal.parts.items() if name not in common))
     return {
         "T": noise.frame,
+        # one pixel of a scanner draws a whole row: its pattern is the row's
         "V": math.hypot(noise.row, pattern) if scanning else noise.row,
         "H": noise.column,
         "TV": noise.row_temporal,
@@ -218,8 +222,10 @@ def figures(
     frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
     transfer = mtf(model, frequency, rates)
     at_mean = budget(model, mean)
+    # the dark: noise without light from the scene
     floor = budget(model, 0.0).total
     time = detector.integration_time if isinstance(detector, PhotonPixels) else model.frame_interval
+    # units for each watt on the sensitive area
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
     ceiling = (line.full_scale - line.background) / line.per_radiance
     response = point_response(model, rates)

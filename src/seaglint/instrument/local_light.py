@@ -194,6 +194,7 @@ def spread(
             light *= weight
             x, y = (at_column - first[0]) * nodes, (at_row - first[1]) * nodes
             i, j = math.floor(x), math.floor(y)
+            # the spline needs one node before and two behind
             if i < 1 or j < 1 or i + 2 >= wide or j + 2 >= high:
                 continue
             across, down = _spline(x - i), _spline(y - j)
@@ -253,6 +254,7 @@ class LocalLight:
             Shortest wavelength of the band, which determines the cut-off of the optics [m].
         """
         cutoff = sampling.step * blur.optics.cutoff(shortest)
+        # the cut-off in cycles per pixel times nodes per cycle
         nodes = max(math.ceil(NODES_PER_CYCLE * cutoff), 2)
         nodes += nodes % 2  # the middle of a pixel is a node
         wide = BLURS / (blur.optics.cutoff(blur.wavelength) * sampling.step) + 4.0 * blur.optics.jitter / sampling.step

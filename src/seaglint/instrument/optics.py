@@ -117,6 +117,7 @@ def cone(f_number: float, law: SolidAngle = "sine") -> float:
     >>> round(cone(2.0), 4), round(cone(2.0, "thin-lens"), 4)
     (0.1963, 0.1848)
     """
+    # pi sin^2 of half the cone: sin = 1/(2F), or tan = 1/(2F) of a thin lens
     return math.pi / (4.0 * f_number**2 + (1.0 if law == "thin-lens" else 0.0))
 
 
@@ -224,6 +225,7 @@ class Blur:
         out = {"diffraction": sharp}
         if optics.defocus:
             soft = np.interp(f, self.frequency, self.defocused, right=0.0)
+            # a factor on the sharp transfer, so that the product of all causes is the defocused one
             out["defocus"] = np.where(sharp > 1e-9, soft / np.maximum(sharp, 1e-9), 1.0)
         if optics.wavefront_error:
             out["wavefront"] = wavefront_mtf(f * self.wavelength / optics.aperture, optics.wavefront_error)

@@ -74,6 +74,7 @@ class Photons:
     @cached_property
     def _electrons(self) -> FloatArray:
         """Electrons per joule at each wavenumber [J-1]."""
+        # one over the photon's energy h c nu, with nu in m-1
         return self._efficiency / (100.0 * constants.h * constants.c * self.wavenumber_cm)
 
     def radiance(self, temperature: ArrayLike) -> FloatArray:
@@ -86,6 +87,7 @@ class Photons:
 
     def radiance_slope(self, temperature: float) -> float:
         """Return the derivative of :meth:`radiance` [W m-2 sr-1 K-1]."""
+        # a central difference: small against curvature, large against rounding
         step = 0.01
         pair = self.radiance([temperature - step, temperature + step])
         return float((pair[1] - pair[0]) / (2.0 * step))
@@ -127,6 +129,7 @@ class Photons:
     @cached_property
     def spectrum(self) -> tuple[FloatArray, FloatArray]:
         """Wavelengths [m] and the share of the reference blackbody's electrons at each [1]; shares add to 1."""
+        # electrons, not energy: blur follows what the detector counts
         share = self._planck(self.temperature) * self._weights * self._electrons
         return 0.01 / self.wavenumber_cm, share / share.sum()
 

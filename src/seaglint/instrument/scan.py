@@ -31,6 +31,7 @@ class ScanPattern:
     @property
     def instantaneous(self) -> bool:
         """True if all pixels have one instant."""
+        # a scanner without a period counts as staring
         return (self.kind == "staring" or self.period == 0.0) and self.row_time == 0.0
 
     def column_delays(self, columns: int) -> FloatArray:

@@ -344,6 +344,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: SweepGrid, work: np.nd
     row = min(max(top - 1, 0), rows - 1)
     count, total = 0, 0.0
     low = sine.min()
+    # edges descend, as row 0 is on top
     while row < rows and cells.edges[row] > low:
         n = cut(quad, 4, 1, cells.edges[row] - middle, -1.0, cleft)
         n = cut(cleft, n, 1, cells.edges[row + 1] - middle, 1.0, strip)

@@ -85,7 +85,9 @@ class Track:
                 raise DomainError(
                     f"{names[row]} to {names[row + 1]}: {COLUMNS[column]} turns by 180 deg, which can go either way; add a keyframe between"
                 )
+            # the short way round
             table[1:, column] = table[0, column] + np.cumsum(turn)
+        # after unwrapping: a turn across north is no jump
         _require_no_jump(table, step, names)
         return cls(table[:, 0].copy(), table[:, 1:].copy())
 
