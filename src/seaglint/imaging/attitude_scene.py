@@ -54,7 +54,7 @@ class AngleSurvey:
 
 
 def covers(prepared: AngleSurvey, requested: AngleSurvey) -> bool:
-    """True if a prepared scene covers another camera."""
+    """Return True if a prepared scene covers another camera."""
     one, other = prepared.grid, requested.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
         return False
@@ -271,7 +271,7 @@ class TurnedScene:
         return 2.0 * np.pi / self.waves.tiles[-1].k_max if self.waves is not None else np.inf
 
     def _serves(self, low: FloatArray, high: FloatArray) -> NDArray[np.bool_]:
-        """True if the sweep serves pixels between two elevations [rad]: where it may see the sea, and not too steeply."""
+        """Return True if the sweep serves pixels between two elevations [rad]: at the sea or near the horizon, and not too steep."""
         # a little above the horizontal, so that a pixel cut by it is one of the sweep's
         highest = math.radians(60.0) if self.track.lowest <= self._crest else 0.0
         return np.asarray((low >= self.accuracy.walk_below) & (low < highest) & (high <= highest + math.radians(20.0)))
