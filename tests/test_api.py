@@ -21,7 +21,7 @@ from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.schema import LAYERS
 from seaglint.cli import ensemble as dataset_command
-from seaglint.cluster import Here
+from seaglint.cluster import ThisProcess
 from seaglint.formats import export as export_formats
 from seaglint.formats.recording import open_recording
 from seaglint.optics.band import Band
@@ -56,7 +56,7 @@ def test_an_ensemble_returns_what_it_drew(tmp_path):
         sg.dataset(tmp_path / "few", tmp_path / "D", format="voc")
 
 
-@pytest.mark.parametrize("workers", [2, Here()])
+@pytest.mark.parametrize("workers", [2, ThisProcess()])
 def test_a_number_of_workers_is_that_of_processes(tmp_path, monkeypatch, workers):
     class Asked(Exception):
         pass

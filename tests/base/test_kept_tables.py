@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from seaglint.base import table_cache
-from seaglint.base.table_cache import kept
+from seaglint.base.table_cache import cached_table
 from seaglint.sea.shadowing.nested import _ratios
 
 NUMBERS = np.array([[0.1, -0.0], [5e-324, np.inf]])
@@ -33,7 +33,7 @@ def table(calls):
         calls.append(number)
         return number * NUMBERS
 
-    return kept(numbers)
+    return cached_table(numbers)
 
 
 def test_a_table_is_computed_once_and_read_with_the_same_bits(folder, table, calls) -> None:

@@ -15,7 +15,7 @@ import pytest
 
 import seaglint
 from seaglint.base import kernel_cache as _kernel_cache
-from seaglint.base.kernel_cache import IN_USE, KEPT, PREFIX, remove_old, sources_digest
+from seaglint.base.kernel_cache import IN_USE, MOST_FOLDERS, PREFIX, remove_old, sources_digest
 
 SOURCE = Path(seaglint.__file__).parent
 
@@ -194,7 +194,7 @@ def test_folders_of_other_sources_go_when_they_are_old_and_many(tmp_path: Path) 
     now = time.time()
     present = tmp_path / f"{PREFIX}present"
     # The present one is old here, and a fresh one more than are kept: neither goes.
-    recent = {tmp_path / f"{PREFIX}{n}": 0.5 * IN_USE for n in range(KEPT + 1)}
+    recent = {tmp_path / f"{PREFIX}{n}": 0.5 * IN_USE for n in range(MOST_FOLDERS + 1)}
     ages = {present: 90.0 * IN_USE, tmp_path / f"{PREFIX}old": 1.1 * IN_USE} | recent
     for folder, age in ages.items():
         (folder / "part").mkdir(parents=True)
@@ -206,11 +206,11 @@ def test_folders_of_other_sources_go_when_they_are_old_and_many(tmp_path: Path) 
 
 def test_old_folders_stay_while_they_are_few(tmp_path: Path) -> None:
     present = tmp_path / f"{PREFIX}present"
-    for folder in (present, *(tmp_path / f"{PREFIX}{n}" for n in range(KEPT))):
+    for folder in (present, *(tmp_path / f"{PREFIX}{n}" for n in range(MOST_FOLDERS))):
         folder.mkdir()
         os.utime(folder, (0.0, 0.0))
     remove_old(present)
-    assert len(list(tmp_path.iterdir())) == KEPT + 1
+    assert len(list(tmp_path.iterdir())) == MOST_FOLDERS + 1
 
 
 def test_the_digest_opens_each_source_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,7 +15,7 @@ import toy_jobs
 
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cluster import Done, Failed, Job
-from seaglint.cluster.dask import _DaskMapping, connected, judged, queued, read_settings
+from seaglint.cluster.dask import _DaskMapping, connected, queued, read_settings, usable_workers
 from seaglint.cluster.job import ATTEMPTS
 from seaglint.cluster.remote import this_machine
 
@@ -157,14 +157,14 @@ def test_what_is_no_address(address):
 
 def test_workers_of_another_version_or_without_the_package_are_named():
     mine = this_machine()
-    assert judged({"tcp://a:1": mine}, mine) == {"tcp://a:1": mine}
+    assert usable_workers({"tcp://a:1": mine}, mine) == {"tcp://a:1": mine}
     with pytest.raises(BackendError, match=r"1 workers have no seaglint.*: tcp://a:1; install"):
-        judged({"tcp://a:1": None}, mine)
+        usable_workers({"tcp://a:1": None}, mine)
     with pytest.raises(BackendError, match=r"1 workers have seaglint 0.0.9 and not .*: tcp://b:1"):
-        judged({"tcp://a:1": mine, "tcp://b:1": mine._replace(version="0.0.9")}, mine)
+        usable_workers({"tcp://a:1": mine, "tcp://b:1": mine._replace(version="0.0.9")}, mine)
     with pytest.raises(BackendError, match=r"2 workers have other sources of seaglint .*: tcp://a:1, tcp://b:1;"):
-        judged({f"tcp://{name}:1": mine._replace(sources="0") for name in "ab"}, mine)
-    assert judged({"tcp://a:1": OSError("it went")}, mine) == {}
+        usable_workers({f"tcp://{name}:1": mine._replace(sources="0") for name in "ab"}, mine)
+    assert usable_workers({"tcp://a:1": OSError("it went")}, mine) == {}
 
 
 WORKER = """
@@ -254,7 +254,7 @@ def test_a_scheduler_that_is_lost_in_the_middle(comes_back, tmp_path, monkeypatc
             else:
                 workers.patience = 3.0
                 monkeypatch.setattr("seaglint.cluster.dask.CONNECT", 3.0)  # nothing answers: no machine is too busy for that
-                with pytest.raises(BackendError, match="did not come back within 3 s; what is done stays"):
+                with pytest.raises(BackendError, match="did not come back within 3 s; finished units remain"):
                     list(found)
         assert any("scheduler is lost" in line for line in said)
     finally:

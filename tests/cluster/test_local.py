@@ -12,7 +12,7 @@ import pytest
 import toy_jobs
 
 from seaglint.base.errors import BackendError, DomainError
-from seaglint.cluster import Done, Failed, Here, Job, LocalProcesses
+from seaglint.cluster import Done, Failed, Job, LocalProcesses, ThisProcess
 from seaglint.cluster.job import ATTEMPTS
 
 
@@ -44,7 +44,7 @@ def require_end(processes: list[int]) -> None:
 @pytest.mark.parametrize("units", [range(7), [], iter([3])])
 def test_each_unit_comes_back_once(kind, units, two):
     units = list(units)
-    found = outcomes(Here() if kind == "here" else two, toy_jobs.squares, 5, units)
+    found = outcomes(ThisProcess() if kind == "here" else two, toy_jobs.squares, 5, units)
     assert all(isinstance(one, Done) and one.seconds >= 0 for one in found)
     assert sorted((one.unit, one.record) for one in found) == [(unit, 5 + unit * unit) for unit in units]
 
@@ -59,7 +59,7 @@ def test_processes_stay_for_the_next_job_and_share_the_work(two, tmp_path):
 @pytest.mark.parametrize("kind", ["here", "local"])
 def test_a_unit_that_raises_is_tried_again_and_named(kind, two, tmp_path):
     units = ["raise", "a", "b", "c"]
-    found = {one.unit: one for one in outcomes(Here() if kind == "here" else two, toy_jobs.lines, str(tmp_path), units)}
+    found = {one.unit: one for one in outcomes(ThisProcess() if kind == "here" else two, toy_jobs.lines, str(tmp_path), units)}
     assert found.keys() == set(units)
     failed = found.pop("raise")
     assert isinstance(failed, Failed)

@@ -17,7 +17,7 @@ from PIL import Image
 from small_scenes import COLUMNS, FRAMES, LINE, ROWS, entries, masks, values
 
 from seaglint.base.errors import DataError
-from seaglint.cluster import Here
+from seaglint.cluster import ThisProcess
 from seaglint.formats.dataset import dataset_writing
 from seaglint.formats.dataset.dataset_writing import pieces
 from seaglint.formats.dataset.grey_pictures import compressed, decoded, expanded, read_about
@@ -250,7 +250,7 @@ class Backwards:
     count = 3
 
     def map(self, job, units):
-        return Here().map(job, list(units)[::-1])
+        return ThisProcess().map(job, list(units)[::-1])
 
 
 @pytest.mark.validation

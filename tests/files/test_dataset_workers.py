@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from small_scenes import entries
 
-from seaglint.cluster import Here, Job
+from seaglint.cluster import Job, ThisProcess
 from seaglint.cluster.job import outgoing
 from seaglint.formats.dataset import dataset_writing
 from seaglint.formats.dataset.scene_records import SPLITS
@@ -36,7 +36,7 @@ class Elsewhere:
     @contextmanager
     def map(self, job, units):
         there = Job(*pickle.loads(outgoing((job.start, job.settings))))
-        with Here().map(there, units) as outcomes, chdir(self.folder):
+        with ThisProcess().map(there, units) as outcomes, chdir(self.folder):
             yield iter(list(outcomes))
 
 
@@ -48,7 +48,7 @@ def test_a_relative_folder_is_found_by_workers_elsewhere(stores, tmp_path, monke
     assert not any((tmp_path / "there").iterdir())
 
 
-@pytest.mark.parametrize("workers", [None, Here()])
+@pytest.mark.parametrize("workers", [None, ThisProcess()])
 def test_a_signal_leaves_the_scenes_that_are_done(stores, tmp_path, workers):
     def stop(done: int, _: int) -> None:
         if done == 2:

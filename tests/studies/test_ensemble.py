@@ -16,7 +16,7 @@ import zarr
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, ScenarioError
-from seaglint.cluster import Done, Here
+from seaglint.cluster import Done, ThisProcess
 from seaglint.objects.body import Placement
 from seaglint.objects.drawing.eye import stand
 from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, parse_ensemble
@@ -247,7 +247,7 @@ def test_resume_does_what_is_missing_and_nothing_else(rendered: Path, tmp_path: 
     shutil.rmtree(folder / "scenes" / "0001.zarr")
     units: list[str] = []
 
-    class Counted(Here):
+    class Counted(ThisProcess):
         def map(self, job: Any, wanted: Any) -> Any:
             units.extend(wanted)
             return super().map(job, units)
@@ -315,7 +315,7 @@ def test_a_request_to_stop_leaves_what_is_done(tmp_path: Path, monkeypatch: pyte
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_does_not_wait_for_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
-    class Slow(Here):
+    class Slow(ThisProcess):
         @contextmanager
         def map(self, job: Any, units: Any) -> Iterator[Any]:
             def outcomes() -> Iterator[Any]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from seaglint.cluster import Here, LocalProcesses
+from seaglint.cluster import LocalProcesses, ThisProcess
 from seaglint.scenario.load import parse_scenario
 from seaglint.store.sequence_store import finish_sequence, open_sequence
 from seaglint.store.writers import Share
@@ -30,7 +30,7 @@ def test_five_frames_by_a_worker_and_in_shares(tmp_path):
     scenario = small(5)
     whole = files(render(scenario, tmp_path / "whole.zarr"))
     assert len([name for name in whole if name.startswith("radiance/c/")]) == 5
-    assert files(render(scenario, tmp_path / "worker.zarr", workers=Here())) == whole
+    assert files(render(scenario, tmp_path / "worker.zarr", workers=ThisProcess())) == whole
     for index in (1, 0):
         render(scenario, tmp_path / "shares.zarr", share=Share(index, 2))
     assert finish_sequence(tmp_path / "shares.zarr", scenario.model_dump_json(exclude_none=True))

@@ -11,7 +11,7 @@ import xarray as xr
 import seaglint as sg
 from seaglint.base.conventions import view_zenith
 from seaglint.base.errors import BackendError, DataError, ScenarioError, SeaglintError
-from seaglint.cluster.local import Here
+from seaglint.cluster.local import ThisProcess
 from seaglint.formats.tables.input_tables import read_cases
 from seaglint.optics.band import Band
 from seaglint.radiance.mean_radiance import mean_radiance
@@ -148,7 +148,7 @@ def test_workers_and_lazy_arrays_give_the_same():
     vary = {"sun.zenith_deg": [10.0, 50.0, 70.0], "wind.speed_m_s": [3.0, 9.0]}
     at = {"view_zenith_deg": [20.0, 60.0]}
     alone = sg.sweep({"band": {"min_um": 8.0, "max_um": 12.0}}, vary, at=at)
-    shared = sg.sweep({"band": {"min_um": 8.0, "max_um": 12.0}}, vary, at=at, workers=Here())
+    shared = sg.sweep({"band": {"min_um": 8.0, "max_um": 12.0}}, vary, at=at, workers=ThisProcess())
     xr.testing.assert_identical(alone.drop_attrs(), shared.drop_attrs())
     pytest.importorskip("dask")
     later = sg.sweep({"band": {"min_um": 8.0, "max_um": 12.0}}, vary, at=at, lazy=True)

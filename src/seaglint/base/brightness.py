@@ -19,17 +19,18 @@ CELLS: Final = 4096  #: Number of bins of the histogram of plateau equalisation.
 
 @dataclass(frozen=True, eq=False)
 class Scale:
-    """Brightness scale: linear, the logarithm of what a value lies above the lower limit, or steps for as many pixels each.
+    """Brightness scale: linear, logarithmic above the lower limit, or steps of equal numbers of pixels.
+
+    A logarithmic scale is
 
     ``share = ln(1 + (x - low) / width) / ln(1 + (high - low) / width)``
 
     which is linear within ``width`` of the lower limit and even in decades far above it.
     """
 
-    #: ``low``, ``high``: Limits.
-    low: float
-    high: float
-    width: float | None = None  #: As above; None for a scale that is not logarithmic.
+    low: float  #: Lower limit.
+    high: float  #: Upper limit.
+    width: float | None = None  #: Width of the linear part of a logarithmic scale; None for other scales.
     #: Brightness [0, 1] at the :data:`CELLS` + 1 edges of even cells from ``low`` to ``high``, of a scale by plateau equalisation.
     steps: FloatArray | None = None
 
@@ -39,19 +40,20 @@ class Scale:
         return self.width is not None
 
     def share(self, values: NDArray[Any]) -> FloatArray:
-        """Brightness of values, 0 at the lower limit and 1 at the upper one [1]; not clipped, NaN stays."""
+        """Return the brightness of values, 0 at the lower limit and 1 at the upper one [1], not clipped; NaN for NaN."""
         x = np.asarray(values, np.float64) - self.low
         if self.steps is not None:
             return np.asarray(np.interp(x, np.linspace(0.0, self.high - self.low, CELLS + 1), self.steps))
         if self.width is None:
             return np.asarray(x / (self.high - self.low))
-        # Below the limit all is black; the logarithm ends one width below.
+        # values below the limit are black; the bound is above the pole of the logarithm, one width below the limit
         return np.asarray(np.log1p(np.maximum(x / self.width, -0.5)) / np.log1p((self.high - self.low) / self.width))
 
     def value(self, share: NDArray[Any]) -> FloatArray:
-        """Values of this brightness, the inverse of :meth:`share`."""
+        """Return the values of a brightness, the inverse of :meth:`share`."""
         s = np.asarray(share, np.float64)
         if self.steps is not None:
+            # cells without pixels make flat steps, which have no inverse
             rising = np.concatenate([[True], np.diff(self.steps) > 0.0])
             return np.asarray(np.interp(s, self.steps[rising], np.linspace(self.low, self.high, CELLS + 1)[rising]))
         if self.width is None:
@@ -59,14 +61,14 @@ class Scale:
         return np.asarray(self.low + self.width * np.expm1(s * np.log1p((self.high - self.low) / self.width)))
 
     def levels(self, image: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
-        """Return levels 1 to 255 of an image, 0 where it has no value; values beyond the limits get the levels of the limits."""
+        """Return levels 1 to 255 of an image, 0 for pixels without a value; values beyond the limits have the levels of the limits."""
         span, top = self.high - self.low, LEVELS - 1
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             if self.steps is None:
                 share: NDArray[np.floating[Any]]
                 if self.width is not None:
                     share = self.share(image) * top
-                else:  # in the precision of the image: a viewer draws many large ones
+                else:  # in the precision of the image, which is faster: a viewer draws many large images
                     share = (image - self.low) * (top / span) if span > 0.0 else np.where(np.isfinite(image), top / 2.0, np.nan)
                 shown = np.clip(share, 0.0, top) + 1.5
                 return np.where(np.isnan(shown), 0.0, shown).astype(np.uint8)

@@ -1,6 +1,6 @@
 """Physical constants, each with its source; everything else comes from :mod:`scipy.constants`.
 
-Values that belong to one model (Cox-Munk slopes, Elfouhaily's spectrum, ...) live in that model's file.
+Values of a single model (Cox-Munk slopes, Elfouhaily's spectrum, ...) are in the file of that model.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from typing import Final
 
 EARTH_RADIUS: Final = 6_371_000.0  #: Mean radius of the Earth [m] (LOWTRAN7 uses 6371.23 km for its midlatitude models).
 
-#: Radius on which optical rays near the sea run straight [m]: 7/6 of the true one for a standard refractivity gradient.
+#: Radius of an Earth on which optical rays near the sea are straight [m]: 7/6 of the true radius for a standard refractivity gradient.
 EFFECTIVE_EARTH_RADIUS: Final = 7.0 / 6.0 * EARTH_RADIUS
 
 SOLAR_ANGULAR_RADIUS: Final = 4.65e-3  #: Angular radius of the Sun at 1 au [rad]; epsilon in Eq. 12 of the source article.

@@ -1,7 +1,7 @@
-"""Errors that a user can cause. Each message says what was given, what is allowed and what to do.
+"""Errors that a user can cause. Each message has the given value, the allowed ones and the remedy.
 
-The command line prints them in one line and exits with :attr:`SeaglintError.exit_code`; anything else is a defect of
-seaglint and keeps its traceback. Texts are for people: programs read the fields beside them.
+The command line prints them in one line and exits with :attr:`SeaglintError.exit_code`; any other exception is a defect of
+seaglint and is printed with its traceback. Texts are for people: programs read the fields of an error.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ class SeaglintError(Exception):
 class Mistake:
     """Single mistake in a scenario."""
 
-    key: str  #: Where it stands: ``"sensor.height_m"``, ``"render.layers[0]"``.
+    key: str  #: Key of the mistake: ``"sensor.height_m"``, ``"render.layers[0]"``.
     value: Any  #: Given value; None where a key is missing.
-    allowed: Allowed  #: Closed range, or words; None where the text alone says it.
+    allowed: Allowed  #: Closed range, or words; None where only the text has it.
     text: str  #: The whole sentence.
 
 
 class ScenarioError(SeaglintError):
-    """Error in a scenario file or key; the message names file, key path, value and what is allowed."""
+    """Error in a scenario file or key; the message names file, key path, value and allowed values."""
 
     def __init__(self, text: str, *, mistakes: tuple[Mistake, ...] = ()) -> None:
         super().__init__(text)
@@ -49,11 +49,11 @@ class DomainError(SeaglintError, ValueError):
     text : str
         Message: the given value, the allowed ones, and the remedy.
     name : str, optional
-        The quantity, as functions call it: ``"wind_speed"``.
+        Name of the quantity in functions: ``"wind_speed"``.
     value : object, optional
-        The number refused, in the unit of ``allowed``; the first of many.
+        Refused number, in the unit of ``allowed``; the first of many.
     allowed : (float, float) or str, optional
-        Closed range, or words where it is none.
+        Closed range, or words for other conditions.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class DomainError(SeaglintError, ValueError):
 
     @property
     def name(self) -> str | None:
-        """Name of the refused quantity; None where it is not a single one."""
+        """Name of the refused quantity; None if several quantities are involved."""
         return self._name
 
     @property
@@ -90,7 +90,7 @@ class BackendError(SeaglintError):
 
 
 class StorageError(SeaglintError):
-    """Error of writing for lack of space or permission; what was written before stays and can be resumed."""
+    """Error of writing for lack of space or permission; data written before remain and can be resumed."""
 
     exit_code = 3
 

@@ -21,7 +21,7 @@ from seaglint.base.kernel_cache import PACKAGE, end_turn, kernel_folder, take_tu
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-# Every option is given explicitly: a function takes missing ones from the function that happens to be compiled with it.
+# All options are explicit: a function inherits missing ones from the function in which it is compiled.
 COUNTED: dict[str, Any] = {
     "error_model": "numpy",
     "nogil": True,
@@ -39,30 +39,30 @@ _unliteral: Any = numba.types.unliteral  # without types
 
 def _compiled(function: F, **options: Any) -> F:
     """Compile a function with Numba on its first call, or load it from :func:`kernel_folder`."""
-    made: Any = numba.njit(**options)(function)
+    dispatcher: Any = numba.njit(**options)(function)
     if _settings.DISABLE_JIT:
-        return cast(F, made)
-    _cached(made, function, "")
-    return cast(F, made)
+        return cast(F, dispatcher)
+    _cached(dispatcher, function, "")
+    return cast(F, dispatcher)
 
 
-def _cached(made: Any, function: Callable[..., Any], form: str) -> bool:
-    """Give a function a cache in the folder of this state of the sources; return whether there is one.
+def _cached(dispatcher: Any, function: Callable[..., Any], form: str) -> bool:
+    """Give a function a cache in the folder of this state of the sources; return True if the function has one.
 
-    That folder's name stands for all sources of the package. So its files are named by module, and programs of other copies of the same
-    sources share them, while Numba's own names and stamps contain where a source lies and when it was written.
+    The name of the folder identifies all sources of the package. So its files are named by module, and programs of other copies of equal
+    sources share them, while Numba's names and stamps contain the path and the time of a source.
     """
     if not Path(function.__code__.co_filename).is_relative_to(PACKAGE):
         if not form:
-            made.enable_caching()  # Numba's own rules
+            dispatcher.enable_caching()  # Numba's own rules
         return False
     folder = kernel_folder(_settings.CACHE_DIR)
     if folder is None:
         return False
     _require_own_name(function)
-    made._cache = KernelCache(function, folder, form)
-    _name_apart(made)
-    _take_turns(made, folder)
+    dispatcher._cache = KernelCache(function, folder, form)
+    _name_apart(dispatcher)
+    _take_turns(dispatcher, folder)
     return True
 
 
@@ -70,12 +70,12 @@ _codes: dict[tuple[str, str], Any] = {}
 
 
 def _require_own_name(function: Callable[..., Any]) -> None:
-    """Refuse a second kernel of one name in a module, or one that closes over values: their files would be one.
+    """Raise for a second kernel of one name in a module, and for a kernel with a closure: their files would have equal names.
 
     Raises
     ------
     TypeError
-        In development only: no kernel of the package does so.
+        Such a kernel; it occurs in development only.
     """
     code = _codes.setdefault((function.__module__, function.__qualname__), function.__code__)
     if code != function.__code__ or function.__closure__:
@@ -83,13 +83,13 @@ def _require_own_name(function: Callable[..., Any]) -> None:
 
 
 def _name_apart(compiled: Any) -> None:
-    """Give every compiled form a file name of its own.
+    """Give every compiled form a unique file name.
 
-    Numba counts them from what the index lists: of two processes that compile a function for different arguments at the same time, both
-    would take the same number, and one would find the other's code under its own arguments.
+    Numba numbers them by the entries of the index: two processes that compile a function for different arguments at the same time would
+    take one number, and one of them would load the other's code for its arguments.
 
-    The names below are Numba's private ones: its version is bounded for them in ``pyproject.toml``, and a version without them raises
-    ``AttributeError`` here, before anything wrong is loaded.
+    The attributes below are private to Numba: its version is bounded for them in ``pyproject.toml``, and a version without them raises
+    ``AttributeError`` here, before wrong code is loaded.
     """
     file = compiled._cache._cache_file
     stem = file._index_name.removesuffix(".nbi")
@@ -98,9 +98,9 @@ def _name_apart(compiled: Any) -> None:
 
 
 def _take_turns(compiled: Any, folder: Path) -> None:
-    """Let one of the processes that begin at the same time compile a function, and the others wait for it and load the result.
+    """Let one of several processes compile a function; the others wait for it and load the result.
 
-    A function is compiled after those that it calls, and calls lead round in no circle: nobody waits for ever.
+    A function is compiled after the functions that it calls, and calls have no cycles: no process waits for ever.
     """
     cache = compiled._cache
     load, save, name = cache.load_overload, cache.save_overload, cache._cache_file._index_name
@@ -117,8 +117,8 @@ def _take_turns(compiled: Any, folder: Path) -> None:
     def save_and_end_turn(*arguments: Any) -> None:
         try:
             save(*arguments)
-        except OSError as error:  # a full disk: the program goes on with what it has in memory
-            _not_kept(folder, error.strerror or str(error))
+        except OSError as error:  # a full disk: the program continues with the code in memory
+            _warn_not_cached(folder, error.strerror or str(error))
         finally:
             end_turn(folder, name)
 
@@ -126,12 +126,12 @@ def _take_turns(compiled: Any, folder: Path) -> None:
 
 
 @cache
-def _not_kept(folder: Path, reason: str) -> None:
+def _warn_not_cached(folder: Path, reason: str) -> None:
     logging.getLogger("seaglint").warning("compiled kernels cannot be kept in %s (%s) and are compiled again next time", folder, reason)
 
 
-def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]) -> None:
-    """Give compiled callers a body to link in; the whole program that Numba makes is for calls from Python alone."""
+def _in_callers(dispatcher: Any, function: Callable[..., Any], options: dict[str, Any]) -> None:
+    """Give compiled callers a body to link in; the whole program that Numba compiles is only for calls from Python."""
 
     @cache
     def body() -> Any:
@@ -141,31 +141,33 @@ def _in_callers(made: Any, function: Callable[..., Any], options: dict[str, Any]
         return other
 
     def any_value(types: Any) -> Any:
-        # For "f(0)" and "f(1)" Numba would compile two forms, where one that takes any number is as fast after it was linked in.
+        # for "f(0)" and "f(1)" Numba would compile two forms; one form for any number is as fast after it is linked in
         return tuple(_unliteral(one) for one in types)
 
-    made.get_call_template = lambda args, kws: body().get_call_template(any_value(args), {k: any_value((v,))[0] for k, v in kws.items()})
-    made.get_overload = lambda signature: body().get_overload(signature)
+    dispatcher.get_call_template = lambda args, kws: body().get_call_template(
+        any_value(args), {k: any_value((v,))[0] for k, v in kws.items()}
+    )
+    dispatcher.get_overload = lambda signature: body().get_overload(signature)
 
 
 def kernel(function: F) -> F:
-    """Compile a scalar kernel that neither makes nor returns arrays and calls kernels alone, to be inlined where it is called.
+    """Compile a scalar kernel that neither allocates nor returns arrays and calls only kernels, to be inlined where it is called.
 
-    It counts no references to the arrays it is handed: in a call every few nanoseconds, with arrays in its arguments, counting them costs
-    more than the arithmetic. Products are fused with sums where the processor can: bytes are the same on one type of processor.
+    It does not count references to its array arguments: for a call every few nanoseconds, counting costs more than the arithmetic. Products
+    are fused with sums where the processor can: bytes are equal on one type of processor.
     """
-    made: Any = _compiled(function, **UNCOUNTED)
+    dispatcher: Any = _compiled(function, **UNCOUNTED)
     if not _settings.DISABLE_JIT:
-        _in_callers(made, function, UNCOUNTED)
-    return cast(F, made)
+        _in_callers(dispatcher, function, UNCOUNTED)
+    return cast(F, dispatcher)
 
 
 def njit(function: F) -> F:
     """Compile a function; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
-    made: Any = _compiled(function, **COUNTED)
+    dispatcher: Any = _compiled(function, **COUNTED)
     if not _settings.DISABLE_JIT:
-        _in_callers(made, function, COUNTED)
-    return cast(F, made)
+        _in_callers(dispatcher, function, COUNTED)
+    return cast(F, dispatcher)
 
 
 def njit_parallel(function: F) -> F:
@@ -173,19 +175,20 @@ def njit_parallel(function: F) -> F:
     return _compiled(function, parallel=True, **COUNTED)
 
 
-SHARES_PER_THREAD = 8  #: Parts of the work for each thread; with several parts a slow one does not delay the other threads.
+SHARES_PER_THREAD = 8  #: Number of parts of the work for each thread; with several parts a slow part does not delay the other threads.
 
 
 def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
     """Divide ``range(count)`` into parts ``(first, end)`` and run them in as many threads as Numba uses.
 
-    For compiled kernels, which release the interpreter, too large for Numba's own parallel loops: those compile all that they call once
-    more. ``work`` must not depend on the order or size of the parts.
+    This is for compiled kernels, which release the interpreter and are too large for Numba's parallel loops: these compile all called
+    functions once more. ``work`` must not depend on the order or size of the parts.
     """
     threads = int(numba.get_num_threads())
     size = max(-(-count // (threads * SHARES_PER_THREAD)), 1)
+    # the number of parts depends on threads, results must not
     parts = [(first, min(first + size, count)) for first in range(0, count, size)]
-    work((0, 0))  # compiles, if need be, in one thread
+    work((0, 0))  # compiles in one thread, unless the kernel is compiled
     if threads == 1:
         work((0, count))
         return

@@ -1,9 +1,9 @@
-"""Compiled functions as their callers see them: code to be linked in, of which no machine code of its own is made.
+"""Bodies of compiled functions for their callers: code to be linked in, without separate machine code.
 
-Numba compiles each function as a whole program: optimised, with machine code, a wrapper for Python and one for C. A function that other
-compiled functions call needs none of these; they took a third of the time of compiling all.
+Numba compiles each function as a whole program: optimised, with machine code, a wrapper for Python and one for C. A function that only
+compiled functions call needs none of these; they take a third of the time of compilation.
 
-The names below that begin with ``_`` are Numba's private ones: its version is bounded for them in ``pyproject.toml``.
+Names below that begin with ``_`` are private to Numba: its version is bounded for them in ``pyproject.toml``.
 """
 
 # Numba has types for its public names alone.
@@ -32,7 +32,7 @@ class _NoEnvironment:
         return getattr(self._codegen, name)
 
     def set_env(self, name: str, env: Any) -> None:
-        """Leave it out."""
+        """Do nothing: a body has no environment."""
 
 
 class LinkedBody(JITCodeLibrary):
@@ -44,7 +44,7 @@ class LinkedBody(JITCodeLibrary):
         return _NoEnvironment(self._codegen)
 
     def _optimize_final_module(self) -> None:
-        """Leave it to the callers, whose optimisation begins with what they inline."""
+        """Do nothing: callers inline the body and optimise the result."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
@@ -52,7 +52,7 @@ class LinkedBody(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Return no address."""
+        """Return 0: a body has no address."""
         return 0
 
     def serialize_using_object_code(self) -> tuple[str, str, bytes]:
@@ -61,7 +61,7 @@ class LinkedBody(JITCodeLibrary):
 
     @classmethod
     def loaded(cls, codegen: Any, name: str, bitcode: bytes) -> LinkedBody:
-        """Return the body that was kept."""
+        """Return a body from its cached bitcode."""
         body = cls(codegen, name)
         body._final_module = llvm.parse_bitcode(bitcode)
         body._finalized = True
@@ -76,7 +76,7 @@ class BodyCompiler(Compiler):
 
 
 def _rebuild(target: Any, payload: Any) -> Any:
-    """Return the compiled form of a kept body."""
+    """Return the compiled form of a cached body."""
     (name, _, bitcode), fndesc, env, signature, objectmode, lifted, annotation, reload_init, _ = payload
     library = LinkedBody.loaded(target.codegen(), name, bitcode)
     return CompileResult(
@@ -99,7 +99,7 @@ def _rebuild(target: Any, payload: Any) -> Any:
 
 
 class _Place(caching._CacheLocator):
-    """Where the cache of a function lies: in a folder that stands for all sources."""
+    """Location of the cache of a function: a folder with a name that identifies all sources."""
 
     def __init__(self, file: str, folder: Path) -> None:
         self._py_file, self._folder = file, folder
@@ -118,7 +118,7 @@ class _Place(caching._CacheLocator):
 
 
 class KernelCache(caching.FunctionCache):
-    """Numba's cache of one function, in files named by its module and name, without lines: prose above a function compiles nothing."""
+    """Numba's cache of one function, in files named by module and function, without line numbers, which change with prose above it."""
 
     def __init__(self, function: Callable[..., Any], folder: Path, form: str) -> None:
         place = _Place(function.__code__.co_filename, folder)
@@ -133,9 +133,9 @@ class KernelCache(caching.FunctionCache):
         self.enable()
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Return what tells compiled forms apart: types and processor.
+        """Return the key of a compiled form: types and processor.
 
-        Numba adds the function's bytecode, in which a docstring has its place; here the folder's name stands for the sources.
+        Numba adds the function's bytecode, which contains its docstring; here the folder's name identifies the sources.
         """
         return sig, codegen.magic_tuple()
 

@@ -1,9 +1,8 @@
-"""Syntax trees as text: what a source does, whatever its comments, docstrings and layout.
+"""Folder of compiled kernels, named by a digest of the syntax of all their sources, and turns of processes that compile them.
 
-Folder of compiled kernels, named by a digest of all their sources.
-
-Numba looks at the file of the function that it loads, not at those of the kernels that this one calls: after a change of these alone
-it would run old physics. Here any change of what a kernel's file does leads to another folder; a change of its prose does not.
+Numba checks the file of the function that it loads, not the files of the kernels that this function calls: after a change of these alone
+it would run old physics. Here any change of the syntax of a kernel's file leads to another folder; comments, docstrings and layout do not
+count.
 """
 
 from __future__ import annotations
@@ -26,19 +25,19 @@ from seaglint.base.machine import cache_folder
 
 
 def syntax_text(node: object, without: tuple[type[ast.AST], ...] = ()) -> str:
-    r"""Return a syntax tree as text, the same for all versions of Python.
+    r"""Return a syntax tree as text, equal for all versions of Python.
 
     Parameters
     ----------
     node : ast.AST
         Tree or part of one.
     without : tuple of types
-        Kinds of nodes that are left out, besides docstrings.
+        Kinds of nodes that are omitted, besides docstrings.
 
     Returns
     -------
     str
-        Names of nodes with their fields; fields without content are left out, because versions of Python differ in them.
+        Names of nodes with their fields; fields without content are omitted, because versions of Python differ in them.
 
     Examples
     --------
@@ -62,7 +61,7 @@ def syntax_text(node: object, without: tuple[type[ast.AST], ...] = ()) -> str:
 
 
 def syntax_digest(source: bytes) -> str:
-    """Return a digest of what a Python source does [20 hexadecimal digits]."""
+    """Return a digest of the syntax of a Python source, without comments, docstrings and layout [20 hexadecimal digits]."""
     return hashlib.blake2b(syntax_text(ast.parse(source)).encode(), digest_size=10).hexdigest()
 
 
@@ -75,10 +74,10 @@ PACKAGE: Final = Path(__file__).parents[1]
 
 PREFIX: Final = "seaglint-kernels-"
 
-#: Packages of which every file enters the digest: their plain functions may become kernels elsewhere.
+#: Packages with all files in the digest: their plain functions may become kernels elsewhere.
 ROOMS: Final = ("optics", "sea", "air", "facet", "radiance", "imaging", "objects", "clutter", "detection")
 
-KEPT: Final = 5  #: Number of folders of other source versions that are not removed, such as those of other branches.
+MOST_FOLDERS: Final = 5  #: Number of folders of other source versions, such as other branches, that are not removed.
 
 IN_USE: Final = 86400.0  #: Time from its start during which a program may still compile [s]; its folder is not removed meanwhile.
 
@@ -87,11 +86,11 @@ TURN: Final = 600.0
 
 
 def sources_digest(package: Path = PACKAGE) -> str:
-    """Digest of what all files do that enter compiled kernels: physics, files that import ``base.jit`` or define tuples, and constants.
+    """Return a digest of all sources of compiled kernels: physics, files that import ``base.jit`` or define tuples, and constants.
 
-    Comments, docstrings and layout do not enter. A file is parsed once: :func:`_known_digests` has those of earlier processes.
+    Comments, docstrings and layout do not enter. A file is parsed once: :func:`_known_digests` reads digests of earlier processes.
     """
-    # Without pathlib, whose walk through some hundred files takes longer than reading them.
+    # without pathlib: its walk through some hundred files takes longer than reading them
     root, paths = str(package), []
     for folder, folders, names in os.walk(root):
         folders[:] = [name for name in folders if name != "__pycache__"]
@@ -116,16 +115,16 @@ def sources_digest(package: Path = PACKAGE) -> str:
     return digest.hexdigest()
 
 
-#: File of the digests of what sources do, by digests of their bytes, named by what makes them: parsing takes a second or two.
+#: File of syntax digests of sources by digests of their bytes, since parsing takes a second or two. Its name has a digest of this module.
 DIGESTS: Final = f"syntax-digests-{hashlib.blake2b(Path(__file__).read_bytes(), digest_size=4).hexdigest()}.json"
 
 
 def _known_digests() -> dict[str, str]:
-    """Digests that an earlier process wrote; empty where there are none, or where the file is damaged."""
+    """Return the digests that an earlier process wrote; empty without a file, or for a damaged one."""
     for parent in _parents(""):
         with suppress(OSError, ValueError):
-            found = json.loads((parent / DIGESTS).read_bytes())
-            return {str(exact): str(digest) for exact, digest in found.items()} if isinstance(found, dict) else {}
+            content = json.loads((parent / DIGESTS).read_bytes())
+            return {str(exact): str(digest) for exact, digest in content.items()} if isinstance(content, dict) else {}
     return {}
 
 
@@ -146,10 +145,10 @@ def _write_digests(digests: dict[str, str]) -> None:
 
 @cache
 def kernel_folder(requested: str = "") -> Path | None:
-    """Folder of compiled kernels, created if necessary; None where no folder is writable.
+    """Return the folder of compiled kernels, created if necessary; None if no folder is writable.
 
-    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the user's cache, which all copies of the package share, else in the
-    package's own ``__pycache__``, else among temporary files. Several processes may call this at once: nothing is locked, and a folder is
+    It is in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the user's cache, which all copies of the package share, else in the
+    ``__pycache__`` of the package, else among temporary files. Several processes may call this at once: no lock is used, as a folder is
     only created or moved as a whole.
     """
     name = PREFIX + sources_digest()
@@ -162,7 +161,7 @@ def kernel_folder(requested: str = "") -> Path | None:
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)  # in use from now on
         except OSError:
-            if any(folder.glob("*.nbi")):  # read-only: of an image or a shared disk; what is not in it is compiled by each process
+            if any(folder.glob("*.nbi")):  # a read-only image or shared disk; each process compiles functions that are not in it
                 return folder
             continue
         if new:
@@ -172,7 +171,7 @@ def kernel_folder(requested: str = "") -> Path | None:
 
 
 def _parents(requested: str) -> Iterator[Path]:
-    """Candidate parent folders, in order of preference."""
+    """Return candidate parent folders, in order of preference."""
     if requested:
         yield Path(requested).absolute()
     with suppress(RuntimeError):  # an account without a home
@@ -183,12 +182,12 @@ def _parents(requested: str) -> Iterator[Path]:
 
 
 def _own_temporary() -> Path:
-    """Temporary folder that no other user can write to, because the files loaded from it are executed.
+    """Return a temporary folder that no other user can write to, because files loaded from it are executed.
 
     Raises
     ------
     PermissionError
-        Another account owns it.
+        Another account owns the folder.
     """
     if not hasattr(os, "getuid"):
         return Path(tempfile.gettempdir()) / "seaglint"  # of this account alone on Windows
@@ -201,25 +200,25 @@ def _own_temporary() -> Path:
 
 
 def remove_old(present: Path) -> None:
-    """Remove folders of other source versions, except the last :data:`KEPT` and those used within a day."""
+    """Remove folders of other source versions, except the last :data:`MOST_FOLDERS` and those used within a day."""
     used: list[tuple[float, Path]] = []
     for folder in present.parent.glob(f"{PREFIX}*"):
         with suppress(OSError):  # another process was quicker
             if folder != present:
                 used.append((folder.stat().st_mtime, folder))
-    for when, folder in sorted(used, reverse=True)[KEPT:]:
+    for when, folder in sorted(used, reverse=True)[MOST_FOLDERS:]:
         if time.time() - when > IN_USE:
             gone = folder.with_name(f"{folder.name[: len(PREFIX) + 20]}.{os.urandom(4).hex()}")
             with suppress(OSError):
-                folder.rename(gone)  # at once for everybody; a process that comes now makes a new one
+                folder.rename(gone)  # at once for all processes; a new process creates a new folder
                 shutil.rmtree(gone)
 
 
 @cache
 def _turns(folder: Path) -> int | None:
-    """Lock file with one byte for each function, locked while a process compiles it; it stays open while this process lives.
+    """Return the open lock file with one byte for each function, locked while a process compiles it; it is open while this process lives.
 
-    It has the ending of Numba's index files: who removes these removes it too.
+    It has the ending of Numba's index files, so that it is removed together with them.
     """
     try:
         return os.open(folder / "compiling.nbi", os.O_RDWR | os.O_CREAT, 0o666)
@@ -232,12 +231,12 @@ def _byte(function: str) -> int:
 
 
 def can_wait() -> bool:
-    """Return whether files can be locked here, so that processes wait for each other."""
+    """Return True if files can be locked on this system, so that processes wait for each other."""
     return fcntl is not None
 
 
 def try_turn(folder: Path, function: str) -> bool:
-    """Take the turn of a function if no other process has it; return whether it was taken."""
+    """Take the turn of a function if no other process has it; return True if it was taken."""
     file = _turns(folder)
     if fcntl is None or file is None:
         return False
@@ -251,8 +250,8 @@ def try_turn(folder: Path, function: str) -> bool:
 def take_turn(folder: Path, function: str) -> None:
     """Wait until no other process compiles a function.
 
-    The system gives the lock back when its process ends, however it ends. Where files cannot be locked nobody waits: each process then
-    compiles for itself, which only takes longer.
+    The system releases the lock when its process ends for any reason. Where files cannot be locked, no process waits: each compiles
+    separately, which only takes longer.
     """
     file, until, pause = _turns(folder), time.monotonic() + TURN, 0.01
     while fcntl is not None and file is not None and time.monotonic() < until:

@@ -1,10 +1,10 @@
-"""Kernels that a kind of work needs, compiled by other processes while the first one imports its libraries and prepares its scene.
+"""Kernels that a kind of work needs, compiled by helper processes while the first process imports libraries and prepares its scene.
 
-Numba compiles a function when it is first called. One process does this one after the other, half a minute for a first picture. The file
-``kernel_plan.txt`` lists which functions are called from Python, in order, with the types of their arguments: helper processes take them
-from the end, while the work itself needs them from the beginning. Of two that want one function the second waits and loads it
-(:mod:`seaglint.base.jit`), so that nothing is compiled twice, and the code is the same whoever compiles it. A function that is missing from
-the list is compiled when it is called. ``python tools/compile_times.py --plan`` writes the list.
+Numba compiles a function when it is first called. One process compiles functions one after the other, which takes half a minute for a first
+picture. The file ``kernel_plan.txt`` lists the functions that Python calls, in order, with the types of their arguments. Helper processes
+take them from the end, while the work itself needs them from the beginning. If two processes need one function, the second waits and loads
+it (:mod:`seaglint.base.jit`), so that no function is compiled twice; the code does not depend on the compiling process. A function that is
+missing from the list is compiled when it is called. ``python tools/compile_times.py --plan`` writes the list.
 """
 
 from __future__ import annotations
@@ -29,45 +29,43 @@ import numba
 from seaglint.base.kernel_bodies import file_stem
 from seaglint.base.kernel_cache import PACKAGE, can_wait, end_turn, kernel_folder, try_turn
 
-types: Any = numba.types  # most of them without types that a checker knows
+types: Any = numba.types  # type checkers do not know most of them
 
-PLAN: Final = Path(__file__).with_name("kernel_plan.txt")
+PLAN: Final = Path(__file__).with_name("kernel_plan.txt")  #: File of the list.
 
-MOST_HELPERS: Final = 7  #: Processes that compile beside the first one [1]: the longest function alone takes a third of all the time.
+MOST_HELPERS: Final = 7  #: Largest number of helper processes: the longest function alone takes a third of the total time.
 
-FEWEST_MISSING: Final = 3  #: Functions that must be missing before helpers start [1]; starting a process takes as long as compiling a few.
+#: Least number of missing functions for which helpers start: starting a process takes as long as compiling a few functions.
+FEWEST_MISSING: Final = 3
 
 
 class PlannedKernel(NamedTuple):
-    """A function that Python calls."""
+    """Function that Python calls."""
 
-    #: Kinds of work that call it, such as ``render``.
-    work: tuple[str, ...]
-    #: Module and name, with a dot between them.
-    function: str
-    #: Types of its arguments, as :func:`spell` writes them.
-    arguments: str
+    work: tuple[str, ...]  #: Kinds of work that call it, such as ``render``.
+    function: str  #: Module and name, with a dot between them.
+    arguments: str  #: Types of its arguments in the form of :func:`spell`.
 
     @property
     def stem(self) -> str:
-        """First part of the names of its files."""
+        """First part of the names of the function's files."""
         module, _, name = self.function.rpartition(".")
         return file_stem(module, name)
 
     def compile(self) -> None:
-        """Compile the function for these arguments, or load it."""
+        """Compile the function for the planned arguments, or load it."""
         module, _, name = self.function.rpartition(".")
         dispatcher = getattr(importlib.import_module(module), name)
         dispatcher.compile(tuple(read_types(self.arguments)))
 
 
 def spell(kind: Any) -> str:
-    """Return a type of an argument as text that :func:`read_types` reads.
+    """Return the type of an argument as text, the inverse of :func:`read_types`.
 
     Raises
     ------
     TypeError
-        A type that kernels are not called with from Python.
+        A type that Python does not pass to kernels.
 
     Examples
     --------
@@ -103,6 +101,7 @@ def _read(node: ast.expr) -> Any:
         case ast.Call(func=ast.Attribute() as name, args=fields):
             module, _, record = ast.unparse(name).rpartition(".")
             members = [_read(one) for one in fields]
+            # Numba has a separate type for tuples of equal members
             same = len(set(members)) == 1
             instance = getattr(importlib.import_module(module), record)
             return types.NamedUniTuple(members[0], len(members), instance) if same else types.NamedTuple(members, instance)
@@ -117,19 +116,19 @@ def read_plan(work: str, path: Path = PLAN) -> list[PlannedKernel]:
 
 
 def not_compiled(work: str) -> list[PlannedKernel]:
-    """Return the functions of a kind of work that nobody has compiled on this machine from these sources."""
+    """Return the functions of a kind of work that are not yet compiled on this machine from these sources."""
     folder = _folder()
     return [] if folder is None else [kernel for kernel in read_plan(work) if not _is_compiled(folder, kernel)]
 
 
 def _to_compile(work: str) -> int:
-    """Return how many functions of a kind of work are worth other processes; 0 where they are few or no folder takes them."""
+    """Return the number of functions of a kind of work for helpers; 0 for few functions, or without a writable folder."""
     number, folder = len(not_compiled(work)), _folder()
     return number if number >= FEWEST_MISSING and folder is not None and os.access(folder, os.W_OK) else 0
 
 
 def _is_compiled(folder: Path, kernel: PlannedKernel) -> bool:
-    """Return whether this version of Numba has compiled a function for this type of processor."""
+    """Return True if this version of Numba has compiled a function for this type of processor."""
     try:
         index = (folder / f"{kernel.stem}.nbi").read_bytes()
     except OSError:
@@ -138,28 +137,28 @@ def _is_compiled(folder: Path, kernel: PlannedKernel) -> bool:
 
 
 def helpers_here() -> int:
-    """Return how many processes may compile beside this one [1]: one for each further thread that Numba may use."""
+    """Return the number of processes that may compile besides this one: one for each further thread that Numba may use."""
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    # The executable of a frozen or embedding program is not Python.
+    # the executable of a frozen or embedding program is not Python
     python = Path(sys.executable or "none").name.startswith("python") and not getattr(sys, "frozen", False)
     return max(min(usable, int(_settings.NUMBA_NUM_THREADS)) - 1, 0) if can_wait() and python else 0
 
 
 @cache
 def start_helpers(work: str) -> int:
-    """Start processes that compile what a kind of work will call, without a message; return their number.
+    """Start processes that compile the functions of a kind of work, without a message; return their number.
 
-    They end by themselves when all is compiled or when this process ends, and nothing depends on them: what they have not compiled is
-    compiled when it is called. None are started where all is compiled, where there is one processor, or without a folder to share.
+    They end when all functions are compiled or when this process ends. No result depends on them: functions that they have not compiled are
+    compiled when they are called. No process is started if all functions are compiled, on one processor, or without a shared folder.
     """
     number = _to_compile(work)
     if number == 0:
         return 0
     count = min(helpers_here(), MOST_HELPERS, number - 1)
-    # Without the current folder, whose files could be named as modules of Python are.
+    # without the current folder (-P): its files could have names of Python's modules
     code = f"import sys; sys.path.append({str(PACKAGE.parent)!r}); from seaglint.base.kernel_plan import help_with; help_with({work!r})"
     for _ in range(count):
-        with suppress(OSError):  # no more processes or memory: this one does without
+        with suppress(OSError):  # no more processes or memory: this process continues without the helper
             _helpers.append(
                 subprocess.Popen(
                     [sys.executable, "-P", "-c", code], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -171,7 +170,7 @@ def start_helpers(work: str) -> int:
 
 @cache
 def compile_ahead(work: str) -> int:
-    """Log that a kind of work compiles what it will call, and :func:`start_helpers` where none were started; return their number."""
+    """Log that a kind of work compiles its functions, and :func:`start_helpers` unless they were started before; return their number."""
     number = _to_compile(work)
     count = start_helpers(work)
     if number > 0:
@@ -192,20 +191,20 @@ def _end_helpers() -> None:
             helper.wait(5.0)
 
 
-#: Their pipes stay open while this process lives; when it ends, however it ends, they read the end of their input.
+#: Helper processes. Their pipes are open while this process lives; when it ends for any reason, they read the end of their input.
 _helpers: list[subprocess.Popen[bytes]] = []
 
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
 
 
 def _folder() -> Path | None:
-    """Return the folder that processes share; None where each compiles for itself, or nothing is compiled."""
+    """Return the folder that processes share; None if each process compiles separately, or compilation is disabled."""
     return None if _settings.DISABLE_JIT else kernel_folder(_settings.CACHE_DIR)
 
 
 def help_with(work: str) -> None:
     """Compile from the end of a plan until all is compiled, or until the process that started this one has ended."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the first process, and that this one
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the first process, and its end ends this one
     threading.Thread(target=_end_with_parent, daemon=True).start()
     for kernel in reversed(read_plan(work)):
         with suppress(Exception):  # a plan that is older than the code: the first process compiles what it calls
@@ -221,7 +220,7 @@ def _end_with_parent() -> None:
 
 
 def compile_unless_begun(kernel: PlannedKernel) -> None:
-    """Compile a function unless another process has compiled it or is at work on it."""
+    """Compile a function unless another process has compiled it or is compiling it."""
     folder = _folder()
     if folder is None or _is_compiled(folder, kernel):
         return

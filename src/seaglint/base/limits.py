@@ -1,6 +1,6 @@
 """Ranges of validity that both physics and scenario files check, each defined here once.
 
-Plain numbers, so that reading them loads no other package. Ranges that only one model knows live in that model's file.
+They are plain numbers, so that reading them loads no other package. Ranges of a single model are in the file of that model.
 """
 
 from __future__ import annotations
@@ -27,30 +27,30 @@ BREON_HENRIOT_WIND: Final = (0.0, 15.0)
 #: Winds of the Navy maritime aerosol, and of the air tables made with it [m/s]; LOWTRAN7 silently takes any stronger wind for 20 m/s.
 NAVY_AEROSOL_WIND: Final = (0.0, 20.0)
 
-#: Largest rms jitter of a line of sight: as a share of the picture's smaller side, and in pixels, whichever is more.
+#: Largest rms jitter of a line of sight: the greater of a share of the picture's smaller side and a number of pixels.
 #:
-#: Beyond it blur takes most of a picture's light from outside the picture, where nothing is known.
+#: With more jitter, blur takes most of the light of a picture from outside the picture, where the scene is unknown.
 SHAKEN: Final = (0.25, 16.0)
 
-SMEARED: Final = 64.0  #: Pixels over which a line of sight may drift in an exposure where the picture's side is shorter.
+SMEARED: Final = 64.0  #: Largest drift of a line of sight in an exposure for pictures with a shorter side [pixels].
 
 TABLE_HEIGHTS: Final = (2.0, 10_000.0)  #: Sensor heights that the air tables cover [m].
 
 TABLE_BANDS_UM: Final = ((2.0, 5.5), (7.5, 14.0))  #: Wavelengths that the air tables cover [um]; a band lies inside one of them.
 
-LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)  #: Sensor heights for which LOWTRAN7 is run [m]: those for which the geometry is valid.
+LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)  #: Sensor heights for which LOWTRAN7 is run [m]: the valid range of the geometry.
 
 #: Height above which there is no air [m]: the top of the model atmospheres, and the greatest height of a sensor.
 TOP_OF_AIR: Final = 100_000.0
 
-PROFILE_HEIGHTS: Final = (0.01, TOP_OF_AIR)  #: Sensor heights from which air from a profile is summed [m].
+PROFILE_HEIGHTS: Final = (0.01, TOP_OF_AIR)  #: Sensor heights for air from a profile [m].
 
 #: Wavelengths for which LOWTRAN7's program is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1.
 LOWTRAN_BAND_UM: Final = (0.2, 28.0)
 
-PROFILE_BAND_UM: Final = (0.7, 14.7)  #: Wavelengths of the band laws that air from a profile is summed with [um].
+PROFILE_BAND_UM: Final = (0.7, 14.7)  #: Wavelengths of the band laws for air from a profile [um].
 
-WIDEST_PINHOLE_DEG: Final = 170.0  #: Field of view that a plane image is allowed [deg]; at 180 deg it would be infinite.
+WIDEST_PINHOLE_DEG: Final = 170.0  #: Largest field of view of a plane image [deg]; at 180 deg the image would be infinite.
 
 MOST_SPEED: Final = 1000.0  #: Largest speed between two keyframes [m/s]; a higher one is probably a mistyped number.
 

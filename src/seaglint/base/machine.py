@@ -1,7 +1,4 @@
-"""Identification of this machine's processor type.
-
-Folder of the user for files that can be computed again.
-"""
+"""The machine of this process: type of its processor, and the user's folder for files that can be computed again."""
 
 from __future__ import annotations
 
@@ -15,9 +12,9 @@ from zlib import crc32
 
 @cache
 def processor() -> str:
-    """Type of this machine's processor as the kernels' compiler sees it: model, and a checksum of its instruction sets.
+    """Return the type of this machine's processor for the compiler of kernels: model, and a checksum of its instruction sets.
 
-    Kernels are compiled for it, and what is fused or in which order vectors are summed may change the last bits of a number.
+    Kernels are compiled for it; fused operations and the order of sums over vectors may change the last bits of a number.
     """
     from llvmlite import binding
 
@@ -26,7 +23,7 @@ def processor() -> str:
 
 
 def cache_folder() -> Path:
-    """Folder of the user for files that can be computed again: ``SEAGLINT_CACHE``, or ``seaglint`` in the cache folder of the system."""
+    """Return the user's folder for files that can be computed again: ``SEAGLINT_CACHE``, or ``seaglint`` in the system's cache folder."""
     own = os.environ.get("SEAGLINT_CACHE")
     if own:
         return Path(own).expanduser().absolute()
@@ -34,5 +31,6 @@ def cache_folder() -> Path:
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "seaglint" / "cache"
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "seaglint"
+    # the specification ignores relative paths
     base = os.environ.get("XDG_CACHE_HOME", "")
     return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "seaglint"

@@ -1,7 +1,7 @@
 """Packages that only some functions need, imported where they are needed.
 
-A message names the missing package itself. Until its first release seaglint is in no index, and whoever registers its name there has
-``pip install`` load another program.
+A message names the missing package itself, not an extra of seaglint. Until its first release seaglint is in no index, and a stranger could
+register its name there, so that ``pip install`` would load another program.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from seaglint.base.errors import BackendError
 
-#: Requirements of the optional packages, equal to those of the extras in ``pyproject.toml``.
+#: Requirements of the optional packages, equal to the extras in ``pyproject.toml``.
 REQUIREMENTS: Final = (
     "arviz-stats>=0.6",
     "astropy>=6.1",
@@ -63,11 +63,11 @@ def missing(purpose: str, package: str, otherwise: str = "") -> BackendError:
     Parameters
     ----------
     purpose : str
-        What needs the package, in the singular.
+        Subject of the message, the function that needs the package, in the singular.
     package : str
         Name of the package in an index.
     otherwise : str, optional
-        What can be done without it.
+        Alternative without the package.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def optional(module: str, purpose: str, otherwise: str = "") -> Any:
     Raises
     ------
     BackendError
-        It is not installed; the message says how to install it.
+        The package is not installed; the message has the command that installs it.
     """
     name = module.split(".")[0]
     try:

@@ -18,37 +18,38 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Parameter(NamedTuple):
-    """Description of one parameter, beside its type and default in a record."""
+    """Description of one parameter, besides its type and default in a record."""
 
-    help: str  #: Meaning with unit, in a line; other parameters stand in backticks.
-    group: str = ""  #: Heading under which a help page has it, one of :data:`GROUPS`.
-    #: Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
+    help: str  #: Meaning with unit, in a line; names of other parameters are in backticks.
+    group: str = ""  #: Heading of the parameter on a help page, one of :data:`GROUPS`.
+    #: Form of its text on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
     #: (``NEAR:FAR``), "size" (``COLUMNSxROWS``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of
-    #: numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may be
-    #: objects in Python); empty where the type says it.
+    #: numbers), "mask" (image), "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for objects in
+    #: Python); empty where the type determines it.
     form: str = ""
-    metavar: str = ""  #: Stand-in for the value on a help page; the type's own where empty.
+    metavar: str = ""  #: Placeholder of the value on a help page; empty for the placeholder of the type.
     least: float | None = None  #: Smallest value allowed.
-    option: str = ""  #: Option that sets it, where that is not the parameter's own name.
-    subject: str = ""  #: Words that documentation has before the help, where a help page has the option's name for them.
+    option: str = ""  #: Option that sets it, if its name differs from the parameter's.
+    subject: str = ""  #: Words before the help in documentation, in place of the option's name on a help page.
     detail: str = ""  #: Sentences that documentation adds to the help.
-    #: Sentences that documentation has instead of the help, for what is an object in Python and a file or a text on a command line.
+    #: Sentences in documentation in place of the help, for an object in Python that is a file or a text on a command line.
     python: str = ""
 
 
 def described(record: type) -> dict[str, Parameter]:
-    """Return the descriptions of a record's fields by name; fields without one are left out."""
+    """Return the descriptions of a record's fields by name; fields without a description are omitted."""
     hints = get_type_hints(record, include_extras=True)
-    found = {field.name: [extra for extra in get_args(hints[field.name]) if isinstance(extra, Parameter)] for field in fields(record)}
-    return {name: extras[0] for name, extras in found.items() if extras}
+    descriptions = {
+        field.name: [extra for extra in get_args(hints[field.name]) if isinstance(extra, Parameter)] for field in fields(record)
+    }
+    return {name: extras[0] for name, extras in descriptions.items() if extras}
 
 
 def documented(*records: type, **words: str) -> Callable[[Function], Function]:
     """Return a decorator that writes the parameters of requests into a function's docstring, at a line ``{request}``.
 
-    Names and defaults stay in the function's own signature, from which types are taken; of a parameter that several records have, the
-    first one's text is taken. ``words`` replace ``{name}`` and ``NAME``. Without records the parameters of a request are written into its
-    own docstring.
+    Names, types and defaults come from the signature of the function. For a parameter of several records the text of the first one is used.
+    ``words`` replace ``{name}`` and ``NAME``. Without records the parameters of a request are written into its docstring.
     """
 
     def document(function: Function) -> Function:
@@ -68,7 +69,7 @@ def documented(*records: type, **words: str) -> Callable[[Function], Function]:
 
 
 def _annotations(function: Callable[..., Any]) -> dict[str, str]:
-    """Return the types of parameters as they are written; those of a record's fields without their descriptions."""
+    """Return the types of parameters as texts; types of a record's fields without their descriptions."""
     if isinstance(function, type):
         return {name: inspect.formatannotation(hint) for name, hint in get_type_hints(function).items()}
     return {name: str(parameter.annotation) for name, parameter in inspect.signature(function).parameters.items()}

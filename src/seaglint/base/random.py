@@ -1,10 +1,11 @@
-"""Random streams that are a function of (seed, purpose): same seed, same bytes, whatever the threads or the order.
+"""Random numbers as functions of a seed: streams by purpose, and counter-based numbers for kernels.
 
-Counter-based random numbers for kernels: each number is a function of its key, without a generator's state.
+A stream is a function of (seed, purpose): equal seeds have equal bytes, for any number of threads and any order.
 
-Integers stay below 32 bits between steps, so that compiled kernels (whose products wrap at 64 bits), plain Python (whose do not) and a
-GPU compute the same. The mixing is a multiply-and-shift of 32 bits with a measured bias below 0.2 bits per thousand (constants of
-C. Wellons' search, "lowbias32"); a key holds two of them.
+Numbers for kernels are functions of a key, without the state of a generator. Integers stay below 32 bits between steps, so that compiled
+kernels (with products that wrap at 64 bits), plain Python (without wrapping) and a GPU have equal results. The mixing is a
+multiply-and-shift of 32 bits with a measured bias below 0.2 bits per thousand (constants of C. Wellons' search, "lowbias32"); a key has two
+such words.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ from seaglint.base.jit import kernel
 
 
 def stream(seed: int, purpose: str, *indices: int) -> np.random.Generator:
-    """Independent generator for one purpose, e.g. ``stream(seed, "waves", tile)``.
+    """Return an independent generator for one purpose, e.g. ``stream(seed, "waves", tile)``.
 
     The purpose is hashed (CRC-32) into the spawn key of a :class:`numpy.random.SeedSequence`, so streams of different
-    purposes never meet and adding one leaves the others as they were. The bit generator is Philox, named because NumPy
+    purposes are independent, and a new purpose does not change other streams. The bit generator is Philox, named because NumPy
     may change its default.
     """
-    # Not as further words of the entropy: those are padded with zeros, which makes (7, "waves") and (7, "waves", 0) one stream.
+    # not as further words of the entropy: those are padded with zeros, which makes (7, "waves") and (7, "waves", 0) one stream
     key = (zlib.crc32(purpose.encode()), *indices)
     return np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=key)))
 
@@ -33,17 +34,17 @@ WORD = 0xFFFFFFFF  #: Mask of 32 bits.
 
 SLOTS = 32  #: Number of instants of a process whose events are drawn at once, one per bit.
 
-#: Spacing of these instants in mean intervals: each holds an event with the chance 1/8, three random bits that are all set.
+#: Spacing of these instants in mean intervals: each has an event with the probability 1/8, as three random bits are all set.
 SPACING = -math.log1p(-1.0 / 8.0)
 
-LOOK_BACK = 16  #: Number of slots searched for an event; the chance to find none is 1e-29.
+LOOK_BACK = 16  #: Number of slots that are searched for an event; the probability of no event is 1e-29.
 
 BOOST_BELOW = 4.0  #: Gamma shape below which deviates are drawn one higher and scaled by ``U^(1/shape)``, which is exact.
 
 
 @kernel
 def mixed(x: int) -> int:
-    """Hash of any integer to 32 bits, each of which depends on all."""
+    """Return a hash of any integer to 32 bits, each of which depends on all bits of the integer."""
     x &= WORD
     x ^= x >> 16
     x = (x * 0x7FEB352D) & WORD
@@ -54,13 +55,13 @@ def mixed(x: int) -> int:
 
 @kernel
 def cell_key(seed: tuple[int, int], i: int, j: int, lattice: int) -> tuple[int, int]:
-    """Key of the cell (i, j) of a lattice."""
+    """Return the key of the cell (i, j) of a lattice."""
     return mixed(seed[0] + i * 0x9E3779B1 + lattice * 0x85EBCA77), mixed(seed[1] + j * 0xC2B2AE3D + lattice * 0x27D4EB2F)
 
 
 @kernel
 def bits(key: tuple[int, int], number: int) -> int:
-    """Random word ``number`` of 32 bits of a key: its first word counts, the second enters between the products."""
+    """Return random word ``number`` of 32 bits of a key: the number is added to its first word; the second enters between the products."""
     x = (key[0] + number * 0x9E3779B1) & WORD
     x ^= x >> 16
     x = (x * 0x7FEB352D & WORD) ^ key[1]
@@ -71,13 +72,13 @@ def bits(key: tuple[int, int], number: int) -> int:
 
 @kernel
 def uniform(key: tuple[int, int], number: int) -> float:
-    """Uniform deviate ``number`` of a key, inside (0, 1)."""
+    """Return uniform deviate ``number`` of a key, inside (0, 1)."""
     return (bits(key, number) + 0.5) * 2.0**-32
 
 
 @kernel
 def highest_bit(x: int) -> int:
-    """Number of the highest bit set in 1..2^32 - 1 (a call of frexp takes four times as long)."""
+    """Return the number of the highest bit set in 1..2^32 - 1 (a call of frexp takes four times as long)."""
     place = 0
     for width in (16, 8, 4, 2, 1):
         step = width * int(x >> width > 0)
@@ -88,16 +89,17 @@ def highest_bit(x: int) -> int:
 
 @kernel
 def last_event(key: tuple[int, int], time: float) -> int:
-    """Key of the last event before ``time`` in a Poisson process with one event per unit of time.
+    """Return the number of the last event before ``time`` in a Poisson process with one event per unit of time.
 
-    Two times share their last event with the chance ``exp(-|difference|)``: a value drawn under its name has that correlation in time,
-    whatever its density, and any instant is found alone. Events fall on instants :data:`SPACING` apart that every key begins at its own
-    phase, so that over all keys the correlation is exact at multiples of it and linear between: never off by more than 0.0022.
+    Two times share their last event with the probability ``exp(-|difference|)``: a value drawn for this event has that correlation in time,
+    for any density, and any instant can be computed alone. Events are at instants :data:`SPACING` apart, with a different phase for each
+    key, so that over all keys the correlation is exact at multiples of the spacing and linear between: errors are below 0.0022.
     """
     instant = math.floor(time / SPACING + (key[0] ^ key[1]) * 2.0**-32)
     slot = instant // SLOTS
     mask = (2 << (instant - SLOTS * slot)) - 1
     for _ in range(LOOK_BACK):
+        # three independent words: a bit is set in all of them with the chance 1/8
         events = bits(key, 3 * slot) & bits(key, 3 * slot + 1) & bits(key, 3 * slot + 2) & mask
         if events > 0:
             return SLOTS * slot + highest_bit(events)
@@ -108,7 +110,8 @@ def last_event(key: tuple[int, int], time: float) -> int:
 
 @kernel
 def normal_quantile(p: float) -> float:
-    """Quantile of the standard normal density, relative error 1.2e-9 (P. J. Acklam's rational approximation)."""
+    """Return the quantile of the standard normal density, relative error 1.2e-9 (P. J. Acklam's rational approximation)."""
+    # tails and middle have separate fits; the coefficients are Acklam's
     if p < 0.02425 or p > 0.97575:
         q = math.sqrt(-2.0 * math.log(min(p, 1.0 - p)))
         top = (
@@ -131,10 +134,10 @@ def normal_quantile(p: float) -> float:
 
 @kernel
 def gamma_deviate(shape: float, key: tuple[int, int], number: int) -> float:
-    """Gamma deviate ``number`` of a key, mean 1 and variance ``1/shape``; continuous in the shape but at :data:`BOOST_BELOW`.
+    """Return gamma deviate ``number`` of a key, mean 1 and variance ``1/shape``; continuous in the shape except at :data:`BOOST_BELOW`.
 
-    The cube of a normal deviate (Wilson and Hilferty 1931), its mean made exact; variances are within 0.2 % of the gamma density's,
-    distances between the distributions below 0.003.
+    It is the cube of a normal deviate (Wilson and Hilferty 1931), scaled to the exact mean. Variances are within 0.2 % of the gamma
+    density's, distances between the distributions below 0.003.
     """
     scale = 1.0
     if shape < BOOST_BELOW:

@@ -1,6 +1,6 @@
-"""Facts that a user needs to see once a command: the process that starts a command prints them, its workers do not.
+"""Reports to the user: facts that are printed once a command, and NumPy's warnings that are not printed.
 
-Computations in which numbers may not exist: a constant frame has no skewness, a detector may divide by 0.
+The process that starts a command prints such facts; its workers do not.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ REPORTS: Final = logging.getLogger("seaglint.reports")  #: Logger of such facts.
 
 
 def leave_reports_to_parent() -> None:
-    """Keep the facts silent in a process that works for another one; a command's own process prints its log and goes on."""
+    """Silence the facts in a process that works for another one; the first process of a command, which prints a log, is unchanged."""
     if not logging.getLogger("seaglint").handlers:
         REPORTS.disabled = True
 
 
 @contextmanager
 def absent_numbers() -> Iterator[None]:
-    """Leave out NumPy's warnings of numbers that do not exist: the result states what is absent and why."""
+    """Suppress NumPy's warnings of numbers that do not exist (a constant frame has no skewness): results report absent numbers."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         yield

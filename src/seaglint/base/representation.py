@@ -1,4 +1,4 @@
-"""Text of numbers, and HTML of scenarios and results in notebooks: escaped, without scripts and without external files."""
+"""Numbers as text, and HTML of scenarios and results in notebooks: escaped, without scripts and without external files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _CELL: Final = "padding:.15rem .6rem;text-align:left;border-bottom:1px solid rgb
 
 
 def as_text(value: Any) -> str:
-    """Value as plain text, numbers with four digits.
+    """Return a value as plain text, numbers with four digits.
 
     Examples
     --------
@@ -34,7 +34,7 @@ def as_text(value: Any) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """HTML table; cells are values or text."""
+    """Return an HTML table; cells are values or text."""
 
     def line(tag: str, cells: Sequence[Any]) -> str:
         return "<tr>" + "".join(f'<{tag} style="{_CELL}">{escape(as_text(cell))}</{tag}>' for cell in cells) + "</tr>"
@@ -44,19 +44,19 @@ def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def card(title: str, *parts: str) -> str:
-    """HTML card: a heading and the given pieces of HTML side by side below it."""
+    """Return an HTML card: a heading and the given pieces of HTML side by side below it."""
     inside = "".join(f"<div>{part}</div>" for part in parts if part)
     return f'<div><strong>{escape(title)}</strong><div style="display:flex;flex-wrap:wrap;gap:1.2rem;margin-top:.3rem">{inside}</div></div>'
 
 
 def notes(texts: Iterable[str]) -> str:
-    """HTML of notes, one sentence a line; empty without notes."""
+    """Return the HTML of notes, one sentence a line; empty without notes."""
     lines = "".join(f"<li>{escape(text)}</li>" for text in texts)
     return f'<ul style="margin:.2rem 0;padding-left:1.2rem;font-size:.85rem">{lines}</ul>' if lines else ""
 
 
 def rounded(value: float, digits: int) -> str:
-    """Number to some digits, in full from a thousandth to ten million.
+    """Return a number as text with some digits, in full from a thousandth to ten million.
 
     Examples
     --------
@@ -71,7 +71,7 @@ def rounded(value: float, digits: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Time span as people state it.
+    """Return a time span [s] as text in everyday units.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def duration(seconds: float) -> str:
 
 
 def size_text(size: float) -> str:
-    """Number of bytes as text.
+    """Return a number of bytes as text.
 
     Examples
     --------

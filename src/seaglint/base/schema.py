@@ -1,8 +1,7 @@
 """Names, units, CF standard names and descriptions of all output variables, in one table.
 
-Files, plot labels and the documentation read it; nothing else may name a unit.
-
-Names of the ground-truth numbers of an object in a frame; a separate module, as files are read without drawing.
+Files, plot labels and the documentation read it; no other module may name a unit. Numbers of objects are in it, and not with their drawing,
+as files are read without drawing.
 """
 
 from __future__ import annotations
@@ -14,13 +13,13 @@ from typing import Final, Literal, get_args
 
 @dataclass(frozen=True)
 class Variable:
-    """One output variable."""
+    """Output variable of a file or column of a table."""
 
     name: str
-    units: str  #: Unit as UDUNITS text; empty where there is none.
+    units: str  #: Unit as UDUNITS text; empty for a variable without unit.
     long_name: str
-    standard_name: str | None = None  #: CF standard name; empty where none fits.
-    symbol: str = ""  #: Unit as it is written on plots; empty where it is the text of ``units``.
+    standard_name: str | None = None  #: CF standard name; None if CF has no suitable name.
+    symbol: str = ""  #: Unit on plots; empty if equal to ``units``.
     dtype: str = "float32"  #: Data type of an image in files.
 
     @property
@@ -36,7 +35,7 @@ class Variable:
         return f"{self.long_name} [{unit}]" if unit else self.long_name
 
 
-#: Images that every command and function takes where none is named, the first that exists: what a detector gives, else its radiance.
+#: Default images of all commands and functions; the first that exists is used: the signal of a detector, else radiance.
 IMAGES: Final = ("signal", "radiance", "texture")
 
 _RADIANCE = ("W m-2 sr-1", "W m⁻² sr⁻¹")
@@ -46,11 +45,48 @@ def _radiance(name: str, long_name: str) -> Variable:
     return Variable(name, _RADIANCE[0], long_name, symbol=_RADIANCE[1])
 
 
-#: Variables by name.
+#: Ground-truth numbers of an object in a frame, in the order of table columns; unknown numbers of an object out of view are NaN.
+_OBJECT_NUMBERS: Final = (
+    Variable("column_px", "1", "column of an object's middle, pixel centres whole numbers", symbol="px"),
+    Variable("row_px", "1", "row of an object's middle, from the top, pixel centres whole numbers", symbol="px"),
+    Variable("range_m", "m", "distance from the sensor to an object's origin"),
+    Variable("solid_angle_sr", "sr", "solid angle of an object above its waterline, whatever hides it"),
+    Variable("visible_share", "1", "share of an object above its waterline that is seen in the image", symbol=" "),
+    Variable("occluded_share", "1", "share of an object above its waterline and in the image that something hides", symbol=" "),
+    Variable("truncated_share", "1", "share of an object above its waterline that is outside the image", symbol=" "),
+    _radiance("contrast_W_m2_sr", "radiance of an object above that of the sea's image behind it, mean over what is seen of it"),
+    Variable("bearing_deg", "degree", "azimuth of an object's origin, clockwise from north", symbol="deg"),
+    Variable("elevation_deg", "degree", "elevation of an object's origin", symbol="deg"),
+    Variable("bbox_left_px", "1", "first column that an object touches", symbol="px"),
+    Variable("bbox_top_px", "1", "first row that an object touches", symbol="px"),
+    Variable("bbox_width_px", "1", "columns that an object touches", symbol="px"),
+    Variable("bbox_height_px", "1", "rows that an object touches", symbol="px"),
+    Variable("temperature_difference_K", "K", "apparent temperature of an object above that of the sea's image behind it"),
+    Variable("signal_to_clutter", "1", "largest change of a pixel over the deviation of the sea's image around an object", symbol=" "),
+    Variable("pixels", "1", "pixels that an object fills, in parts", symbol=" "),
+    Variable("irradiance_W_m2", "W m-2", "irradiance at the aperture that an object adds", symbol="W m⁻²"),
+    Variable("signal_column_px", "1", "column of the middle of what an object adds", symbol="px"),
+    Variable("signal_row_px", "1", "row of the middle of what an object adds", symbol="px"),
+    Variable("velocity_column_px_s", "s-1", "speed of an object along columns in the image", symbol="px/s"),
+    Variable("velocity_row_px_s", "s-1", "speed of an object along rows in the image, downwards positive", symbol="px/s"),
+    Variable("motion_px", "1", "way of an object in the image during the exposure", symbol="px"),
+    Variable("streak_begin_column_px", "1", "column of an object's middle at the beginning of the exposure", symbol="px"),
+    Variable("streak_begin_row_px", "1", "row of an object's middle at the beginning of the exposure", symbol="px"),
+    Variable("streak_end_column_px", "1", "column of an object's middle at the end of the exposure", symbol="px"),
+    Variable("streak_end_row_px", "1", "row of an object's middle at the end of the exposure", symbol="px"),
+    Variable("blur_px", "1", "blur of an object by optics, crosstalk and its motion, standard deviation", symbol="px"),
+    Variable("size_class", "1", "class of an object's size: 0 point, 1 small, 2 extended", symbol=" "),
+    Variable("counts_column_px", "1", "column of the middle of an object's counts", symbol="px"),
+    Variable("counts_row_px", "1", "row of the middle of an object's counts", symbol="px"),
+    Variable("counts_peak", "count", "largest change of a pixel's counts by an object, without noise", symbol="counts"),
+    Variable("counts_snr", "1", "that change over the temporal noise of its pixel", symbol=" "),
+)
+
+#: All variables by name; numbers of objects are one part of the table.
 VARIABLES: Final[dict[str, Variable]] = {
     variable.name: variable
     for variable in (
-        # CF has no standard name for in-band radiance along a near-horizontal line of sight: long_name, units and band coordinates say it.
+        # CF has no standard name for in-band radiance along a near-horizontal line of sight: long_name, units and band describe it
         _radiance("radiance", "in-band radiance at the aperture"),
         _radiance("path_radiance", "in-band radiance of the path (thermal emission and scattered sunlight)"),
         _radiance("emitted_radiance", "in-band radiance emitted by the sea, at the aperture"),
@@ -62,7 +98,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("electrons", "1", "electrons of a pixel, noise and background in them", symbol="electrons"),
         Variable("texture", "1", "values of a statistical texture"),
         Variable("saturated_share", "1", "share of the pixels that are saturated", symbol=" "),
-        # Not CF's sensor_azimuth_angle, which is measured at the point seen, towards the sensor: the opposite direction.
+        # not the sensor_azimuth_angle of CF, which is measured at the visible point, towards the sensor: the opposite direction
         Variable("azimuth", "degree", "azimuth of the line of sight at the sensor, clockwise from north", symbol="deg"),
         Variable("elevation", "degree", "elevation of the line of sight above the horizontal at the sensor", symbol="deg"),
         Variable("sensor_east", "m", "position of the sensor towards east"),
@@ -77,39 +113,7 @@ VARIABLES: Final[dict[str, Variable]] = {
             "slope", "1", "slope of the sea away from the sensor, mean over what a pixel sees of it; facing it is positive", symbol=" "
         ),
         Variable("glint_share", "1", "share of reflected sunlight in the radiance", symbol=" "),
-        Variable("column_px", "1", "column of an object's middle, pixel centres whole numbers", symbol="px"),
-        Variable("row_px", "1", "row of an object's middle, from the top, pixel centres whole numbers", symbol="px"),
-        Variable("range_m", "m", "distance from the sensor to an object's origin"),
-        Variable("solid_angle_sr", "sr", "solid angle of an object above its waterline, whatever hides it"),
-        Variable("visible_share", "1", "share of an object above its waterline that is seen in the image", symbol=" "),
-        Variable("occluded_share", "1", "share of an object above its waterline and in the image that something hides", symbol=" "),
-        Variable("truncated_share", "1", "share of an object above its waterline that is outside the image", symbol=" "),
-        _radiance("contrast_W_m2_sr", "radiance of an object above that of the sea's image behind it, mean over what is seen of it"),
-        Variable("bearing_deg", "degree", "azimuth of an object's origin, clockwise from north", symbol="deg"),
-        Variable("elevation_deg", "degree", "elevation of an object's origin", symbol="deg"),
-        Variable("bbox_left_px", "1", "first column that an object touches", symbol="px"),
-        Variable("bbox_top_px", "1", "first row that an object touches", symbol="px"),
-        Variable("bbox_width_px", "1", "columns that an object touches", symbol="px"),
-        Variable("bbox_height_px", "1", "rows that an object touches", symbol="px"),
-        Variable("temperature_difference_K", "K", "apparent temperature of an object above that of the sea's image behind it"),
-        Variable("signal_to_clutter", "1", "largest change of a pixel over the deviation of the sea's image around an object", symbol=" "),
-        Variable("pixels", "1", "pixels that an object fills, in parts", symbol=" "),
-        Variable("irradiance_W_m2", "W m-2", "irradiance at the aperture that an object adds", symbol="W m⁻²"),
-        Variable("signal_column_px", "1", "column of the middle of what an object adds", symbol="px"),
-        Variable("signal_row_px", "1", "row of the middle of what an object adds", symbol="px"),
-        Variable("velocity_column_px_s", "s-1", "speed of an object along columns in the image", symbol="px/s"),
-        Variable("velocity_row_px_s", "s-1", "speed of an object along rows in the image, downwards positive", symbol="px/s"),
-        Variable("motion_px", "1", "way of an object in the image during the exposure", symbol="px"),
-        Variable("streak_begin_column_px", "1", "column of an object's middle at the beginning of the exposure", symbol="px"),
-        Variable("streak_begin_row_px", "1", "row of an object's middle at the beginning of the exposure", symbol="px"),
-        Variable("streak_end_column_px", "1", "column of an object's middle at the end of the exposure", symbol="px"),
-        Variable("streak_end_row_px", "1", "row of an object's middle at the end of the exposure", symbol="px"),
-        Variable("blur_px", "1", "blur of an object by optics, crosstalk and its motion, standard deviation", symbol="px"),
-        Variable("size_class", "1", "class of an object's size: 0 point, 1 small, 2 extended", symbol=" "),
-        Variable("counts_column_px", "1", "column of the middle of an object's counts", symbol="px"),
-        Variable("counts_row_px", "1", "row of the middle of an object's counts", symbol="px"),
-        Variable("counts_peak", "count", "largest change of a pixel's counts by an object, without noise", symbol="counts"),
-        Variable("counts_snr", "1", "that change over the temporal noise of its pixel", symbol=" "),
+        *_OBJECT_NUMBERS,
         Variable("object_id", "1", "number, from 1, of the object that covers most of a pixel; 0 for none", symbol=" ", dtype="uint16"),
         Variable("object_mask", "1", "bit n: object n, from 0, touches the pixel", symbol=" ", dtype="uint64"),
         Variable("time", "s", "time from the start of the sequence"),
@@ -132,67 +136,31 @@ VARIABLES: Final[dict[str, Variable]] = {
     )
 }
 
-#: Name of a variable that an image may carry beside its radiance.
+NUMBERS: Final = tuple(variable.name for variable in _OBJECT_NUMBERS)  #: Names of the numbers of objects, in their order.
+
+#: Classes of size by their number: solid angles of less than a pixel, of at most :data:`MOST_SMALL` pixels, and larger.
+SIZES: Final = ("point", "small", "extended")
+
+MOST_SMALL: Final = 81  #: Greatest size of a small target [pixels]: 9 x 9, the definition of SPIE (0.12 % of 256 x 256).
+
+#: Name of a variable that an image may have besides its radiance.
 Layer = Literal[
     "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage", "slope", "glint_share", "object_id"
 ]
 
 LAYERS: Final[tuple[str, ...]] = get_args(Layer)  #: Names of all layers, in the order in which they are listed.
 
-#: Number of uW cm-2 sr-1 in one W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports.
+#: Number of uW cm-2 sr-1 in one W m-2 sr-1: the unit of the source article, an alternative to SI in plots and reports.
 ARTICLE_RADIANCE_PER_SI: Final = 100.0
 
-ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"
+ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"  #: That unit on plots.
 
 
 def default_image(names: Iterable[str]) -> str | None:
-    """Return the image among several that is taken where none is named; None where there is none of them.
+    """Return the default image among several variables, the first of :data:`IMAGES`; None without any of them.
 
     >>> default_image(["range", "radiance", "signal"])
     'signal'
     """
-    held = set(names)
-    return next((name for name in IMAGES if name in held), None)
-
-
-#: Ground-truth numbers of a body in a frame, in the order of table columns; unknown numbers of a body out of view are NaN.
-NUMBERS: Final = (
-    "column_px",
-    "row_px",
-    "range_m",
-    "solid_angle_sr",
-    "visible_share",
-    "occluded_share",
-    "truncated_share",
-    "contrast_W_m2_sr",
-    "bearing_deg",
-    "elevation_deg",
-    "bbox_left_px",
-    "bbox_top_px",
-    "bbox_width_px",
-    "bbox_height_px",
-    "temperature_difference_K",
-    "signal_to_clutter",
-    "pixels",
-    "irradiance_W_m2",
-    "signal_column_px",
-    "signal_row_px",
-    "velocity_column_px_s",
-    "velocity_row_px_s",
-    "motion_px",
-    "streak_begin_column_px",
-    "streak_begin_row_px",
-    "streak_end_column_px",
-    "streak_end_row_px",
-    "blur_px",
-    "size_class",
-    "counts_column_px",
-    "counts_row_px",
-    "counts_peak",
-    "counts_snr",
-)
-
-#: Classes of size by their number: of a solid angle of less than a pixel, of at most :data:`MOST_SMALL` pixels, and larger.
-SIZES: Final = ("point", "small", "extended")
-
-MOST_SMALL: Final = 81  #: Greatest size of a small target [pixels]: 9 x 9, the definition of SPIE (0.12 % of 256 x 256).
+    available = set(names)
+    return next((name for name in IMAGES if name in available), None)

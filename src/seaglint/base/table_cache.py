@@ -1,4 +1,4 @@
-"""Tables of pure functions, kept on disk beside the compiled kernels of this state of the sources."""
+"""Cache of the tables of pure functions, on disk next to the compiled kernels of this state of the sources."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from seaglint.base.machine import processor
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
 
 
-def kept(make: Callable[[int], FloatArray]) -> Callable[[int], FloatArray]:
-    """Return a function whose results are read from disk where an earlier process has computed them.
+def cached_table(make: Callable[[int], FloatArray]) -> Callable[[int], FloatArray]:
+    """Return a function with its results cached on disk: it reads a table that an earlier process has computed.
 
-    For tables that depend on one whole number and on nothing else. The files' folder changes with every source of physics, and their names
-    with processor, NumPy and SciPy, so a result has the same bits whether it is computed or read. Where no file can be written each process
-    computes its own; plain Python (``NUMBA_DISABLE_JIT=1``) always does.
+    It is for tables that depend on one whole number alone. The folder of the files changes with every source of physics, and their names
+    with processor, NumPy and SciPy, so that computed and read results have equal bits. If no file can be written, each process computes its
+    tables; plain Python (``NUMBA_DISABLE_JIT=1``) always does.
     """
 
     @wraps(make)
@@ -34,7 +34,7 @@ def kept(make: Callable[[int], FloatArray]) -> Callable[[int], FloatArray]:
         path = _path(make, number)
         if path is None:
             return make(number)
-        with suppress(OSError, ValueError, EOFError):  # nothing there, or damaged
+        with suppress(OSError, ValueError, EOFError):  # a missing or damaged file
             return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
         result = make(number)
         _write(path, result)
@@ -44,7 +44,7 @@ def kept(make: Callable[[int], FloatArray]) -> Callable[[int], FloatArray]:
 
 
 def _path(make: Callable[[int], FloatArray], number: int) -> Path | None:
-    """Return the file of a table; None where nothing is kept."""
+    """Return the file of a table; None without a cache."""
     folder = None if _settings.DISABLE_JIT else kernel_folder(_settings.CACHE_DIR)
     if folder is None:
         return None
@@ -53,7 +53,8 @@ def _path(make: Callable[[int], FloatArray], number: int) -> Path | None:
 
 
 def _write(path: Path, table: FloatArray) -> None:
-    """Write a table as a whole or, on a full disk or without rights, not at all."""
+    """Write a table as a whole or, on a full disk or without permission, not at all."""
+    # written aside and moved: other processes see a whole file or none
     partial = path.with_name(f"{path.name}.{os.urandom(4).hex()}")
     try:
         with open(partial, "xb") as file:

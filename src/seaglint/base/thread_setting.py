@@ -1,4 +1,4 @@
-"""The environment variable NUMBA_NUM_THREADS, read before Numba reads it: what Numba makes of a wrong number is a traceback."""
+"""Check of the environment variable NUMBA_NUM_THREADS before Numba reads it: Numba ends with a traceback on a wrong number."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from seaglint.base.errors import BackendError
 
 VARIABLE: Final = "NUMBA_NUM_THREADS"  #: Environment variable with the largest number of threads of kernels.
 
-MOST: Final = 256  #: Threads that any machine is allowed.
+MOST: Final = 256  #: Number of threads that is allowed on any machine.
 
 #: Threads for each processor above which a number over :data:`MOST` is taken for a mistake: each costs memory, and all run slower.
 MOST_PER_PROCESSOR: Final = 4
 
 
 def require_thread_setting() -> None:
-    """Refuse an environment variable that is no number of threads.
+    """Raise if the environment variable is no number of threads.
 
     Raises
     ------
     BackendError
-        What is set, and what is allowed.
+        A value that is no number, or outside the allowed range.
     """
     given = os.environ.get(VARIABLE)
     if not given:

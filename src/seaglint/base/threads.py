@@ -14,8 +14,8 @@ from seaglint.base.errors import BackendError
 def single_threaded_algebra() -> Iterator[None]:
     """Run linear algebra (BLAS) in one thread and restore the old number afterwards; also a decorator of functions.
 
-    Its matrices are small here: one thread is as fast, does not push aside the other threads and processes on a machine, and sums in the
-    same order on each. The limit holds for the whole process while the context lasts.
+    The matrices of this program are small: one thread is as fast, leaves the processor to other threads and processes, and sums in one
+    order on all machines. The limit holds for the whole process while the context lasts.
 
     Examples
     --------

@@ -1,10 +1,10 @@
 """Work units distributed over workers: this process, local processes, a Dask cluster.
 
 Work is a :class:`~seaglint.cluster.job.Job` that each worker starts once and then calls for one unit after the other. Workers write their
-results to files themselves; what comes back is a small record.
+results to files and return a small record for each unit.
 """
 
 from seaglint.cluster.job import Done, Failed, Job, Workers
-from seaglint.cluster.local import Here, LocalProcesses
+from seaglint.cluster.local import LocalProcesses, ThisProcess
 
-__all__ = ["Done", "Failed", "Here", "Job", "LocalProcesses", "Workers"]
+__all__ = ["Done", "Failed", "Job", "LocalProcesses", "ThisProcess", "Workers"]

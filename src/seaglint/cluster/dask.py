@@ -1,6 +1,6 @@
-"""Workers of a Dask cluster, by a scheduler's address or from a batch queue. Only units and small records are transferred.
+"""Workers of a Dask cluster, at the address of a scheduler or from a batch queue (SLURM, PBS and others) by the settings in a file.
 
-Dask workers of a batch queue: jobs submitted to SLURM, PBS and others by the settings in a file.
+Only units and small records are transferred.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from seaglint.cluster.remote import Machine, describe, do, packed, this_machine
 
 CONNECT: Final = 5.0  #: Time within which a scheduler must answer [s].
 
-PATIENCE: Final = 60.0  #: Time that a scheduler or all workers may be away before a job is abandoned [s].
+PATIENCE: Final = 60.0  #: Time without a scheduler or without workers after which a job is abandoned [s].
 
-LOOK: Final = 2.0  #: Time between two queries of the list of workers [s].
+REFRESH: Final = 2.0  #: Time between two queries of the list of workers [s].
 
 AHEAD: Final = 2  #: Units assigned to each worker in advance: one in progress, and the next.
 
-BATCH: Final = 4  #: Divisor of the batch size: units are sent when there is room for a ``BATCH``-th of the workers.
+BATCH: Final = 4  #: Divisor of the batch size: units are sent when a ``BATCH``-th of the workers need one.
 
 TOGETHER: Final = 1e-4  #: Time for each worker in which records are gathered into one request [s]: a request costs as much as many records.
 
-Say = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(eq=False)
@@ -57,32 +57,32 @@ class DaskWorkers:
     Parameters
     ----------
     connect : callable
-        Makes a client; called again when the scheduler was lost.
-    say : callable
+        Function that returns a client; called again after a loss of the scheduler.
+    report : callable
         Called with messages for the user, a line at a time.
     patience : float
-        Time that the scheduler or all workers may be away [s].
+        Longest time without the scheduler or without workers [s].
     """
 
     task = staticmethod(do)
 
-    def __init__(self, connect: Callable[[], Any], say: Say = lambda line: None, patience: float = PATIENCE) -> None:
-        self._connect, self._say, self.patience = connect, say, patience
+    def __init__(self, connect: Callable[[], Any], report: Report = lambda line: None, patience: float = PATIENCE) -> None:
+        self._connect, self._report, self.patience = connect, report, patience
         self._client = connect()
         self._known: dict[str, Machine] = {}
         self._present: tuple[str, ...] = ()
-        self._looked = -LOOK
+        self._looked = -REFRESH
 
     @property
     def count(self) -> int:
         """Return the number of worker processes."""
-        with suppress(_SchedulerGoneError):  # the last known number; who maps finds out
+        with suppress(_SchedulerGoneError):  # the last known number; mapping raises the error
             self.look()
         return max(len(self._present), 1)
 
     @property
     def seen(self) -> bool:
-        """Return true if any worker has ever been connected."""
+        """Return True if a worker has ever been connected."""
         return bool(self._present)
 
     def wait_for_one(self) -> None:
@@ -91,7 +91,7 @@ class DaskWorkers:
         Raises
         ------
         BackendError
-            There is none in time, or one that cannot be used.
+            No worker in time, or a worker that cannot be used.
         """
         until = time.monotonic() + self.patience
         while not self.look(at_once=True):
@@ -100,22 +100,22 @@ class DaskWorkers:
             time.sleep(0.2)
 
     def close(self) -> None:
-        """Leave the scheduler."""
-        with suppress(Exception):  # whatever state a lost connection is in
+        """Close the connection to the scheduler."""
+        with suppress(Exception):  # a lost connection may be in any state
             self._client.close(timeout=2)
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
         """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
-        Leaving the context takes back what was not begun. A unit that is at work on another machine ends there, and nobody hears of it.
+        Leaving the context cancels units that have not begun. A unit in progress on another machine ends there, and its outcome is dropped.
 
         Raises
         ------
         BackendError
-            The scheduler or all workers stay away, or a worker cannot be used.
+            The scheduler or all workers are lost for too long, or a worker cannot be used.
         Exception
-            What the job's start raised on a worker.
+            Error of the job's start on a worker.
         """
         mapping = _DaskMapping(self, packed(job), units)
         try:
@@ -125,39 +125,39 @@ class DaskWorkers:
 
     def look(self, *, at_once: bool = False) -> tuple[str, ...]:
         """Return the addresses of the workers; new ones are queried for their version and processor."""
-        if at_once or time.monotonic() - self._looked >= LOOK:
+        if at_once or time.monotonic() - self._looked >= REFRESH:
             try:
                 self._present = tuple(self._client.nthreads())
                 new = [address for address in self._present if address not in self._known]
                 answers = self._client.run(describe, workers=new, on_error="return") if new else {}
             except Exception as error:
                 raise _SchedulerGoneError(one_line(error)) from error
-            machines = judged(answers, this_machine())
-            self._tell_processors(machines)
+            machines = usable_workers(answers, this_machine())
+            self._report_processors(machines)
             self._known |= machines
             self._looked = time.monotonic()
         return self._present
 
-    def _tell_processors(self, new: dict[str, Machine]) -> None:
+    def _report_processors(self, new: dict[str, Machine]) -> None:
         """Report once each processor type that differs from this machine's."""
         reported = {this_machine().processor} | {machine.processor for machine in self._known.values()}
         for processor in sorted({machine.processor for machine in new.values()} - reported):
             some = [address for address, machine in new.items() if machine.processor == processor]
-            self._say(
+            self._report(
                 f"{len(some)} workers ({_some(some)}) have another processor type, {processor} and not {this_machine().processor}: "
                 "the last bits of their frames can differ"
             )
 
     def reconnect(self) -> None:
-        """Wait for the scheduler to come back.
+        """Wait until the scheduler answers again.
 
         Raises
         ------
         BackendError
-            It does not.
+            It does not answer in time.
         """
         self.close()
-        self._say(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
+        self._report(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
         until = time.monotonic() + self.patience
         while True:
             try:
@@ -165,13 +165,14 @@ class DaskWorkers:
             except BackendError as error:
                 if time.monotonic() > until:
                     raise BackendError(
-                        f"the Dask scheduler was lost and did not come back within {self.patience:g} s; what is done stays: "
-                        "start it again, and go on with resume=True"
+                        f"the Dask scheduler was lost and did not come back within {self.patience:g} s; finished units remain: "
+                        "start it again, and continue with resume=True"
                     ) from error
                 time.sleep(0.5)
             else:
+                # workers may be others now: all are queried again
                 self._known.clear()
-                self._looked = -LOOK
+                self._looked = -REFRESH
                 return
 
     def submit(self, units: list[bytes], content: bytes) -> list[Any]:
@@ -191,13 +192,13 @@ class DaskWorkers:
 
     def cancel(self, futures: list[Any]) -> None:
         """Cancel futures that have not begun."""
-        with suppress(Exception):  # it may be gone
+        with suppress(Exception):  # the scheduler may be lost
             if futures and self._client.status == "running":
                 self._client.cancel(futures, force=True)
 
     @property
     def connected(self) -> bool:
-        """Return true while the scheduler is connected."""
+        """Return True while the scheduler is connected."""
         return bool(self._client.status == "running")
 
 
@@ -215,24 +216,25 @@ class _DaskMapping:
 
     def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
         """Yield the outcomes of the units."""
-        seen = time.monotonic()
+        last_seen = time.monotonic()
         while True:
             try:
                 if not self._fill():
                     return
                 ended = self._wait()
                 if self.workers.look():
-                    seen = time.monotonic()
-                elif time.monotonic() - seen > self.workers.patience:
+                    last_seen = time.monotonic()
+                elif time.monotonic() - last_seen > self.workers.patience:
                     raise BackendError(
-                        f"no worker was left for {self.workers.patience:g} s; what is done stays: start some, and go on with resume=True"
+                        f"no worker was left for {self.workers.patience:g} s; finished units remain: start some, "
+                        "and continue with resume=True"
                     )
                 for outcome in self._read(ended):
                     self.losses = 0
                     yield outcome
             except _SchedulerGoneError as error:
                 self._lost(error)
-                seen = time.monotonic()
+                last_seen = time.monotonic()
 
     def cancel(self) -> None:
         """Cancel all unfinished units."""
@@ -244,7 +246,7 @@ class _DaskMapping:
         tasks: list[_DaskTask] = []
         count = self.workers.count
         room = AHEAD * count - len(self.flight)
-        if room < count // BATCH:  # sending costs by the call rather than by the unit, and workers have units at hand
+        if room < count // BATCH:  # a call costs more than its units, and workers still have a unit in advance
             return True
         for _ in range(room):
             task = self.again.popleft() if self.again else next((_DaskTask(unit) for unit in self.source), None)
@@ -266,6 +268,7 @@ class _DaskMapping:
         ended = []
         with suppress(queue.Empty):
             ended.append(self.ended.get(timeout=0.5))
+            # a short wait gathers the records of many workers in one request
             time.sleep(min(TOGETHER * self.workers.count, 0.05))
             while True:
                 ended.append(self.ended.get_nowait())
@@ -275,13 +278,15 @@ class _DaskMapping:
 
     def _read(self, ended: list[Any]) -> Iterator[Done[Any, Any] | Failed[Any]]:
         """Yield the outcomes of futures that ended; units to be tried again are queued."""
+        # the scheduler came back without its tasks
         if any(future.status in ("cancelled", "lost") for future in ended):
             raise _SchedulerGoneError("tasks are lost")
         whole = [future for future in ended if future.status == "finished"]
         for future, content in zip(whole, self.workers.gather(whole) if whole else [], strict=True):
             _, task = self.flight.pop(future.key)
             outcome = pickle.loads(content)
-            if isinstance(outcome, Exception):  # the job's start: a worker's own trouble, unless it is the user's to mend
+            # an error of the job's start may be a fault of one worker, and is tried again, unless the user must correct it
+            if isinstance(outcome, Exception):
                 if isinstance(outcome, SeaglintError) or task.attempts + 1 >= ATTEMPTS:
                     raise outcome
                 list(self._retry(task, 1, "", ""))
@@ -295,7 +300,7 @@ class _DaskMapping:
                 yield from self._retry(task, *_attempts_and_reason(future.exception()), "")
 
     def _retry(self, task: _DaskTask, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
-        """Try a unit once more, or report it as failed."""
+        """Queue a unit once more, or yield it as failed."""
         task.attempts += attempts
         if task.attempts >= ATTEMPTS:
             yield Failed(task.unit, error, where, task.attempts)
@@ -303,12 +308,12 @@ class _DaskMapping:
             self.again.append(task)
 
     def _lost(self, error: _SchedulerGoneError) -> None:
-        """Wait for the scheduler and queue again the units that were on their way, without counting an attempt."""
+        """Wait for the scheduler and queue the units in flight again, without counting an attempt."""
         self.losses += 1
         if self.losses > ATTEMPTS:
             raise BackendError(
-                f"the Dask scheduler was lost {self.losses} times with nothing done in between ({error}); what is done stays: "
-                "find out why it ends, and go on with resume=True"
+                f"the Dask scheduler was lost {self.losses} times with nothing done in between ({error}); finished units remain: "
+                "find out why it ends, and continue with resume=True"
             ) from error
         self.again.extend(task for _, task in self.flight.values())
         self.flight = {}
@@ -316,7 +321,7 @@ class _DaskMapping:
 
 
 def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
-    """Return the number of attempts that an error of Dask itself stands for, and its text.
+    """Return the number of attempts that an error of Dask itself counts for, and its text.
 
     Raises
     ------
@@ -333,13 +338,13 @@ def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
     return 1, one_line(error)
 
 
-def judged(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
-    """Return the usable workers by their own descriptions; those that answered with an error are queried again.
+def usable_workers(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
+    """Return the usable workers by their descriptions; workers that answered with an error are queried again later.
 
     Raises
     ------
     BackendError
-        Some have no package, or another version of it.
+        Workers without the package, or with another version of it.
     """
     good = {address: Machine(*details) for address, details in answers.items() if isinstance(details, tuple)}
     without = [address for address, details in answers.items() if details is None]
@@ -369,7 +374,7 @@ def _some(addresses: list[str]) -> str:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep Dask's own logs from the terminal; its errors are raised as errors of seaglint."""
+    """Keep the logs of Dask from the terminal; its errors are raised as errors of seaglint."""
     names = [name for name in logging.root.manager.loggerDict if name.split(".")[0] in ("distributed", "tornado", "dask_jobqueue")]
     before = {name: logging.getLogger(name).level for name in {"distributed", "tornado", "dask_jobqueue", *names}}
     for name in before:
@@ -406,27 +411,27 @@ def require_dask() -> None:
     Raises
     ------
     BackendError
-        It is not.
+        Dask is not installed.
     """
     optional("distributed", "a Dask scheduler", "or choose workers=N, which needs no package")
 
 
 @contextmanager
-def connected(address: str, say: Say = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
+def connected(address: str, report: Report = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
     """Provide the workers of the scheduler at an address.
 
     Raises
     ------
     DataError
-        That is no address.
+        A text that is no address.
     BackendError
-        No scheduler is there, no worker, or one of another version.
+        No scheduler, no worker, or a worker of another version.
     """
     require_dask()
     if not re.fullmatch(r"((tcp|tls|ws|wss|inproc)://)?[^/\s]+:\d+|inproc://\S+", address):
         raise DataError(f"address = {address!r} is no address of a Dask scheduler; give one such as tcp://host:8786")
     with quiet():
-        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), say, patience)
+        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), report, patience)
         try:
             workers.wait_for_one()
             yield workers
@@ -436,7 +441,7 @@ def connected(address: str, say: Say = lambda line: None, *, patience: float = P
             workers.close()
 
 
-#: Queues by the key ``kind``, with their class of dask-jobqueue.
+#: Classes of dask-jobqueue by the key ``kind`` of a queue.
 KINDS: Final = {
     "slurm": "SLURMCluster",
     "pbs": "PBSCluster",
@@ -447,7 +452,7 @@ KINDS: Final = {
     "htcondor": "HTCondorCluster",
 }
 
-TIMEOUT: Final = 600.0  #: Time within which the queue must give the first worker, where the file does not say [s].
+TIMEOUT: Final = 600.0  #: Default time within which the queue must start the first worker [s].
 
 
 def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:
@@ -456,7 +461,7 @@ def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:
     Raises
     ------
     DataError
-        A file that cannot be read, or a value that cannot be used.
+        An unreadable file, or a wrong value.
     """
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -468,14 +473,14 @@ def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:
     if kind not in KINDS:
         raise DataError(f"{path}: kind = {kind!r}; allowed are {', '.join(KINDS)}")
     if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
-        raise DataError(f"{path}: jobs = {jobs!r}; give how many batch jobs to ask for, 1 or more")
+        raise DataError(f"{path}: jobs = {jobs!r}; give the number of batch jobs to request, 1 or more")
     if isinstance(timeout, bool) or not isinstance(timeout, int | float) or timeout <= 0:
         raise DataError(f"{path}: timeout_s = {timeout!r}; give the seconds to wait for the first worker")
     return kind, jobs, float(timeout), table
 
 
 @contextmanager
-def queued(path: Path, say: Say = lambda line: None) -> Iterator[DaskWorkers]:
+def queued(path: Path, report: Report = lambda line: None) -> Iterator[DaskWorkers]:
     """Provide workers of the batch queue that a file describes; their jobs end with the context.
 
     Raises
@@ -494,13 +499,13 @@ def queued(path: Path, say: Say = lambda line: None) -> Iterator[DaskWorkers]:
         raise BackendError(f"{path}: {command} is not on this machine; run this where jobs are submitted, or change kind = {kind!r}")
     with quiet():
         try:
-            # Without Dask's dashboard at its usual port, which another run may have.
+            # the dashboard of Dask at a free port, as another run may have the usual one
             cluster = made(**{"scheduler_options": {"dashboard_address": ":0"}, **options})
         except (TypeError, ValueError, RuntimeError, OSError) as error:
             raise DataError(f"{path}: {made.__name__} refuses these settings: {one_line(error)}") from error
         try:
             cluster.scale(jobs=jobs)
-            workers = DaskWorkers(lambda: client_of(cluster, str(path)), say, timeout)
+            workers = DaskWorkers(lambda: client_of(cluster, str(path)), report, timeout)
             try:
                 _first(workers, path, jobs, timeout)
                 yield workers
@@ -518,5 +523,5 @@ def _first(workers: DaskWorkers, path: Path, jobs: int, timeout: float) -> None:
             raise
         raise BackendError(
             f"{path}: the queue started none of {jobs} jobs within {timeout:g} s; it may be full: try again later, "
-            "raise timeout_s, or ask for less"
+            "raise timeout_s, or request less"
         ) from error

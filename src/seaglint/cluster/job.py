@@ -24,11 +24,11 @@ ATTEMPTS: Final = 3  #: Number of attempts of a unit before it counts as failed.
 
 @dataclass(frozen=True)
 class Job(Generic[Settings, Unit, Record]):
-    """Work of many units that each worker prepares for once."""
+    """Work of many units with one preparation in each worker."""
 
-    #: ``start(settings)`` prepares and returns a function of a unit. A function of a module, so that workers find it by its name.
+    #: ``start(settings)`` prepares and returns a function of a unit. It is a function of a module, so that workers can import it by name.
     start: Callable[[Settings], Callable[[Unit], Record]]
-    #: Small values that pickle: text, numbers, paths, scenarios. No arrays. Relative paths count from the working directory of who asks.
+    #: Small values that pickle: text, numbers, paths, scenarios, no arrays. Relative paths count from the caller's working directory.
     settings: Settings
 
 
@@ -44,11 +44,11 @@ class Done(Generic[Unit, Record]):
 
 @dataclass(frozen=True)
 class Failed(Generic[Unit]):
-    """Outcome of a unit that failed :data:`ATTEMPTS` times, on other workers where there are some."""
+    """Outcome of a unit that failed :data:`ATTEMPTS` times, on different workers if possible."""
 
     unit: Unit
     error: str  #: Last error, one line.
-    traceback: str  #: Traceback of the last error; empty where the worker vanished.
+    traceback: str  #: Traceback of the last error; empty if the worker was lost.
     attempts: int  #: Number of attempts.
 
 
@@ -71,7 +71,7 @@ class _Outgoing(pickle.Pickler):
     """Pickler that makes paths absolute, since the reader may have another working directory."""
 
     def reducer_override(self, value: Any) -> Any:
-        """Return how a path is rebuilt; other values are pickled as usual."""
+        """Return constructor and argument of a path; other values are pickled as usual."""
         if isinstance(value, Path):
             return type(value), (os.path.abspath(value),)
         return NotImplemented
@@ -89,7 +89,7 @@ def outgoing(value: Any) -> bytes:
 
 
 def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: int) -> Done[Unit, Record] | Failed[Unit]:
-    """Do a unit once; errors become values, requests to stop are raised."""
+    """Do a unit once; errors become a :class:`Failed`, requests to stop are raised."""
     began = time.perf_counter()
     try:
         record = work(unit)
@@ -99,7 +99,7 @@ def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: i
 
 
 def record_of(outcome: Done[Unit, Record] | Failed[Unit]) -> Record:
-    """Return the record of a unit; raise its error where it failed.
+    """Return the record of a unit; raise the error of a failed one.
 
     Raises
     ------

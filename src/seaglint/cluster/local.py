@@ -1,9 +1,7 @@
-"""Worker in this process: one unit after the other.
+"""Workers on this machine: the calling process itself, or local processes that get one unit at a time and are replaced if they die.
 
-Processes on this machine: each is handed one unit at a time, and one that dies is replaced.
-
-Our own and not the standard library's pool, of which one killed process breaks the whole. Processes are started fresh, not forked, since
-the kernels' threads do not survive a fork; each has its share of the processor's threads.
+The pool of the standard library is no alternative: one killed process breaks it as a whole. Processes are started fresh, not forked, since
+the threads of kernels do not survive a fork; each has its share of the processor's threads.
 """
 
 from __future__ import annotations
@@ -27,7 +25,7 @@ from seaglint.base.errors import BackendError, DomainError, SeaglintError
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt, outgoing
 
 
-class Here:
+class ThisProcess:
     """Worker that is the calling process itself."""
 
     count = 1
@@ -56,7 +54,7 @@ _ONE_THREAD: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREAD
 
 
 class _LostError(Exception):
-    """Error of a process that is gone."""
+    """Error of a process that has ended."""
 
 
 @dataclass(eq=False)
@@ -74,9 +72,10 @@ class _Worker:
         ours, theirs = socket.socketpair()
         with theirs:
             number = theirs.fileno()
+            # the worker finds what its parent can import
             path = os.pathsep.join(os.path.abspath(p) for p in sys.path)
             environment = os.environ | {"PYTHONPATH": path, "NUMBA_NUM_THREADS": str(threads)} | dict.fromkeys(_ONE_THREAD, "1")
-            # A session of its own: Ctrl-C reaches the parent alone. What a unit prints must not mix with a result on stdout.
+            # in a new session Ctrl-C reaches only the parent; text that a unit prints goes to stderr, as stdout may have a result
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "seaglint.cluster.process", str(number)],
                 pass_fds=[number],
@@ -93,11 +92,11 @@ class _Worker:
 
     @property
     def number(self) -> int:
-        """Return the process number."""
+        """Return the number of the process in the system."""
         return self.process.pid
 
-    def tell(self, *message: Any) -> None:
-        """Send a message; a process that is gone is noticed when its answer is read."""
+    def send(self, *message: Any) -> None:
+        """Send a message; the end of a process is noticed when its answer is read."""
         with suppress(OSError):
             self.pipe.send(message)
 
@@ -107,7 +106,7 @@ class _Worker:
         Raises
         ------
         _LostError
-            It died.
+            The process has ended.
         """
         try:
             message: tuple[Any, ...] = self.pipe.recv()
@@ -116,7 +115,7 @@ class _Worker:
         return message
 
     def end(self) -> str:
-        """Kill the process if it lives, and return how it ended."""
+        """Kill the process if it lives, and return the kind of its end as words."""
         self.pipe.close()
         self.process.kill()
         code = self.process.wait()
@@ -129,15 +128,15 @@ class _Worker:
 
 
 class LocalProcesses:
-    """Processes on this machine; they stay for the next job until the context is left.
+    """Processes on this machine; they remain for the next job until the context is left.
 
     Parameters
     ----------
     count : int
         Number of processes.
     threads : int, optional
-        Threads of the kernels in each; the machine's, or those that ``NUMBA_NUM_THREADS`` allows, shared out evenly. Results do not
-        depend on it.
+        Threads of the kernels in each; by default the machine's threads, or as many as ``NUMBA_NUM_THREADS`` allows, divided evenly.
+        Results do not depend on it.
 
     Raises
     ------
@@ -174,15 +173,15 @@ class LocalProcesses:
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
         """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
-        Units are taken from their iterable when a process is free for them: where it ends early, those that were taken are finished.
-        Leaving the context lets units at work end within :data:`GRACE` seconds.
+        Units are taken from their iterable when a process is free for them; if the iterable ends early, the units taken before are
+        finished. Leaving the context lets units in progress end within :data:`GRACE` seconds.
 
         Raises
         ------
         BackendError
-            Processes die again and again before they have begun.
+            Processes die repeatedly before they are ready.
         Exception
-            What the job's start raised, in whatever process.
+            Error of the job's start in a process.
         """
         if self._mapping:
             raise RuntimeError("these workers are at another job; leave its context first")
@@ -207,7 +206,7 @@ class LocalProcesses:
                 return
             for worker in busy:
                 if worker.pipe in ready:
-                    with suppress(_LostError):  # it is missed when the next job begins
+                    with suppress(_LostError):  # the next job replaces it
                         worker.answer()
                     worker.task = None
 
@@ -244,7 +243,7 @@ class _LocalMapping:
 
     @property
     def working(self) -> int:
-        """Return the units in progress."""
+        """Return the number of units in progress."""
         return sum(worker.task is not None for worker in self.workers)
 
     def _take_units(self) -> None:
@@ -256,17 +255,17 @@ class _LocalMapping:
     def _start_workers(self) -> None:
         """Start a process for each unit, and send the job to all of them."""
         for worker in [w for w in self.workers if w.task is None and w.process.poll() is not None]:
-            if worker.job != self.job:  # died between two jobs: nobody's fault
+            if worker.job != self.job:  # it died between two jobs: no unit is lost, and it does not count as a failed start
                 worker.end()
                 self.workers.remove(worker)
         while len(self.workers) < min(len(self.queue) + self.working, self.count):
             if self.lost_at_start >= ATTEMPTS and self.workers:
-                break  # the machine bears no more than these
+                break  # more processes failed to start: continue with those that run
             self.workers.append(_Worker(self.threads))
         for worker in self.workers:
             if worker.job != self.job:
                 worker.job, worker.ready = self.job, False
-                worker.tell("job", self.job, self.content)
+                worker.send("job", self.job, self.content)
 
     def _hand_out(self) -> None:
         """Give each idle process a unit: preferably one that has not failed in this process."""
@@ -274,31 +273,33 @@ class _LocalMapping:
             if worker.ready and worker.task is None and (task := self._task_for(worker)) is not None:
                 worker.task = task
                 task.tried_by.append(worker.number)
-                worker.tell("unit", outgoing(task.unit))
+                worker.send("unit", outgoing(task.unit))
 
     def _task_for(self, worker: _Worker) -> _LocalTask | None:
         others = [other for other in self.workers if other is not worker]
         for task in self.queue:
+            # a unit that failed in one process goes to another, if there is one
             if worker.number not in task.tried_by or all(other.number in task.tried_by for other in others):
                 self.queue.remove(task)
                 return task
         return self._next()
 
     def _next(self) -> _LocalTask | None:
-        """Return a unit that was not tried yet."""
+        """Return the next new unit; None when all are taken."""
         for unit in self.source:
             return _LocalTask(unit)
         self.exhausted = True
         return None
 
     def _read(self, worker: _Worker, message: tuple[Any, ...]) -> Done[Any, Any] | Failed[Any] | None:
-        """Handle a message of a process; return the outcome that it carries."""
+        """Handle a message of a process; return the outcome in it, if any."""
         match message:
             case ("ready", job) if job == self.job:
                 worker.ready, self.lost_at_start = True, 0
             case ("refused", job, pickled, line, where) if job == self.job:
                 worker.job = ""
                 self.lost_at_start += 1
+                # an error of the user's input is final; others may be a fault of one process
                 error = pickle.loads(pickled) if pickled is not None else RuntimeError(line)
                 if isinstance(error, SeaglintError):
                     raise error
@@ -315,7 +316,7 @@ class _LocalMapping:
         return None
 
     def _lost(self, worker: _Worker) -> Failed[Any] | None:
-        """Give the unit of a process that died to another one."""
+        """Remove a process that has ended, and queue its unit again; return the outcome of a unit without further attempts."""
         self.workers.remove(worker)
         how = worker.end()
         if worker.task is not None:
@@ -330,7 +331,7 @@ class _LocalMapping:
         return None
 
     def _again(self, task: _LocalTask, error: str, where: str) -> Failed[Any] | None:
-        """Try a unit once more, or report it as failed."""
+        """Queue a unit once more, or return it as failed."""
         if len(task.tried_by) >= ATTEMPTS:
             return Failed(task.unit, error, where, len(task.tried_by))
         self.queue.append(task)

@@ -1,4 +1,4 @@
-"""Main loop of a local worker process: it reads units from its parent, works, and answers; it ends when its parent is gone.
+"""Main loop of a local worker process: it reads units from its parent, works, and answers; it ends when its parent ends.
 
 Messages from the parent: ``("job", name, pickled job)`` and ``("unit", pickled unit)``. Answers: ``("ready", name)``, ``("refused", name,
 pickled error or None, line, traceback)`` and ``("outcome", pickled outcome)``.
@@ -23,7 +23,7 @@ from seaglint.cluster.job import Failed, attempt
 
 
 def serve(number: int) -> None:
-    """Work for the parent at the other end of a socket, until it closes it."""
+    """Work for the parent at the other end of a socket, until the parent closes the socket."""
     os.set_inheritable(number, False)
     leave_reports_to_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its workers
@@ -40,7 +40,7 @@ def serve(number: int) -> None:
 
 
 def _listen(pipe: Connection, inbox: queue.SimpleQueue[tuple[Any, ...]]) -> None:
-    """Pass on the messages of the parent; end at once when the connection closes."""
+    """Queue the messages of the parent; end the process at once when the connection closes."""
     while True:
         try:
             inbox.put(pipe.recv())
@@ -56,7 +56,7 @@ def _answer(pipe: Connection, message: tuple[Any, ...]) -> None:
 
 
 def _started(job: str, content: bytes, pipe: Connection) -> Callable[[Any], Any] | None:
-    """Return the function of a unit; None where the job cannot be started here."""
+    """Return the function of a unit; None if the job cannot be started in this process."""
     try:
         start, settings = pickle.loads(content)
         work: Callable[[Any], Any] = start(settings)

@@ -1,6 +1,6 @@
-"""Description of a worker: version and sources of its package, and its processor type.
+"""Functions that run in a Dask worker: the description of its machine, and the work on a job, one unit at a time.
 
-Functions that a Dask worker runs: it starts a job once, and then its units, one at a time.
+A description has version and sources of the package and the processor type. A worker starts a job once and then does its units.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from seaglint.cluster.job import Done, Failed, Job, attempt, outgoing
 
 
 class Machine(NamedTuple):
-    """Machine of a process, with all that its results depend on."""
+    """Machine of a process, with everything that its results depend on."""
 
     version: str  #: Version of seaglint.
     sources: str  #: Digest of the sources of all kernels.
@@ -52,28 +52,30 @@ def packed(job: Job[Any, Any, Any]) -> bytes:
 
 
 def describe() -> tuple[Any, ...] | None:
-    """Return the worker's :class:`seaglint.cluster.remote.Machine`; None where it lacks the package."""
+    """Return the worker's :class:`seaglint.cluster.remote.Machine` as a tuple; None for a worker without the package."""
+    # imported, not read from this module: the function's globals would need the package before it can report that it is missing
     try:
-        pass
+        from seaglint.cluster.remote import this_machine
     except ImportError:
         return None
     return tuple(this_machine())
 
 
-describe.__module__ = "__main__"  # of no module that can be imported: it travels as a whole, to workers without the package too
+describe.__module__ = "__main__"  # not importable: it is sent as a whole, also to workers without the package
 
 
 def do(unit: bytes, content: bytes) -> bytes:
     """Do a pickled unit of a packed job; return a pickled outcome, or the exception with which the job's start failed.
 
-    Errors of a unit are values: what Dask itself reports of a task is a lost worker or one without the package.
+    Errors of a unit are values: an error that Dask itself reports of a task means a lost worker or one without the package.
     """
     from seaglint.base.reports import leave_reports_to_parent
     from seaglint.base.threads import thread_limit
 
     leave_reports_to_parent()
-    name, threads = _here()
+    name, threads = _worker_and_threads()
     with _one_at_a_time:
+        # the start of a job may load or compile kernels: it has the same limit of threads as its units
         try:
             with thread_limit(threads):
                 work = _work(content)
@@ -91,13 +93,14 @@ def do(unit: bytes, content: bytes) -> bytes:
 def _work(content: bytes) -> Callable[[Any], Any]:
     key = hashlib.blake2b(content, digest_size=16).hexdigest()
     if key not in _started:
+        # one job at a time: an earlier one frees its tables
         _started.clear()
         start, settings = pickle.loads(zlib.decompress(content))
         _started[key] = start(settings)
     return _started[key]
 
 
-def _here() -> tuple[str, int]:
+def _worker_and_threads() -> tuple[str, int]:
     """Return the worker's name, and the number of threads that it may use."""
     import numba
     from distributed import get_worker

@@ -1,6 +1,7 @@
-"""Directions that the attitudes of a turning camera need, and the check whether a prepared scene covers them.
+"""Scene of a camera in any attitude, fixed or moving: the sweep's image resampled, and rays walked where the sweep does not serve.
 
-Scene of a camera in any attitude, standing or moving: the sweep's image resampled, and rays walked where it does not serve.
+A survey of all attitudes of the track (:class:`AngleSurvey`) decides which directions are prepared. Each attitude has a plan: the pixels
+that are resampled from the sweep and the pixels that are walked.
 """
 
 from __future__ import annotations
@@ -45,28 +46,29 @@ from seaglint.sea.wave_field import Detail, WaveField
 
 @dataclass(frozen=True, eq=False)
 class AngleSurvey:
-    """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
+    """Azimuth-elevation grid that serves all attitudes, and the directions of the pixels outside it, which are walked."""
 
-    grid: Camera | None
-    walk_from: float
-    walk_azimuths: tuple[float, float]
+    grid: Camera | None  #: The grid of the sweep; None where no pixel is swept.
+    walk_from: float  #: Highest elevation of walked pixels [rad].
+    walk_azimuths: tuple[float, float]  #: Least and greatest azimuth of walked pixels [rad].
 
 
-def covers(made: AngleSurvey, requested: AngleSurvey) -> bool:
-    """True if a prepared scene covers another camera."""
-    one, other = made.grid, requested.grid
+def covers(prepared: AngleSurvey, requested: AngleSurvey) -> bool:
+    """Return True if a prepared scene covers another camera."""
+    one, other = prepared.grid, requested.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
         return False
-    (left, right), (first, last) = made.walk_azimuths, requested.walk_azimuths
+    (left, right), (first, last) = prepared.walk_azimuths, requested.walk_azimuths
     if first == last:
         return True
+    # azimuths are not wrapped: both ranges are compared in the same turn
     turn = 2.0 * np.pi * np.round((0.5 * (first + last) - 0.5 * (left + right)) / (2.0 * np.pi))
     around = right - left >= 2.0 * np.pi - SAME
-    return requested.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
+    return requested.walk_from <= prepared.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
 
 
 def corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:
-    """Least and greatest azimuth of the corners of some pixels [rad]."""
+    """Return least and greatest azimuth of the corners of some pixels [rad]."""
     touched = np.zeros(azimuth.shape, bool)
     for rows in (slice(None, -1), slice(1, None)):
         for columns in (slice(None, -1), slice(1, None)):
@@ -74,9 +76,11 @@ def corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, fl
     return float(azimuth[touched].min()), float(azimuth[touched].max())
 
 
-KEPT_HEIGHTS = 3  #: Number of prepared heights that are cached.
+CACHED_HEIGHTS = 3  #: Number of prepared heights that are cached.
 
-MOST_KEPT = 1 << 29  #: Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame.
+MOST_CACHED = (
+    1 << 29
+)  #: Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame.
 
 NEAR_CIRCLE = np.radians(300.0)  #: Least range of azimuths for which the sweep's image covers the full circle [rad].
 
@@ -118,8 +122,8 @@ class TurnedScene:
 
     Notes
     -----
-    The air is prepared at heights at most 2 % apart and taken from the next lower one; the geometry is that of each frame. What has been
-    prepared for a height is kept for the next frame: images do not depend on it.
+    The air is prepared at heights at most 2 % apart; a frame takes the air of the next lower height and the geometry of its exact height.
+    Tables of the last heights are cached for the next frames; images do not depend on the cache.
     """
 
     imager: Imager  #: The camera's pixels.
@@ -170,8 +174,8 @@ class TurnedScene:
 
     def _for(self, imager: Imager) -> TurnedScene:
         attitudes = self.track.attitudes()
-        turned = replace(self, imager=imager, _heights=OrderedDict())
-        surveyed = replace(turned, _survey=turned._surveyed(attitudes, self.accuracy.oversampling))
+        changed = replace(self, imager=imager, _heights=OrderedDict())
+        surveyed = replace(changed, _survey=changed._surveyed(attitudes, self.accuracy.oversampling))
         return surveyed if self.track.turns else replace(surveyed, _still=surveyed._plan(attitudes[0]))
 
     @property
@@ -186,22 +190,22 @@ class TurnedScene:
 
     @property
     def report(self) -> Mapping[str, Any]:
-        """Settings of the sweep and of the resampling, for the provenance."""
+        """Settings of the sweep and of the resampling, for the provenance of a file."""
         swept, grid = self._prepared(self.pose.height).swept, self._survey.grid
         cells = [grid.columns, grid.rows] if grid is not None else []
         walked = {} if self._still is None else {"pixels_walked": int(self._still.walked.size)}
         return {**(swept.report if swept is not None else {}), "sweep_cells": cells, **walked}
 
     def with_camera(self, imager: Imager) -> TurnedScene:
-        """Return the same scene through another camera on the same track, without new tables.
+        """Return this scene through another camera on the same track, without new tables.
 
         Raises
         ------
         DomainError
             Pixels finer than those prepared, or a view beyond it.
         """
-        surveyed, made = self._for(imager)._survey, self._survey
-        if not covers(made, surveyed):
+        surveyed, prepared = self._for(imager)._survey, self._survey
+        if not covers(prepared, surveyed):
             raise DomainError(
                 "the camera looks beyond the view that the scene was prepared for, or has finer pixels; stay inside it or prepare a scene "
                 "for this camera"
@@ -217,12 +221,13 @@ class TurnedScene:
         return replace(self, waves=waves, sparkles=self.sparkles.reseeded(seed), _whole=whole, _heights=heights)
 
     def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> AngleSurvey:
-        """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
+        """Return the azimuth-elevation grid that serves all attitudes, and the directions of the pixels that are walked."""
         pitch = np.inf
         reach, azimuths, walked, walk_from = [], [], [], math.radians(-89.0)
         for attitude in attitudes:
             corner = self.imager.corners(attitude)
             least, median = pixel_pitch(corner)
+            # a few very small pixels, as at the nadir of equal angles, must not decide the size of the grid
             pitch = min(pitch, max(least, 0.5 * median))
             low, high = pixel_elevations(corner)
             swept = self._serves(low, high)
@@ -266,7 +271,7 @@ class TurnedScene:
         return 2.0 * np.pi / self.waves.tiles[-1].k_max if self.waves is not None else np.inf
 
     def _serves(self, low: FloatArray, high: FloatArray) -> NDArray[np.bool_]:
-        """True if the sweep serves pixels between two elevations [rad]: where it may see the sea, and not too steeply."""
+        """Return True if the sweep serves pixels between two elevations [rad]: at the sea or near the horizon, and not too steep."""
         # a little above the horizontal, so that a pixel cut by it is one of the sweep's
         highest = math.radians(60.0) if self.track.lowest <= self._crest else 0.0
         return np.asarray((low >= self.accuracy.walk_below) & (low < highest) & (high <= highest + math.radians(20.0)))
@@ -286,16 +291,16 @@ class TurnedScene:
             pixels = pixels[covered]
             if pixels.size:
                 quadrilaterals, cells, parts = self._columns(every.some(covered), grid)
-                if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_KEPT:
+                if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_CACHED:
                     resampling = launch.weights_of(quadrilaterals, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
         return _AttitudePlan(corner, pixels, parts, quadrilaterals, cells, resampling, walked, samples)
 
     def _columns(self, quadrilaterals: Quads, grid: SweepGrid) -> tuple[Quads, SweepGrid, tuple[tuple[int, int], ...]]:
-        """Columns that quadrilaterals touch, counted from the first of them, their cells, and the parts ``(first, end)`` of the grid.
+        """Return quadrilaterals counted from the first column that they touch, the cells of these columns, and their parts of the grid.
 
-        Beyond the end of a grid that goes round its beginning follows.
+        A part is ``(first, end)`` in columns of the grid. Beyond the end of a full circle its beginning follows, so there may be two parts.
         """
         first, last = math.floor(quadrilaterals.column.min()), math.ceil(quadrilaterals.column.max())
         if grid.circle and last - first >= grid.columns:
@@ -305,14 +310,15 @@ class TurnedScene:
         wide = last - first
         cells = grid._replace(middle=grid.middle + (0.5 * (first + last) - 0.5 * grid.columns) * grid.step, columns=wide, circle=False)
         begin = first % grid.columns
-        there = min(wide, grid.columns - begin)
-        parts = [(begin, begin + there)] + ([(0, wide - there)] if wide > there else [])
+        before_end = min(wide, grid.columns - begin)
+        parts = [(begin, begin + before_end)] + ([(0, wide - before_end)] if wide > before_end else [])
         return quadrilaterals._replace(column=quadrilaterals.column - first), cells, tuple(parts)
 
     def _node(self, eye: float) -> float:
-        """Height at which the air is prepared for a sensor height [m]: the next lower of a fixed series."""
+        """Return the height at which the air is prepared for a sensor height [m]: the next lower of a fixed series."""
         if self.track.highest == self.track.lowest:
             return eye
+        # powers of one ratio, whatever the track: a frame has the same air alone and in its sequence
         ratio = self.accuracy.height_step
         return max(ratio ** math.floor(math.log(eye) / math.log(ratio) + 1e-9), self.track.lowest)
 
@@ -332,7 +338,7 @@ class TurnedScene:
                 sparkles=self.sparkles,
             )
         self._heights[at] = _Height(view, swept, partial(self._rays, view))
-        while len(self._heights) > KEPT_HEIGHTS:
+        while len(self._heights) > CACHED_HEIGHTS:
             self._heights.popitem(last=False)
         return self._heights[at]
 
@@ -351,7 +357,7 @@ class TurnedScene:
         )
 
     def _require_pose(self, pose: Pose) -> None:
-        """Refuse heights and attitudes off the prepared track."""
+        """Raise for heights and attitudes off the prepared track."""
         low, high = self.track.lowest, self.track.highest
         if not low * (1.0 - SAME) <= pose.height <= high * (1.0 + SAME) or not np.isfinite(pose.east + pose.north):
             raise DomainError(
@@ -379,32 +385,32 @@ class TurnedScene:
         return self.imager
 
     def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
-        """Azimuth and elevation of all pixel centres [rad, (rows, columns)]."""
+        """Return azimuth and elevation of all pixel centres [rad, (rows, columns)]."""
         return self.imager.centres(pose.attitude)
 
     def seen_from(self, pose: Pose) -> SeaView:
-        """View of sea, air and Sun from a pose's height."""
+        """Return the view of sea, air and Sun from the height of a pose."""
         return self._prepared(pose.height).view
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """Sea of an instant under a sensor."""
+        """Return the sea of an instant under a sensor."""
         prepared = self._prepared(pose.height)
         levels = prepared.swept.levels if prepared.swept is not None else self._whole
         lattices = levels.lattices(time)
         return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north)))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """Image from a pose at a time [s]."""
+        """Return the image from a pose at a time [s]."""
         self._require_pose(pose)
         return self._drawn(pose, time, self._still if self._still is not None else self._plan(pose.attitude), sea)
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
-        """Image of the columns ``part = (first, end)`` alone: those of the whole image but for rounding.
+        """Return the image of the columns ``part = (first, end)`` alone, equal to these columns of the whole image but for rounding.
 
         Raises
         ------
         DomainError
-            Columns that there are not.
+            Columns outside the image.
         """
         require_columns(part, self.imager.columns)
         self._require_pose(pose)

@@ -1,8 +1,8 @@
-"""Launches of a frame's kernels: here alone their arrays are allocated and they are run, in threads or by Numba's parallel loops.
+"""Launches of a frame's kernels: allocation of their arrays and their runs, in threads or by Numba's parallel loops.
 
-Scenes prepare the tables that kernels read and call these functions for every frame; another device would bring its own module in place
-of this one. The tables themselves are filled where they are defined, once for each sensor height; Fourier transforms of the waves are in
-:mod:`seaglint.sea.wave_field`, launches for bodies in :mod:`seaglint.objects.drawing.launch_bodies`.
+Scenes prepare the tables that kernels read and call these functions for every frame; no other module runs them, so another device needs
+only another module in place of this one. The tables themselves are filled where they are defined, once for each sensor height. Fourier
+transforms of the waves are in :mod:`seaglint.sea.wave_field`, launches for bodies in :mod:`seaglint.objects.drawing.launch_bodies`.
 """
 
 from __future__ import annotations
@@ -51,6 +51,7 @@ def surface_of(
             raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
     count = np.array([z.shape[2] for z in lattices], dtype=np.int64)
+    # addresses of the lattices in one array, with their borders of three points
     first = np.concatenate([[0], np.cumsum(count * (sizes + 3) ** 2)]).astype(np.int64)
     rows = np.empty(first[-1], np.float32)
     for lattice, begin, n in zip(lattices, first, sizes, strict=False):
@@ -63,6 +64,7 @@ def surface_of(
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     highest = [float(z[..., 0].max()) for z in lattices]
     most = max(*map(len, chosen), 1)
+    # crest: from each lattice of a level on, the sum of the highest points of it and of all shorter waves
     level, crest = np.full((len(chosen), most), -1, np.int64), np.zeros((len(chosen), most))
     for i, parts in enumerate(chosen):
         level[i, : len(parts)] = parts
@@ -78,20 +80,20 @@ def surface_of(
 
 
 def foot_height(surface: Surface) -> float:
-    """Height of the sea under the sensor [m]."""
+    """Return the height of the sea under the sensor [m]."""
     line = course(surface, 0, 1.0, 0.0, (0.0, 0.0))
     return float(height(surface, line, 0, line.part.shape[0], 0.0))
 
 
 def columns_of_sky(rows: Rows, azimuths: FloatArray, width: float, intervals: int, channels: int) -> FloatArray:
-    """Channels of columns without sea (columns, 1 + intervals, channels, rows), at azimuths and of a width [rad]."""
+    """Return channels of columns without sea (columns, 1 + intervals, channels, rows), at azimuths and of a width [rad]."""
     images = np.zeros((azimuths.size, 1 + intervals, channels, rows.number))
     skies_alone(rows, azimuths, width, images)
     return images
 
 
 def columns_of_sea(swept: Swept, surface: Surface, azimuths: FloatArray, width: float, cuts: FloatArray, channels: int) -> FloatArray:
-    """Channels of columns by the sweep (columns, 1 or 2 + cuts, channels, rows), at azimuths and of a width [rad]; without sparkles."""
+    """Return channels of columns by the sweep (columns, 1 or 2 + cuts, channels, rows), at azimuths of a width [rad]; without sparkles."""
     intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
     images = np.zeros((azimuths.size, 1 + intervals, channels, swept.rows.number))
     in_threads(lambda part: sweep_columns(swept, surface, azimuths, width, cuts, images, part), azimuths.size)
@@ -106,7 +108,7 @@ def add_sparkles(
 
 
 def planes_of(columns: FloatArray, planes: NDArray[np.int64], kind: DTypeLike) -> NDArray[np.floating]:
-    """Planes of an image [(planes, rows, columns)], as numbers of a kind, from the channels of its columns [(columns, channels, rows)]."""
+    """Return planes of an image (planes, rows, columns), of a data type, from the channels of its columns (columns, channels, rows)."""
     out = np.empty((planes.size, columns.shape[2], columns.shape[0]), kind)
     in_threads(lambda part: upright(columns, planes, out, part), -(-out.shape[1] // BLOCK))
     return out
@@ -121,14 +123,14 @@ def pixels_of_rays(
     pixels: NDArray[np.int64],
     samples: NDArray[np.int64],
 ) -> FloatArray:
-    """Mean channels of some pixels [(pixels, channels)], from rays; arguments as of :func:`~seaglint.imaging.rays.walk_pixels`."""
+    """Return mean channels of some pixels (pixels, channels), from rays; arguments as of :func:`~seaglint.imaging.rays.walk_pixels`."""
     channels = np.zeros((pixels.size, CHANNELS))
     in_threads(lambda part: walk_pixels(surface, bounds, eye, tables, corner, pixels, samples, channels, part), pixels.size)
     return channels
 
 
 def weights_of(quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid) -> Resampling:
-    """Weights of the sweep's cells in some pixels (flat indices) with their quadrilaterals."""
+    """Return the weights of the sweep's cells in some pixels (flat indices) with their quadrilaterals."""
     start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
     count = np.zeros(pixels.size, np.int32)
     index, weight = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.float32)

@@ -51,16 +51,18 @@ _PLANES: Final = {
     "object_id": (),
 }
 
-LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})  #: Layers that need no other channels than those of every frame.
+LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})  #: Layers that need only the channels of every frame.
 
 
 class Layers(Mapping[str, NDArray[np.float32]]):
     """Layers of one frame: images (rows, columns) under the names of :data:`seaglint.base.schema.VARIABLES`.
 
-    The layers ``radiance`` and ``glint_radiance`` are always there.
+    Every frame has the layers ``radiance`` and ``glint_radiance``. Others on request are:
 
-    ``range`` is the distance from the sensor to the sea, mean over what a pixel sees of it, NaN where it sees none; ``coverage`` the share
-    of the pixel that the sea fills; ``slope`` that of the resolved waves along the line of sight; ``object_id`` 0 where no object is.
+    - ``range``: distance from the sensor to the sea, mean over the visible sea in a pixel; NaN without visible sea,
+    - ``coverage``: share of the pixel that the sea fills,
+    - ``slope``: slope of the resolved waves along the line of sight,
+    - ``object_id``: number of the object in the pixel; 0 without an object.
     """
 
     def __init__(self, images: Mapping[str, NDArray[np.float32]]) -> None:
@@ -82,17 +84,17 @@ class Layers(Mapping[str, NDArray[np.float32]]):
 
     @property
     def glint_radiance(self) -> NDArray[np.float32]:
-        """Reflected sunlight in it [W m-2 sr-1]."""
+        """Reflected sunlight in the radiance [W m-2 sr-1]."""
         return self._images["glint_radiance"]
 
 
 def require_layers(names: Collection[str]) -> tuple[str, ...]:
-    """Names of requested layers, in the order of :data:`seaglint.base.schema.LAYERS`.
+    """Return the names of requested layers, in the order of :data:`seaglint.base.schema.LAYERS`.
 
     Raises
     ------
     DomainError
-        A name that is none.
+        A name that is not the name of a layer.
     """
     for name in names:
         if name not in LAYERS:
@@ -101,12 +103,12 @@ def require_layers(names: Collection[str]) -> tuple[str, ...]:
 
 
 def channels_for(names: Collection[str]) -> int:
-    """Number of channels that the kernels must fill for some layers: few for the mirrored Sun alone."""
+    """Return the number of channels that the kernels must fill for some layers: :data:`FEWEST` for the mirrored Sun alone."""
     return FEWEST if set(names) <= LIT else CHANNELS
 
 
 def planes_for(names: Collection[str]) -> NDArray[np.int64]:
-    """Planes needed for some layers [(planes,)], the total and the Sun's first."""
+    """Return the planes needed for some layers [(planes,)]; total and Sun are the first two."""
     planes = [TOTAL, SUN]
     for name in names:
         planes += [plane for plane in _PLANES[name] if plane not in planes]
@@ -124,6 +126,7 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray, part: tupl
             for row in range(BLOCK * block, min(BLOCK * block + BLOCK, out.shape[1])):
                 for k in range(planes.shape[0]):
                     if planes[k] == SKY:
+                        # sky is what remains of the total: no channel of its own
                         rest = columns[column, SUN, row] + columns[column, EMITTED, row] + columns[column, PATH, row]
                         out[k, row, column] = columns[column, TOTAL, row] - rest
                     else:
@@ -131,21 +134,21 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray, part: tupl
 
 
 def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
-    """Mean over the visible sea in a pixel of :data:`DISTANCE` [m] or :data:`SLOPE` [1], from the plane and :data:`COVERAGE`.
+    """Return the mean over the visible sea in a pixel of :data:`DISTANCE` [m] or :data:`SLOPE` [1], from the plane and :data:`COVERAGE`.
 
     NaN without sea.
     """
-    seen = coverage > LEAST_SEEN
-    return np.where(seen, weighted / np.where(seen, coverage, 1.0), np.nan).astype(weighted.dtype)
+    visible = coverage > LEAST_SEEN
+    return np.where(visible, weighted / np.where(visible, coverage, 1.0), np.nan).astype(weighted.dtype)
 
 
 def share_of_glint(glint: NDArray[Any], radiance: NDArray[Any]) -> NDArray[Any]:
-    """Share of reflected sunlight in the radiance [1]; 0 where there is no light."""
+    """Return the share of reflected sunlight in the radiance [1]; 0 without light."""
     return np.asarray(np.divide(glint, radiance, out=np.zeros_like(radiance), where=radiance > 0.0))
 
 
 def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[str]) -> Layers:
-    """Layers of a frame from its planes (planes, rows, columns), with the ``kinds`` of :func:`planes_for`."""
+    """Return the layers of a frame from its planes (planes, rows, columns), with the ``kinds`` of :func:`planes_for`."""
     by_kind = {int(kind): plane for kind, plane in zip(kinds, planes, strict=True)}
     images = {"radiance": by_kind[TOTAL], "glint_radiance": by_kind[SUN]}
     for name in names:
@@ -162,15 +165,16 @@ def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[
 
 
 def summed(parts: Sequence[Layers]) -> Layers:
-    """Image of parts that lie behind each other, each summed for itself and with its ``coverage``."""
+    """Return the image of parts that lie behind each other; each part is a sum over its share of the pixels and has a ``coverage``."""
 
-    def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
+    def total(images: list[NDArray[Any]]) -> NDArray[np.float32]:
         return np.asarray(np.sum(images, axis=0), np.float32)
 
+    # means do not add: the first two are weighted with the coverage, the share of glint follows from the sums
     means = {"range", "slope", "glint_share"} & set(parts[0])
-    layers = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    layers = {name: total([part[name] for part in parts]) for name in parts[0] if name not in means}
     for name in means - {"glint_share"}:
-        layers[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), layers["coverage"])
+        layers[name] = mean_over_sea(total([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), layers["coverage"])
     if "glint_share" in means:
         layers["glint_share"] = share_of_glint(layers["glint_radiance"], layers["radiance"])
     return Layers(layers)

@@ -1,9 +1,9 @@
 """Single rays followed to the sea, where the sweep over azimuths does not serve (near nadir).
 
-A ray at height ``f`` above the sea below it cannot meet the sea before ``f / (fall + L run)``, with ``fall`` and ``run`` what it goes down
-and outwards per metre and ``L`` the steepest slope of the sea: steps of that length never pass through a crest, and get the closer the
-shorter they are. Steep rays arrive in a few steps, a vertical one in two. They read the sea as the sweep does, in full detail; the
-displacement of its tiles is that of the place where a ray meets the mean sea.
+A ray at height ``f`` above the sea below it cannot meet the sea before ``f / (fall + L run)``, where ``fall`` and ``run`` are its descent
+and its horizontal distance per metre and ``L`` is the steepest slope of the sea. Steps of that length never pass through a crest and
+shorten as the ray approaches the sea. Steep rays arrive in a few steps, a vertical ray in two. Rays read the sea in full detail, with the
+functions of the sweep; tiles have the displacement of the place where the ray meets the mean sea.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ SKY_ROWS = 1025  #: Number of elevations of the sky table, uniform in the square
 
 SAMPLES = (2, 8)  #: Least and largest number of rays along each side of a pixel; between them, as many as put four on the shortest wave.
 
-CALM_SAMPLES = 4  #: Number of rays along each side of a pixel where no waves are resolved.
+CALM_SAMPLES = 4  #: Number of rays along each side of a pixel without resolved waves.
 
 CLOSE = 1e-3  #: Height above the sea at which a ray has arrived [lattice spacings].
 
@@ -47,7 +47,8 @@ MOST_STEPS = 200_000  #: Largest number of steps of a ray; only rays that skim t
 class Air(NamedTuple):
     """Path by arc and sky by elevation, from one height.
 
-    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` at the elevations ``i^2/sky_parts^2 - dip``.
+    Node ``i`` of ``path`` is at the arc ``scale (e^(i/parts) - 1)`` [m], node ``i`` of ``sky`` at the elevation ``i^2/sky_parts^2 - dip``
+    [rad].
     """
 
     scale: float
@@ -79,7 +80,8 @@ class Room(NamedTuple):
 
 @kernel
 def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[float, float, float]:
-    """Height over the mean sea, arc [m] and rise per metre of a ray at a distance ``s``; ``run`` and ``rise`` make its unit vector."""
+    """Return height over the mean sea, arc [m] and rise per metre of a ray at a distance ``s``; ``run`` and ``rise``: its unit vector."""
+    # rho - R' as a quotient: the difference of two radii would lose the digits of a height
     up, out = height + s * rise, s * run
     rho = math.sqrt((EFFECTIVE_EARTH_RADIUS + up) ** 2 + out * out)
     z = (2.0 * EFFECTIVE_EARTH_RADIUS * up + up * up + out * out) / (rho + EFFECTIVE_EARTH_RADIUS)
@@ -92,7 +94,8 @@ def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[floa
 
 @kernel
 def mean_arc(eye: float, run: float, rise: float) -> float:
-    """Arc [m] at which a ray meets the mean sea, or is nearest to it; ``run`` and ``rise`` make its unit vector."""
+    """Return the arc at which a ray meets the mean sea, or is nearest to it [m]; ``run`` and ``rise``: its unit vector."""
+    # the nearer root of the quadratic equation of line and sphere, in the form without cancellation
     nearest = max(-rise * (EFFECTIVE_EARTH_RADIUS + eye), 0.0)
     power = eye * (2.0 * EFFECTIVE_EARTH_RADIUS + eye)
     s = power / (nearest + math.sqrt(nearest * nearest - power)) if nearest * nearest > power else nearest
@@ -101,9 +104,9 @@ def mean_arc(eye: float, run: float, rise: float) -> float:
 
 @kernel
 def meet(surface: Surface, line: SurfaceLine, bounds: Bounds, eye: float, run: float, rise: float) -> float:
-    """Distance at which a ray from ``eye`` [m] above the line's beginning meets the sea [m], -1 where it does not.
+    """Return the distance at which a ray from ``eye`` [m] above the line's beginning meets the sea [m]; -1 for a ray that does not.
 
-    ``run`` and ``rise`` make its unit vector.
+    ``run`` and ``rise``: unit vector of the ray.
     """
     s = 0.0
     if eye > bounds.crest:
@@ -121,13 +124,14 @@ def meet(surface: Surface, line: SurfaceLine, bounds: Bounds, eye: float, run: f
         if gap <= CLOSE * bounds.spacing:
             return s
         before, gap_before = s, gap
+        # the least step, a fiftieth of a cell, lets rays that skim the sea end
         s += max(gap / max(bounds.steepest * run - climb, 1e-9), 0.02 * bounds.spacing)
     return -1.0
 
 
 @kernel
 def sky_at(air: Air, elevation: float, azimuth: float) -> float:
-    """Radiance of the sky at an elevation and an azimuth [rad], without the Sun."""
+    """Return the radiance of the sky at an elevation and an azimuth [rad], without the Sun [W m-2 sr-1]."""
     row = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
     return sky_between(air.sky, azimuth, min(row, air.sky.thermal.shape[1] - 1.0))
 
@@ -136,7 +140,7 @@ def sky_at(air: Air, elevation: float, azimuth: float) -> float:
 def warm_light(
     table: np.ndarray, axes: np.ndarray, path: np.ndarray, i: int, sight: Sight, sine: float, slope: tuple[float, float]
 ) -> float:
-    """Thermal table, azimuth first, interpolated between the two azimuths next to a line of sight; 0 without terms."""
+    """Return the light of a thermal table, azimuth first, between the two azimuths next to a line of sight; 0 without terms."""
     if table.shape[4] == 0:
         return 0.0
     ix, fx = azimuth_node(axes, table.shape[0], sight.chi)
@@ -169,20 +173,20 @@ def ray(
     sine = min(max(-climb, 0.0), 1.0)
     i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.radiance.shape[0] - 1)
     warm = warm_light(tables.thermal, axes, air.path.thermal, i, sight, sine, slope)
-    there = sunlight_at(sun, -sight.east, -sight.north, arc)
-    lit = FacetOptics(there, optics.roughness, optics.tables)
+    local_sun = sunlight_at(sun, -sight.east, -sight.north, arc)
+    lit = FacetOptics(local_sun, optics.roughness, optics.tables)
     grazing = (sine, math.sqrt(1.0 - sine * sine))
     solar, _ = facet_sunlight(lit, room.disc, air.path.sun, (i, 0.0), sight, grazing, slope)
     if solar > 0.0:
-        solar *= there.share * strength_kernel(tables.strength, there.up)
-    if solar > 0.0 and bounds.steepest > there.lower_tangent:
+        solar *= local_sun.share * strength_kernel(tables.strength, local_sun.up)
+    if solar > 0.0 and bounds.steepest > local_sun.lower_tangent:
         lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
-        share, lift = sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
+        share, lift = sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), local_sun)
         if lift > 0.0:
-            there = raised_sun(there, lift)
-            risen = FacetOptics(there, optics.roughness, optics.tables)
+            local_sun = raised_sun(local_sun, lift)
+            risen = FacetOptics(local_sun, optics.roughness, optics.tables)
             solar, _ = facet_sunlight(risen, room.disc, air.path.sun, (i, 0.0), sight, grazing, slope)
-            solar *= there.share * strength_kernel(tables.strength, there.up)
+            solar *= local_sun.share * strength_kernel(tables.strength, local_sun.up)
         solar *= share
     path = air.path.radiance[i]
     if air.path.sunlit.haze.values.shape[0] > 0:
@@ -205,8 +209,9 @@ def walk_pixels(
     channels: np.ndarray,
     part: tuple[int, int],
 ) -> None:
-    """Mean channels (pixels, channels) of the pixels ``part = (first, end)`` of ``pixels`` (flat indices), from ``samples`` rays along each
-    side.
+    """Compute mean ``channels`` (pixels, channels) of the pixels ``part = (first, end)`` of ``pixels`` (flat indices).
+
+    ``samples``: number of rays along each side of a pixel (pixels,).
     """
     columns = corner.shape[1] - 1
     optics = level_optics(tables.sunlight, tables.levels, 0)
@@ -217,8 +222,8 @@ def walk_pixels(
         row, column = pixels[p] // columns, pixels[p] % columns
         n = samples[p]
         channels[p] = 0.0
-        for part_of in range(n * n):
-            f, g = (part_of // n + 0.5) / n, (part_of % n + 0.5) / n
+        for sample in range(n * n):
+            f, g = (sample // n + 0.5) / n, (sample % n + 0.5) / n
             norm = 0.0
             for k in range(3):
                 upper = (1.0 - g) * corner[row, column, k] + g * corner[row, column + 1, k]
@@ -241,10 +246,10 @@ def ray_tables(
     *,
     emitted: bool = False,
 ) -> RayTables:
-    """Tables for rays from one height that look down at least as steeply as ``elevation`` and between two azimuths [rad].
+    """Return tables for rays from one height that look down at least as steeply as ``elevation`` and between two azimuths [rad].
 
     ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
-    the highest [m]; ``emitted``: whether emission is separate from the sky.
+    the highest crest [m]; ``emitted``: True for emission separate from the mirrored sky.
     """
     eye = view.sensor_height
     dip = horizon_depression(eye)
@@ -271,7 +276,7 @@ def ray_tables(
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:
-    """Number of rays along each side of a pixel [1]: enough to put four on the shortest wave in its footprint, within :data:`SAMPLES`."""
+    """Return the number of rays along each side of a pixel: four on the shortest wave in its footprint, within :data:`SAMPLES`."""
     if not np.isfinite(shortest_wave):
         return np.full(pixels.size, CALM_SAMPLES, np.int64)
     row, column = np.divmod(pixels, corner.shape[1] - 1)

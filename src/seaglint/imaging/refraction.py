@@ -1,10 +1,10 @@
-r"""Refraction by a profile as a shift of rows: where the standard picture has what a bent ray sees.
+r"""Refraction by a profile of air as a shift of rows: an upright camera's scene from a picture with standard refraction.
 
-A picture is drawn with standard refraction, straight lines over an Earth of effective radius. A ray of this air that leaves the sensor at
-an elevation meets the sea at an arc, goes to the sky, or is at some height over the arc of an object; the standard picture has the same
-place of the sea, sky or object at another elevation. Several elevations may see one place (a mirage), or none.
+The standard picture has straight lines of sight over an Earth of effective radius. A ray through the profile that leaves the sensor at an
+elevation meets the sea at an arc, goes to the sky, or passes an object at some height; the standard picture shows the same place of the
+sea, sky or object at another elevation. Several elevations may show one place (a mirage), and some places are not visible.
 
-Scene of an upright camera through air that bends its lines of sight: the standard picture with its rows shifted.
+:class:`Bending` follows the rays, :class:`RowShift` mixes the rows of a finer standard picture, :class:`RefractedScene` draws.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from seaglint.air.profile.ray_paths import LayeredIndex, RayPaths
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, depression_of_range, horizon_depression, horizon_range
 from seaglint.facet.sea_view import SeaView
-from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
 from seaglint.imaging.scene import Instant, image
@@ -38,7 +38,7 @@ MOST_RAYS: Final = 6000
 
 FEWEST_RAYS: Final = 2
 
-#: Neighbouring rays whose places in the standard picture are this many times farther apart than they are see different things.
+#: Ratio of the distance of two rays in the standard picture to their distance in the camera, beyond which they see different things.
 BROKEN: Final = 8.0
 
 HALVINGS: Final = 12  #: Number of times that the gap between such rays is halved.
@@ -47,9 +47,9 @@ STRAYED: Final = 0.012  #: Angle from the straight line to a point within which 
 
 FINER: Final = 3  #: Rows of the standard picture in a row of the camera.
 
-BEYOND: Final = 2e5  #: Rays are followed this much farther than twice the standard horizon [m].
+BEYOND: Final = 2e5  #: Arc beyond twice the standard horizon up to which rays are followed [m].
 
-GRAZING: Final = 1e-7  #: Smallest elevation above the standard horizon's, below which sea is looked up [rad].
+GRAZING: Final = 1e-7  #: Least depression of visible sea below the standard horizon [rad].
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,18 +67,18 @@ class Bending:
 
     @cached_property
     def horizon(self) -> float:
-        """Elevation below which there is sea [rad]; strips of sky among it are a mirage."""
+        """Elevation below which rays meet the sea [rad]; strips of sky below it are a mirage."""
         return self.index.lowest_sky(self.height, self.farthest)
 
     def paths(self, elevation: FloatArray) -> RayPaths:
-        """Rays at elevations [rad, (rays,)]."""
+        """Return rays at elevations [rad, (rays,)]."""
         return self.index.paths(self.height, elevation, self.farthest)
 
     def straight(self, rays: RayPaths) -> FloatArray:
-        """Standard elevations of the sea or sky that rays see [rad, (rays,)].
+        """Return the standard elevations of the sea or sky that rays see [rad, (rays,)].
 
-        Sea beyond the standard horizon is the sea there, behind more air (:attr:`RowShift.beyond`); sky below the horizontal is placed by
-        its share of the dip.
+        Sea beyond the standard horizon is represented by the sea at this horizon, behind more air (:attr:`RowShift.beyond`). Sky below the
+        horizontal is placed by its share of the dip.
         """
         dip = horizon_depression(self.height)
         arc = np.clip(rays.end, 1e-6, horizon_range(self.height))
@@ -88,36 +88,37 @@ class Bending:
         return np.where(rays.sea, sea, sky)
 
     def beyond(self, rays: RayPaths) -> FloatArray:
-        """Arcs from the standard horizon to the sea that rays meet beyond it [m, (rays,)]; 0 for others."""
+        """Return the arcs from the standard horizon to the sea that rays meet beyond it [m, (rays,)]; 0 for others."""
         return np.where(rays.sea, np.maximum(rays.end - horizon_range(self.height), 0.0), 0.0)
 
     def over(self, rays: RayPaths, arc: float, *, into_sea: bool = False) -> FloatArray:
-        """Standard elevations of the places where rays are at an arc [m, rad (rays,)]; NaN where they have met the sea before.
+        """Return the standard elevations [rad, (rays,)] of the places of rays at an arc [m]; NaN for rays that met the sea before.
 
-        With ``into_sea`` they go on below the mean sea: waves are there to hide what they do.
+        With ``into_sea`` rays continue below the mean sea: there, resolved waves hide objects.
         """
         z, psi = rays.at(arc, into_sea=into_sea), arc / EFFECTIVE_EARTH_RADIUS
         up = z * math.cos(psi) - self.height - 2.0 * EFFECTIVE_EARTH_RADIUS * math.sin(0.5 * psi) ** 2
         return np.arctan2(up, (EFFECTIVE_EARTH_RADIUS + z) * math.sin(psi))
 
     def elevation(self, height: float, arc: float) -> FloatArray:
-        """Elevations at which a point is seen, from the lowest image up [rad, (images,)]: none, one, or several in a mirage.
+        """Return the elevations of the images of a point, from the lowest up [rad, (images,)]: zero, one, or several in a mirage.
 
-        ``height`` above the sea and ``arc`` of the point [m].
+        ``height``: of the point above the sea [m]; ``arc``: of the point [m].
         """
         middle = math.atan2(height - self.height, arc) - 0.5 * arc / EFFECTIVE_EARTH_RADIUS
         # images by way of a duct, or grazing a warm sea, lie up to 10 mrad from the straight line
         wide = STRAYED + 0.2 * arc / EFFECTIVE_EARTH_RADIUS
-        tried = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 8001)
-        off = self.paths(tried).at(arc) - height
-        found = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
-        found = found[np.isfinite(off[found]) & np.isfinite(off[found + 1])]
-        low, high, below = tried[found], tried[found + 1], off[found]
+        elevations = np.linspace(max(middle - wide, -0.499 * math.pi), min(middle + wide, 0.499 * math.pi), 8001)
+        off = self.paths(elevations).at(arc) - height
+        brackets = np.flatnonzero((off[:-1] <= 0.0) != (off[1:] <= 0.0))
+        brackets = brackets[np.isfinite(off[brackets]) & np.isfinite(off[brackets + 1])]
+        low, high, below = elevations[brackets], elevations[brackets + 1], off[brackets]
+        # bisection of all intervals at once, with the sign of the lower end
         for _ in range(HALVINGS):
             half = 0.5 * (low + high)
-            here = self.paths(half).at(arc) - height
-            same = (here <= 0.0) == (below <= 0.0)
-            low, high, below = np.where(same, half, low), np.where(same, high, half), np.where(same, here, below)
+            half_off = self.paths(half).at(arc) - height
+            same_side = (half_off <= 0.0) == (below <= 0.0)
+            low, high, below = np.where(same_side, half, low), np.where(same_side, high, half), np.where(same_side, half_off, below)
         return 0.5 * (low + high)
 
 
@@ -125,33 +126,34 @@ class Bending:
 class RowShift:
     """Rows of a camera as mixtures of rows of a finer, standard picture. Make it with :meth:`of`."""
 
-    #: ``camera``, ``standard``: Grid of the picture, and that of the standard one.
-    camera: Camera
-    standard: Camera
+    camera: Camera  #: Grid of the picture.
+    standard: Camera  #: Grid of the standard picture.
     bending: Bending  #: The air.
     rays: RayPaths  #: Rays of the rows, from the top down.
     _sea: list[csr_array] = field(default_factory=list)
 
     @classmethod
     def of(cls, bending: Bending, camera: Camera) -> RowShift:
-        """Follow the rays of a camera's rows and lay the standard picture's around what they see."""
+        """Follow the rays of a camera's rows and choose a standard picture that covers all places that they see."""
         edge = 0.5 * math.pi - 1e-9
         parts = min(max(MOST_RAYS // camera.rows, FEWEST_RAYS), RAYS_PER_ROW)
         nodes: FloatArray = np.clip(camera.top - camera.row_step / parts * np.arange(camera.rows * parts + 1), -edge, edge)
         rays = bending.paths(nodes)
+        # halve the gaps between rays that see different things, so that the edges of sea, sky and mirages lie within a small part of a row
         for _ in range(HALVINGS):
-            seen = bending.straight(rays)
-            cut = np.flatnonzero(_broken(nodes, seen) | (np.diff(rays.sea.astype(int)) != 0))
+            straight = bending.straight(rays)
+            cut = np.flatnonzero(_broken(nodes, straight) | (np.diff(rays.sea.astype(int)) != 0))
             if cut.size == 0:
                 break
             nodes = np.asarray(np.sort(np.concatenate([nodes, 0.5 * (nodes[cut] + nodes[cut + 1])]))[::-1], np.float64)
             rays = bending.paths(nodes)
-        seen, step = bending.straight(rays), camera.row_step / FINER
-        above = math.ceil(max(float(seen.max()) - camera.top, 0.0) / step) + FINER
+        straight, step = bending.straight(rays), camera.row_step / FINER
+        above = math.ceil(max(float(straight.max()) - camera.top, 0.0) / step) + FINER
         top = camera.top + above * step
+        # whole steps from the camera's top, also where the zenith limits them
         if top > 0.5 * math.pi:
             top = camera.top + math.floor((0.5 * math.pi - camera.top) / step) * step
-        bottom = max(float(seen.min()) - FINER * step, -0.5 * math.pi)
+        bottom = max(float(straight.min()) - FINER * step, -0.5 * math.pi)
         rows = max(math.floor((top - bottom) / step), 1)
         return cls(camera, _grid(camera, top, step, rows), bending, rays)
 
@@ -159,12 +161,12 @@ class RowShift:
     def sea(self) -> csr_array:
         """Shares of the standard picture's rows in the camera's, of sea and sky [1, (rows, standard rows)]."""
         if not self._sea:
-            self._sea.append(self._mixed(self.bending.straight(self.rays), self.standard, held=True)[0])
+            self._sea.append(self._mixed(self.bending.straight(self.rays), self.standard, clamped=True)[0])
         return self._sea[0]
 
     def behind(self, share: FloatArray) -> csr_array:
-        """The shares of :attr:`sea` times those that are let through in every piece between two rays [1, (rows, standard rows)]."""
-        return self._mixed(self.bending.straight(self.rays), self.standard, held=True, factor=share)[0]
+        """Return the shares of :attr:`sea` times the transmitted ``share`` of every piece between two rays [1, (rows, standard rows)]."""
+        return self._mixed(self.bending.straight(self.rays), self.standard, clamped=True, factor=share)[0]
 
     @cached_property
     def beyond(self) -> FloatArray:
@@ -174,33 +176,33 @@ class RowShift:
         return np.where(both, 0.5 * (beyond[:-1] + beyond[1:]), 0.0)
 
     def summed(self, light: FloatArray) -> FloatArray:
-        """Mean over each row of what the pieces between rays add [(rays - 1,)] (rows,)."""
+        """Return the mean over each row (rows,) of the light added by the pieces between rays (rays - 1,), in its unit."""
         row, share = self._pieces
         return np.asarray(np.bincount(row, share * light, self.camera.rows), np.float64)
 
     def wider(self, margin: float) -> Camera:
-        """The standard picture's grid with rows added above and below [rad]."""
+        """Return the grid of the standard picture with rows added above and below, up to a ``margin`` [rad]."""
         step, one = self.standard.row_step, self.standard
         above = math.floor(min(margin, 0.5 * math.pi - one.top) / step)
         below = math.floor(min(margin, one.bottom + 0.5 * math.pi) / step)
         return _grid(self.camera, one.top + above * step, step, one.rows + above + below)
 
     def objects(self, arc: float, standard: Camera, *, into_sea: bool) -> tuple[csr_array, csr_array]:
-        """Shares of a standard picture's rows in the camera's, of what stands at an arc [m], and the same times the row [1, pixels]."""
-        return self._mixed(self.bending.over(self.rays, arc, into_sea=into_sea), standard, held=False)
+        """Return shares of a standard picture's rows in the camera's rows for an object at an arc [m], and shares times row [1, pixels]."""
+        return self._mixed(self.bending.over(self.rays, arc, into_sea=into_sea), standard, clamped=False)
 
     def images(self, arc: float, elevation: float, *, into_sea: bool) -> list[tuple[float, float]]:
-        """Images of a point at an arc [m] whose standard elevation is given [rad]: row from the top [pixels], and magnification [1]."""
-        e, seen = self.rays.elevation, self.bending.over(self.rays, arc, into_sea=into_sea) - elevation
+        """Return the images of a point at an arc [m] and a standard elevation [rad]: row from the top [pixels], and magnification [1]."""
+        e, difference = self.rays.elevation, self.bending.over(self.rays, arc, into_sea=into_sea) - elevation
         with np.errstate(invalid="ignore", divide="ignore"):
-            met = np.flatnonzero((seen[:-1] > 0.0) & (seen[1:] <= 0.0) | (seen[:-1] <= 0.0) & (seen[1:] > 0.0))
-            share = seen[met] / (seen[met] - seen[met + 1])
-            larger = np.abs((e[met + 1] - e[met]) / (seen[met + 1] - seen[met]))
-        rows = (self.camera.top - (e[met] + share * (e[met + 1] - e[met]))) / self.camera.row_step
-        return [(float(row), float(size)) for row, size in zip(rows, larger, strict=True)]
+            crossed = np.flatnonzero((difference[:-1] > 0.0) & (difference[1:] <= 0.0) | (difference[:-1] <= 0.0) & (difference[1:] > 0.0))
+            share = difference[crossed] / (difference[crossed] - difference[crossed + 1])
+            magnification = np.abs((e[crossed + 1] - e[crossed]) / (difference[crossed + 1] - difference[crossed]))
+        rows = (self.camera.top - (e[crossed] + share * (e[crossed + 1] - e[crossed]))) / self.camera.row_step
+        return [(float(row), float(size)) for row, size in zip(rows, magnification, strict=True)]
 
     def sea_arcs(self) -> FloatArray:
-        """Mean arc of the sea in each row [m, (rows,)]; NaN where a row sees none."""
+        """Return the mean arc of the sea in each row [m, (rows,)]; NaN for a row without sea."""
         row, share = self._pieces
         both = self.rays.sea[:-1] & self.rays.sea[1:]
         arc = 0.5 * (self.rays.end[:-1] + self.rays.end[1:])
@@ -210,20 +212,25 @@ class RowShift:
 
     @cached_property
     def _pieces(self) -> tuple[NDArray[np.intp], FloatArray]:
-        """Row of each piece between two rays, and the share of the row that it fills."""
+        """Row of each piece between two rays, and the share of the row that the piece fills [1]."""
         e = self.rays.elevation
         row = ((self.camera.top - 0.5 * (e[:-1] + e[1:])) / self.camera.row_step).astype(np.intp)
         return np.clip(row, 0, self.camera.rows - 1), (e[:-1] - e[1:]) / self.camera.row_step
 
-    def _mixed(self, seen: FloatArray, standard: Camera, *, held: bool, factor: FloatArray | None = None) -> tuple[csr_array, csr_array]:
-        """Shares of standard rows and their first moments; what is beyond the picture is held at its edge, or left out."""
+    def _mixed(
+        self, straight: FloatArray, standard: Camera, *, clamped: bool, factor: FloatArray | None = None
+    ) -> tuple[csr_array, csr_array]:
+        """Return the shares of standard rows and their first moments; places beyond the standard picture move to its edge if ``clamped``.
+
+        Without ``clamped`` they are left out.
+        """
         e, (row, share) = self.rays.elevation, self._pieces
         share = share if factor is None else share * factor
-        place = (standard.top - seen) / standard.row_step
+        place = (standard.top - straight) / standard.row_step
         first, last = place[:-1].copy(), place[1:].copy()
         ends = (first, last)
-        apart = _broken(e, seen) | (np.diff(self.rays.sea.astype(int)) != 0) if held else _broken(e, seen)
-        # rays that see different things stand for half of the piece each
+        apart = _broken(e, straight) | (np.diff(self.rays.sea.astype(int)) != 0) if clamped else _broken(e, straight)
+        # between rays that see different things each ray represents half of the piece
         whole = np.isfinite(first) & np.isfinite(last) & ~apart
         parts = [(row[whole], share[whole], first[whole], last[whole])]
         for end in ends:
@@ -233,45 +240,46 @@ class RowShift:
         middle = (self.camera.top - 0.5 * (e[:-1] + e[1:])) / self.camera.row_step
         where = np.concatenate([middle[whole], *(middle[np.isfinite(end) & ~whole] for end in ends)])
         low, high = np.minimum(first, last), np.maximum(first, last)
-        if held:
+        if clamped:
             low, high = (np.clip(x, 1e-9, standard.rows - 1e-6) for x in (low, high))
         high = np.maximum(high, low + 1e-9)
         rows, columns, weights, moments = [], [], [], []
+        # the k-th standard row of every piece at once; most pieces lie in one or two rows
         for k in range(int(np.ceil(np.max(high - low, initial=0.0))) + 1):
             cell = np.floor(low) + k
             part = share * np.clip(np.minimum(high, cell + 1.0) - np.maximum(low, cell), 0.0, None) / (high - low)
-            kept = (part > 0.0) & (cell >= 0) & (cell < standard.rows)
-            rows.append(row[kept])
-            columns.append(cell[kept].astype(np.intp))
-            weights.append(part[kept])
-            moments.append(part[kept] * where[kept])
+            inside = (part > 0.0) & (cell >= 0) & (cell < standard.rows)
+            rows.append(row[inside])
+            columns.append(cell[inside].astype(np.intp))
+            weights.append(part[inside])
+            moments.append(part[inside] * where[inside])
         at = (np.concatenate(rows), np.concatenate(columns))
         size = (self.camera.rows, standard.rows)
         return csr_array((np.concatenate(weights), at), shape=size), csr_array((np.concatenate(moments), at), shape=size)
 
 
-def _broken(elevation: FloatArray, seen: FloatArray) -> NDArray[np.bool_]:
-    """True between rays whose places in the standard picture lie far apart [(rays - 1,)]."""
+def _broken(elevation: FloatArray, straight: FloatArray) -> NDArray[np.bool_]:
+    """Return True between rays whose places in the standard picture lie far apart [(rays - 1,)]."""
     with np.errstate(invalid="ignore"):
-        return np.abs(np.diff(seen)) > BROKEN * np.abs(np.diff(elevation)) + 1e-12
+        return np.abs(np.diff(straight)) > BROKEN * np.abs(np.diff(elevation)) + 1e-12
 
 
 def _grid(camera: Camera, top: float, step: float, rows: int) -> Camera:
     return Camera(camera.height, camera.azimuth, top - 0.5 * rows * step, camera.width, rows * step, camera.columns, rows)
 
 
-#: Layers of light, which more air before the sea weakens.
+#: Layers of light, which more air in front of the sea weakens.
 RADIANCES: Final = ("radiance", "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance")
 
-MEANS: Final = ("range", "slope")  #: Layers that are means over what a pixel sees.
+MEANS: Final = ("range", "slope")  #: Layers that are means over the visible sea in a pixel.
 
 
 @dataclass(frozen=True, eq=False)
 class RefractedScene:
-    """Scene whose rows are shifted as a profile bends its lines of sight."""
+    """Scene of an upright camera through a profile of air that bends its lines of sight."""
 
     standard: SweptScene  #: The scene with standard refraction, in finer rows.
-    shift: RowShift  #: Rows of the camera as mixtures of those.
+    shift: RowShift  #: Rows of the camera as mixtures of the finer rows.
 
     @property
     def view(self) -> SeaView:
@@ -314,34 +322,34 @@ class RefractedScene:
         return pixels_of(self.camera)
 
     def seen_from(self, pose: Pose) -> SeaView:
-        """View of sea, air and Sun."""
+        """Return the view of sea, air and Sun, equal for all poses."""
         return self.view
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """Sea at a time [s] under a sensor."""
+        """Return the sea at a time [s] under a sensor."""
         return self.standard.sea(pose, time)
 
     def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
-        """Azimuths of the columns and elevations of the rows [rad]."""
+        """Return the azimuths of the columns and the elevations of the rows [rad]."""
         return self.camera.azimuths, self.camera.elevations
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """Image from a pose at a time [s]."""
+        """Return the image from a pose at a time [s]."""
         return self.shifted(image(self.standard, self._level(pose), time, sea))
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
-        """Image of the columns ``part = (first, end)`` alone."""
+        """Return the image of the columns ``part = (first, end)`` alone."""
         return self.shifted(self.standard.columns(self._level(pose), time, part, sea))
 
     def _level(self, pose: Pose) -> Pose:
-        """Pose of the standard picture, whose middle is elsewhere."""
+        """Return the pose of the standard picture, which has its middle at another elevation."""
         up = pose.attitude.elevation - self.camera.elevation
         attitude = Attitude(pose.attitude.azimuth, self.standard.camera.elevation + up, pose.attitude.roll)
         return Pose(pose.east, pose.north, pose.height, attitude)
 
     @cached_property
     def _far(self) -> tuple[csr_array, FloatArray] | None:
-        """Shares of standard rows behind the air beyond the standard horizon, and what that air adds to each row; None where none is."""
+        """Shares of standard rows behind the air beyond the standard horizon, and its radiance in each row; None without such air."""
         beyond = self.shift.beyond
         if not beyond.any():
             return None
@@ -349,7 +357,7 @@ class RefractedScene:
         return self.shift.behind(share), self.shift.summed(added)
 
     def shifted(self, layers: Layers) -> Layers:
-        """Layers of the standard picture in the camera's rows."""
+        """Return the layers of the standard picture in the camera's rows."""
         rows, far = self.shift.sea, self._far
         behind, added = (rows, np.zeros(self.camera.rows)) if far is None else far
         out: dict[str, NDArray[np.float32]] = {}
@@ -368,6 +376,7 @@ class RefractedScene:
                 out[name] = mean.astype(np.float32)
         if "range" in layers:
             arcs = self.shift.sea_arcs()
+            # beyond the standard horizon the standard picture has the horizon's distance
             over = np.nan_to_num(arcs) > horizon_range(self.camera.height)
             out["range"][over] = arcs[over, None]
         if "glint_share" in layers:
@@ -376,9 +385,9 @@ class RefractedScene:
 
 
 def air_beyond(view: SeaView, bending: Bending, beyond: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Share of the light from the standard horizon that more air lets through [1], and what that air adds [W m-2 sr-1].
+    """Return the transmitted share of the light from the standard horizon through more air [1], and the radiance of that air [W m-2 sr-1].
 
-    The air is that of the last tenth of the way to the standard horizon, at one temperature.
+    That air extinguishes per metre as the air of the last tenth of the path to the standard horizon does; it has one temperature.
 
     Parameters
     ----------
@@ -400,14 +409,10 @@ def air_beyond(view: SeaView, bending: Bending, beyond: FloatArray) -> tuple[Flo
     nu = view.atmosphere.wavenumber_cm
     weights = view.band.weights(nu)
     per_metre = np.log(np.maximum(tau[0], 1e-300) / np.maximum(tau[1], 1e-300)) / (0.1 * horizon)
+    # arcs rounded to 10 m: many pieces between rays share one spectrum
     arcs, each = np.unique(np.round(beyond, -1), return_inverse=True)
     through = np.exp(-np.maximum(per_metre, 0.0) * arcs[:, None])
     sea, air = (planck_wavenumber(nu, np.array(kelvin)) for kelvin in (view.sea_temperature, bending.air_temperature))
     share = ((through * tau[1] * sea) @ weights) / max(float((tau[1] * sea) @ weights), 1e-300)
     added = (1.0 - share) * float(light[1] @ weights) + ((1.0 - through) * tau[1] * air) @ weights
     return share[each], added[each]
-
-
-def pixels_of(camera: Camera) -> Imager:
-    """Pixels of an upright image grid."""
-    return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)

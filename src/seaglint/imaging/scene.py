@@ -1,9 +1,4 @@
-"""Accuracy settings of the renderer and the error that each of them bounds.
-
-Levels of detail of a scene: the range from which each is used, and the sea of one instant at all of them.
-
-Interface of a prepared scene: an image of it from a pose at a time.
-"""
+"""Prepared scenes: accuracy settings, levels of detail of the sea, and the interface that yields an image from a pose at a time."""
 
 from __future__ import annotations
 
@@ -34,26 +29,26 @@ class Accuracy:
     step: float | None = None  #: Largest step of the sweep at the finest level of detail [m]; from ``steps_per_wave`` where it is None.
     #: Steps of the sweep per shortest resolved wave, as many as its lattice has; twice as many move column means by less than 0.5 %.
     steps_per_wave: float = 4.0
-    lines_per_column: int = 16  #: Most lines of sight in a column, a power of two; as many are used as ``variance_error`` asks for.
+    lines_per_column: int = 16  #: Most lines of sight in a column, a power of two; ``variance_error`` decides how many are used.
     #: Columns that an octave's longest waves must span to stay geometry, whatever their share of the variance; 0 keeps all waves at any
     #: range.
     shortest_wave_columns: float = 2.0
-    #: Error of the variance of pixels, to first order in the slopes, up to which levels of detail leave waves out and lines stand apart.
-    #: With the default, deviations of pixels are within 5 % of those of finer pictures averaged down, from 10 m to 3 km.
+    #: Largest error of the variance of pixels, to first order in the slopes, from waves that a level of detail omits and from the distance
+    #: of lines. With the default, deviations of pixels are within 5 % of the deviations in finer pictures averaged down, from 10 m to 3 km.
     variance_error: float = 0.02
-    #: Slope variance among neighbouring pieces of sea in a third of a row, over that of their facets, up to which they are shaded as one; 0
-    #: shades each for itself. Mean radiance moves by less than 0.1 %, the deviation of pixels by less than 1 %.
+    #: Slope variance among neighbouring pieces of sea in a third of a row, over the slope variance of their facets, up to which they are
+    #: shaded as one; 0 shades each separately. Mean radiance moves by less than 0.1 %, the deviation of pixels by less than 1 %.
     merged_spread: float = 0.1
     crest: float = 1.25  #: Height above which no crest is expected, in significant heights: five standard deviations.
     #: Share of the sea in the shadow of resolved waves, by Smith's law, below which none is drawn: glint changes by less than 0.3 %.
     negligible_shadow: float = 1e-3
-    steepest_rise: float = 3.0  #: Rise of the sea along a shadow ray that is reckoned with, in rms slopes: one place in 700 is steeper.
+    steepest_rise: float = 3.0  #: Largest assumed rise of the sea along a shadow ray, in rms slopes: one place in 700 is steeper.
     #: Cells of the sweep across a pixel of a turned camera: waves of a pixel's size keep 96 % of their variance (two: 93 %, four: 97 %).
     oversampling: int = 3
-    #: Elevation from which on downwards a turned camera's rays are walked one by one [rad]: they are cheap there, and columns of equal
-    #: azimuth get narrow.
+    #: Elevation below which rays of a turned camera are walked one by one [rad]: they are cheap there, and columns of equal azimuth get
+    #: narrow.
     walk_below: float = math.radians(-40.0)
-    #: Ratio of the sensor heights for which the air is prepared: transmittances of a moving sensor are within that of a height 2 % lower.
+    #: Ratio of the sensor heights for which the air is prepared: a moving sensor has transmittances of a height at most 2 % lower.
     height_step: float = 1.02
 
     def __post_init__(self) -> None:
@@ -75,38 +70,35 @@ class Accuracy:
 _ARCS = 2000  #: Number of ranges at which the beginning of levels is searched: to half a per cent.
 
 
-#: Number of lines that sample a wave, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km.
+#: Number of lines per length of a wave: with fewer lines the variance of pixels grows, as measured from 10 m to 3 km.
 _LINES_PER_WAVE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Levels of detail of a scene, with the arcs from which on they are used.
-
-    The fields are ``begins`` [m], the arc from which on each is used, ``steps`` [m], its largest step, and ``shortest`` [m], its shortest
-    wave; at the arcs ``parts`` [m] every line of a column splits in two.
-    """
+    """Levels of detail of a scene, with the arcs from which on they are used."""
 
     detail: Detail
-    begins: FloatArray
-    steps: FloatArray
-    shortest: FloatArray
-    parts: FloatArray
+    begins: FloatArray  #: Arc from which on each level is used [m].
+    steps: FloatArray  #: Largest step of each level [m].
+    shortest: FloatArray  #: Shortest wave of each level [m].
+    parts: FloatArray  #: Arcs at which every line of a column splits in two [m].
 
     @classmethod
     def calm(cls) -> Levels:
-        """Levels of a sea without resolved waves."""
+        """Return the levels of a sea without resolved waves."""
         return cls(Detail.calm(), np.zeros(1), np.zeros(1), np.full(1, np.inf), np.empty(0))
 
     @classmethod
     def of(cls, waves: WaveField, camera: Camera, accuracy: Accuracy, last: float) -> Levels:
-        """Levels that begin before the arc ``last`` [m].
+        """Return the levels that begin before the arc ``last`` [m].
 
         Raises
         ------
         DomainError
             Steps that do not suit the lattices.
         """
+        # with 0 columns all waves stay geometry: one level
         columns, step = accuracy.shortest_wave_columns, accuracy.step
         detail = Detail.of(waves, None if columns > 0.0 else 1)
         shortest = np.array([level.shortest_wave for level in detail.levels])
@@ -127,17 +119,17 @@ class Levels:
         return np.array([part.tiles[0].spacing for part in self.detail.parts])
 
     def lattices(self, time: float) -> tuple[NDArray[np.float32], ...]:
-        """Heights [m] and slopes [1] of every part at a time [s]."""
+        """Return heights [m] and slopes [1] of every part at a time [s]."""
         return self.detail.surfaces(time, workers=numba.get_num_threads())
 
     def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float]) -> Surface:
-        """Sea of one instant, with the sensor above ``origin``, east and north [m]."""
+        """Return the sea of one instant, with the sensor above ``origin``, east and north [m]."""
         turn = np.array([part.tiles[0].rotation for part in self.detail.parts])
         wander = tuple(part.wander[0] for part in self.detail.parts if part.wander)
         return surface_of(lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin, wander)
 
     def bounds(self, lattices: tuple[NDArray[np.float32], ...]) -> Bounds:
-        """Bounds of the sea that determine the steps of rays over the finest level."""
+        """Return the bounds of the sea that determine the steps of rays over the finest level."""
         parts = self.detail.levels[0].parts
         if not parts:
             return Bounds(0.0, 0.0, 1.0)
@@ -147,14 +139,16 @@ class Levels:
 
 
 def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> tuple[FloatArray, FloatArray]:
-    """Arc from which on each level is used, and arcs at which lines split in two [m], at the least cost for a given variance of pixels.
+    """Return the arc from which on each level is used, and the arcs at which lines split in two [m], at the least cost for the accuracy.
 
-    A pixel averages waves that are shorter than it is wide or long, so that a band of slope variance ``m`` and length ``L`` adds
-    ``m min(1, L/width) min(1, L/length)`` to the variance of pixels, to first order in the slopes. A level loses the part of the bands that
-    it leaves out; with lines farther apart than ``L`` a band counts as often as they are.
+    A pixel averages waves that are shorter than its width or length, so that a band of slope variance ``m`` and length ``L`` adds
+    ``m min(1, L/width) min(1, L/length)`` to the variance of pixels, to first order in the slopes. A level loses the variance of the bands
+    that it omits. Lines farther apart than ``L`` overestimate a band by the ratio of their distance to ``L``.
     """
     mss = np.array([sum(level.mss) for level in detail.levels])
+    # the variance that each level adds to the next coarser one
     bands = np.append(mss[:-1] - mss[1:], mss[-1])[:, None]
+    # a band's length: the geometric mean of its limits
     waves = np.append(np.sqrt(shortest[:-1] * shortest[1:]), 2.0 * shortest[-1])[:, None]
     far = max(last, camera.height)
     arcs = np.geomspace(1e-2 * min(camera.height, far), far, _ARCS)
@@ -175,6 +169,7 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
             cost = np.where(good, (1 << doublings) / shortest[level], np.where(allowed, 1e6 * (1.0 + error), np.inf))
             better = cost < best
             best[better], chosen[0, better], chosen[1, better] = cost[better], level, doublings
+    # outwards, waves are only ever omitted and lines only ever split
     levels, lines = np.maximum.accumulate(chosen, axis=1)
     begins = np.array([0.0] + [float(arcs[np.argmax(levels >= k)]) if levels[-1] >= k else np.inf for k in range(1, shortest.size)])
     parts = np.array([float(arcs[np.argmax(lines >= k)]) for k in range(1, int(lines[-1]) + 1)])
@@ -182,11 +177,11 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
 
 
 class Instant(NamedTuple):
-    """Sea of an instant under a sensor: its levels of detail, their lattices, and these as kernels read them."""
+    """Sea of an instant under a sensor."""
 
-    levels: Levels
-    lattices: tuple[NDArray[np.float32], ...]
-    surface: Surface
+    levels: Levels  #: Levels of detail.
+    lattices: tuple[NDArray[np.float32], ...]  #: Heights [m] and slopes [1] of every part (:meth:`Levels.lattices`).
+    surface: Surface  #: The lattices in the form that kernels read.
 
 
 class Scene(Protocol):
@@ -204,7 +199,7 @@ class Scene(Protocol):
 
     @property
     def pose(self) -> Pose:
-        """Pose that the scene was prepared for, or the first of them."""
+        """Pose that the scene was prepared for, or the first pose of its track."""
         ...
 
     @property
@@ -227,23 +222,23 @@ class Scene(Protocol):
         ...
 
     def seen_from(self, pose: Pose) -> SeaView:
-        """View of sea, air and Sun from a pose."""
+        """Return the view of sea, air and Sun from a pose."""
         ...
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """Sea of an instant under a sensor."""
+        """Return the sea of an instant under a sensor."""
         ...
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """Image of the scene; see :func:`image`."""
+        """Return the image of the scene; see :func:`image`."""
         ...
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
-        """Image of the columns ``part = (first, end)`` alone."""
+        """Return the image of the columns ``part = (first, end)`` alone."""
         ...
 
     def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
-        """Azimuth and elevation of pixel centres [rad]: of columns and rows of an upright camera, else of all pixels."""
+        """Return azimuth and elevation of pixel centres [rad]: of columns and rows of an upright camera, else of all pixels."""
         ...
 
 
@@ -259,13 +254,13 @@ def image(scene: Scene, pose: Pose, time: float, sea: Instant | None = None) -> 
     time : float
         Time from the start [s].
     sea : Instant, optional
-        ``scene.sea(pose, time)``, where it is at hand.
+        ``scene.sea(pose, time)``, if the caller has it already.
 
     Returns
     -------
     Layers
-        Radiance at the aperture, the mirrored Sun in it [W m-2 sr-1, (rows, columns)] and the scene's other layers; a function of the
-        arguments alone.
+        Radiance at the aperture, the mirrored Sun in it [W m-2 sr-1, (rows, columns)] and the other layers of the scene; they depend on
+        the arguments alone.
 
     Raises
     ------
@@ -278,17 +273,17 @@ def image(scene: Scene, pose: Pose, time: float, sea: Instant | None = None) -> 
 
 
 def joined(parts: Sequence[Layers]) -> Layers:
-    """Images joined side by side, from the left."""
+    """Join images side by side, from the left."""
     return Layers({name: np.concatenate([part[name] for part in parts], axis=1) for name in parts[0]})
 
 
 def require_columns(part: tuple[int, int], columns: int) -> None:
-    """Refuse columns ``part = (first, end)`` outside the image.
+    """Raise for columns ``part = (first, end)`` outside the image.
 
     Raises
     ------
     DomainError
-        Saying which there are.
+        Columns outside the image, with the allowed columns.
     """
     if not 0 <= part[0] < part[1] <= columns:
         raise DomainError(f"columns {part[0]} to {part[1]} of {columns}; give 0 <= first < end <= {columns}")

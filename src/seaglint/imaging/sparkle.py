@@ -1,19 +1,22 @@
 r"""Sparkles: fluctuation of the sunlight of a pixel about the mean of its facets, from cells smaller than the pixel.
 
-The sea is a field of independent cells of length ``l`` (:mod:`seaglint.radiance.variance`). A cell mirrors the Sun or does not; to a
-detector that sees many, the sum is gamma-like. So a cell's light is a gamma deviate of mean 1 and variance ``1/P - 1``, a pixel's the
-average over what it sees, and its relative variance
+The sea is a field of independent cells of length ``l`` (:mod:`seaglint.radiance.variance`). A cell mirrors the Sun with probability P; for
+a detector of many cells the sum is nearly gamma distributed. So the light of a cell is a gamma deviate of mean 1 and variance ``1/P - 1``,
+and the light of a pixel is the average over its visible cells. The relative variance of a pixel is
 
-.. math:: v = \frac{1/P - 1}{M}, \qquad M = \frac{\Omega r^2\cos\beta}{l^2\cos\omega}
+- of many cells
 
-where it sees many cells, ``1/P - 1`` where it sees part of one, and that of a box laid at random over square cells between.
+  .. math:: v = \frac{1/P - 1}{M}, \qquad M = \frac{\Omega r^2\cos\beta}{l^2\cos\omega}
 
-A cell seen by a detector is ``l`` across the line of sight and ``c l`` along it on the ground, ``c = cos(omega)/(cos(beta)
-cos(theta_v))`` with the mean sea's zenith angle: a tilted mirror hides the water behind it. Pixels of up to :data:`MOST_CELLS` cells in
-a direction are averages over these cells, which they share with their neighbours; in larger ones a cell of the size of the pixel stands
-for all, with their shape. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in :data:`SECTORS`
-steps. In time a cell keeps its value between the events of a Poisson process, which makes its correlation ``exp(-|t|/T_c)`` and lets
-any instant be found alone. Nothing has a state: a factor is a function of (seed, place, time).
+- of part of one cell ``1/P - 1``,
+- between these the variance of a box at a random place over square cells.
+
+A visible cell is ``l`` across the line of sight and ``c l`` along it on the ground, ``c = cos(omega)/(cos(beta) cos(theta_v))`` with the
+mean sea's zenith angle: a tilted mirror hides the water behind it. Pixels of up to :data:`MOST_CELLS` cells in a direction are averages
+over these cells, which they share with their neighbours. In larger pixels one cell of the size of the pixel, with the shape of their sum,
+represents all. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in :data:`SECTORS` steps. In time a
+cell has a constant value between the events of a Poisson process, so that its correlation is ``exp(-|t|/T_c)`` and any instant can be
+evaluated alone. No state is stored: a factor is a function of (seed, place, time).
 """
 
 from __future__ import annotations
@@ -82,7 +85,7 @@ class SparkleRows(NamedTuple):
 
 
 def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
-    """Sparkle parameters of a sea [m, s].
+    """Return the sparkle parameters of a sea from the length of its cells [m] and their correlation time [s].
 
     Examples
     --------
@@ -94,7 +97,7 @@ def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
 
 
 def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
-    """Relative variance of the mirrored Sun in a camera's pixels by the mean model, weighted by the square of its mean [1].
+    """Return the relative variance of the mirrored Sun in a camera's pixels by the mean model, weighted by the square of its mean [1].
 
     Parameters
     ----------
@@ -121,6 +124,7 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     shown = mirrored.chance > 0.0
     if not shown.any():
         return 0.0
+    # number of cells in a pixel
     many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
     return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
 
@@ -136,9 +140,9 @@ class Sparkles:
     cell : float
         Length of its cells [m].
     correlation_time : float
-        Time after which glint at a point is forgotten [s].
+        Correlation time of the glint at a point [s].
     use : {"auto", "on", "off"}
-        Whether images have them.
+        Draw them, omit them, or omit them where they are negligible.
     """
 
     seed: int
@@ -151,7 +155,7 @@ class Sparkles:
         return replace(self, seed=seed)
 
     def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
-        """Parameters for the kernels, :data:`NO_SPARKLE` where images have none, and a note for the provenance."""
+        """Return the parameters for the kernels, :data:`NO_SPARKLE` for images without sparkles, and a note for the provenance."""
         if self.use == "off":
             return NO_SPARKLE, {"subpixel_glint": "off: the mean over the facets of a pixel"}
         variance = relative_variance(view, camera, self.cell)
@@ -171,7 +175,7 @@ NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")  #: Settings of scenes that hold the 
 
 
 def sparkle_rows(camera: Camera) -> SparkleRows:
-    """Footprints of a camera's pixels on the mean sea; rows above its horizon see crests there and take the horizon's."""
+    """Return footprints of a camera's pixels on the mean sea; rows above its horizon show crests and have the footprint of the horizon."""
     horizon = horizon_depression(camera.height)
     far = horizon_range(camera.height)
     edges = camera.top - np.arange(camera.rows + 1) * camera.row_step
@@ -185,7 +189,7 @@ def sparkle_rows(camera: Camera) -> SparkleRows:
     psi = middle / EFFECTIVE_EARTH_RADIUS
     reach = EFFECTIVE_EARTH_RADIUS * np.sin(psi)
     slant = np.hypot(reach, camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2)
-    # the horizon's row is seen under half a row at least: what lies above it shows crests
+    # rows above the horizon have no length on the ground, as they show crests: at least the length at normal incidence
     floor = slant * camera.row_step
     along = np.maximum(upper - lower, floor)
     return SparkleRows(middle, along, reach, np.clip(floor / along, 1e-6, 1.0), camera.column_step)
@@ -209,7 +213,7 @@ def heading(azimuth: float) -> Heading:
 
 @kernel
 def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, time: float) -> float:
-    """Gamma deviate of mean 1 of a cell since its last change."""
+    """Return the gamma deviate of mean 1 of a cell since its last change."""
     key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice)
     return gamma_deviate(shape, (key[1], key[0]), last_event(key, time / sparkle.correlation_time))
 
@@ -218,7 +222,11 @@ def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, tim
 def average(
     sparkle: Sparkle, lattice: int, along: tuple[float, float, float], across: tuple[float, float, float], shape: float, time: float
 ) -> float:
-    """Mean over a box of the cells of one lattice, gamma deviates of mean 1; ``along`` and ``across`` are its ends and the cells' side."""
+    """Return the mean over a box of cells of one lattice, gamma deviates of mean 1.
+
+    ``along`` and ``across``: ends of the box and side of the cells, in each direction.
+    """
+    # in a direction with one cell the share is 1, also for a box of no length
     first_i, last_i = math.floor(along[0] / along[2]), math.floor(along[1] / along[2])
     first_j, last_j = math.floor(across[0] / across[2]), math.floor(across[1] / across[2])
     total, whole = 0.0, 0.0
@@ -233,13 +241,13 @@ def average(
 
 @kernel
 def box(middle: float, length: float, side: float) -> tuple[float, float, float]:
-    """Ends of a box and the side of the cells under it."""
+    """Return the ends of a box and the side of the cells under it."""
     return middle - 0.5 * length, middle + 0.5 * length, side
 
 
 @kernel
 def power_below(x: float) -> tuple[int, float]:
-    """Largest power of two up to ``x``: its exponent and itself."""
+    """Return the exponent of the largest power of two up to ``x``, and the power."""
     fraction, exponent = math.frexp(x)
     return exponent - 1, 0.5 * x / fraction
 
@@ -254,7 +262,7 @@ def sparkle_factor(
     variance: float,
     time: float,
 ) -> float:
-    """Factor of mean 1 on the mirrored Sun of a pixel.
+    """Return a factor of mean 1 for the mirrored Sun of a pixel [1].
 
     Parameters
     ----------
@@ -288,6 +296,7 @@ def sparkle_factor(
     shape = 1.0 / (variance * cells_along * cells_across)  # of one cell; a direction of many cells changes it
     many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
     doublings_across, side_across = 0, cell
+    # sizes of cells in powers of two, so that neighbouring pixels of slowly changing footprints lie on one lattice
     if many_across:
         shape *= cells_across + BORDER
         doublings_across, power = power_below(FILLED * cells_across)
@@ -297,6 +306,7 @@ def sparkle_factor(
         doublings_along, power = power_below(FILLED * length / cell)
     else:
         doublings_along, power = power_below(stretch)
+    # one number for sector, both doublings (offset to be positive) and the part: each lattice has its own random numbers
     lattice = ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
     side_along = cell * power
     across = box(y, 0.0 if many_across else width, side_across)
@@ -321,7 +331,7 @@ def sparkle_factor(
 
 @kernel
 def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence: float, up: float, across: float) -> float:
-    """Variance of the mirrored Sun of one piece in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2], to be averaged.
+    """Return the variance of the mirrored Sun of one piece in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2], to be averaged.
 
     ``chance`` is P of the facet, ``up`` the sum of the vertical components of the directions to the sensor and to the Sun,
     ``2 cos(omega) cos(beta)``, and ``across`` the pixel's area across the line of sight [m2]. Weighted by the share of the pixel that
@@ -337,10 +347,10 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
 def facet_spread(
     sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
 ) -> float:
-    """Variance :func:`piece_variance` of a facet; 0 without sparkles.
+    """Return the variance :func:`piece_variance` of a facet [W2 m-4 sr-2]; 0 without sparkles.
 
-    ``factor`` [1/sr] is :func:`~seaglint.facet.facet_sunlight.sun_factor`, times the share of the Sun that waves leave; times the solid
-    angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
+    ``factor`` [1/sr] is :func:`~seaglint.facet.facet_sunlight.sun_factor` times the share of the Sun above the waves; multiplied by the
+    solid angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
     """
     if sparkle.cell <= 0.0 or factor <= 0.0:
         return 0.0
@@ -354,9 +364,10 @@ def facet_spread(
 def sparkle_column(
     sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
 ) -> None:
-    """Apply sparkles to the mirrored Sun of a column, from its whole image ``images[0]`` (channels, rows). Those of intervals follow it.
+    """Apply sparkles to the mirrored Sun of a column and its intervals, ``images`` (1 or more, channels, rows).
 
-    ``origin`` is the sensor's foot in the sea's coordinates, east and north [m].
+    The factor of a row is computed from the whole image ``images[0]`` and applied to all images. ``origin`` is the sensor's foot in the
+    sea's coordinates, east and north [m].
     """
     if sparkle.cell <= 0.0:
         return

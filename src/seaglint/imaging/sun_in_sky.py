@@ -1,10 +1,11 @@
-r"""Solar disc in the sky part of an image: a uniform disc with a sharp limb, cut by the skyline of the sea.
+r"""Solar disc in the sky of an image: a uniform disc with a sharp limb, cut by the skyline of the sea.
 
 At an azimuth ``a`` from the Sun the disc reaches over the elevations ``phi - delta`` to ``phi + delta`` with
 
 .. math:: \tan\phi = \tan e_s / \cos a, \qquad \cos\delta = \cos\epsilon / \sqrt{1 - \cos^2 e_s \sin^2 a}
 
-Chords are added to the rows that they pass, in solid angle, so that the picture holds the whole disc wherever it stands among the pixels.
+Chords are added to the rows that they cross, in solid angle, so that the image contains the light of the whole disc for any position
+relative to the pixels.
 """
 
 from __future__ import annotations
@@ -41,11 +42,10 @@ NO_SUN: Final = SunInSky(0.0, 0.0, 0.0)
 
 
 def sun_in_sky(view: SeaView) -> SunInSky:
-    """Solar disc that a sensor sees, with the radiance ``E / (pi eps^2)`` for the sunlight E at its height.
+    """Return the solar disc in view of a sensor, with the radiance ``E / (pi eps^2)`` for the sunlight E at the sensor's height.
 
-    Its elevation is the apparent one at the sensor's height, about which its aureole stands too. Where the air knows sunlight at the sea
-    only, a disc below the horizon at the sensor's foot has the light of one on the horizon. None where no part of it stands above the
-    sensor's horizon.
+    Its elevation is the apparent elevation at the sensor's height, the centre of the aureole. For air with sunlight at the sea only, a disc
+    below the horizon at the sensor's foot has the light of a disc on the horizon. :data:`NO_SUN` for a disc below the sensor's horizon.
     """
     table, elevation = view.scattered.sky, 0.5 * math.pi - view.solar_zenith
     if not is_dark(table):
@@ -55,35 +55,35 @@ def sun_in_sky(view: SeaView) -> SunInSky:
         return NO_SUN
     dip = horizon_depression(view.sensor_height)
     # a disc that the horizon cuts has the light of its part above it
-    aloft = view.atmosphere.sunlight_at(view.sensor_height, 0.5 * math.pi - max(elevation, 0.5 * SOLAR_ANGULAR_RADIUS - dip))
-    if aloft is not None:
-        spectrum = view.sun_distance_factor * aloft[view.in_band.grid]
+    sunlight = view.atmosphere.sunlight_at(view.sensor_height, 0.5 * math.pi - max(elevation, 0.5 * SOLAR_ANGULAR_RADIUS - dip))
+    if sunlight is not None:
+        spectrum = view.sun_distance_factor * sunlight[view.in_band.grid]
         return SunInSky(_disc(spectrum, view), float(view.solar_azimuth), float(elevation))
     spectrum = view.irradiance
     if visible_sun(view.solar_zenith)[0] == 0.0:
         try:
             spectrum = view.sun_distance_factor * view.atmosphere.solar_irradiance(0.5 * math.pi)[view.in_band.grid]
-        except DomainError as refused:
-            if refused.name != "solar_zenith":
+        except DomainError as error:
+            if error.name != "solar_zenith":
                 raise
     return SunInSky(_disc(spectrum, view), float(view.solar_azimuth), float(elevation))
 
 
 def _disc(spectrum: FloatArray, view: SeaView) -> float:
-    """Radiance of the disc in the band [W m-2 sr-1] from sunlight normal to the beam [W m-2 per cm-1, (n,)]."""
+    """Return the radiance of the disc in the band [W m-2 sr-1] from sunlight normal to the beam [W m-2 per cm-1, (n,)]."""
     return float(spectrum @ view.in_band.weights) / (math.pi * SOLAR_ANGULAR_RADIUS**2)
 
 
 @kernel
 def reach(sun: SunInSky) -> float:
-    """Largest azimuth of the disc from its centre [rad]; pi for one that contains the zenith."""
+    """Return the largest azimuth of the disc from its centre [rad]; pi for a disc that contains the zenith."""
     ratio = math.sin(SOLAR_ANGULAR_RADIUS) / max(math.cos(sun.elevation), 1e-9)
     return math.asin(ratio) if ratio < 1.0 else math.pi
 
 
 @kernel
 def chord(sun: SunInSky, azimuth: float) -> tuple[float, float]:
-    """Elevations of the disc's lower and upper limb at an azimuth from its centre [rad]; twice the same value where there is none."""
+    """Return the elevations of the lower and upper limb at an azimuth from the disc's centre [rad]; equal values beside the disc."""
     across = math.cos(sun.elevation) * math.sin(azimuth)
     radius = math.sin(SOLAR_ANGULAR_RADIUS)
     middle = math.atan2(math.sin(sun.elevation), math.cos(sun.elevation) * math.cos(azimuth))
@@ -108,6 +108,7 @@ def add_disc(sun: SunInSky, top: float, per_radian: float, column: tuple[float, 
         first, last = max(left, -limit), min(right, limit)
         if sun.radiance <= 0.0 or first >= last:
             continue
+        # even steps of the arc sine put more chords near the ends, where the length of chords changes fastest
         begin, end = math.asin(max(first / limit, -1.0)), math.asin(min(last / limit, 1.0))
         for n in range(CHORDS):
             t = begin + (n + 0.5) / CHORDS * (end - begin)
@@ -126,10 +127,10 @@ def add_disc(sun: SunInSky, top: float, per_radian: float, column: tuple[float, 
 
 
 def disc_in_pixels(sun: SunInSky, corner: FloatArray, pixels: NDArray[np.int64]) -> FloatArray:
-    """Mean radiance of the disc in pixels [W m-2 sr-1, (pixels,)], given as flat indices between ``corner`` (rows + 1, columns + 1, 3).
+    """Return the mean radiance of the disc in pixels [W m-2 sr-1, (pixels,)]; flat indices between ``corner`` (rows + 1, columns + 1, 3).
 
-    Nothing hides it. Great circles through the corners are the pixels' sides; in the plane that touches the sphere at the Sun they are
-    straight, and the disc is a circle.
+    The disc is not hidden. Great circles through the corners are the sides of pixels; in the plane that touches the sphere at the Sun they
+    are straight, and the disc is a circle.
     """
     out = np.zeros(pixels.size)
     if sun.radiance <= 0.0 or pixels.size == 0:
@@ -138,19 +139,19 @@ def disc_in_pixels(sun: SunInSky, corner: FloatArray, pixels: NDArray[np.int64])
     axes = np.array([[ca, -sa, 0.0], [-se * sa, -se * ca, ce], [ce * sa, ce * ca, se]])
     row, column = np.divmod(pixels, corner.shape[1] - 1)
     at = np.stack([corner[row + i, column + j] for i, j in ((0, 0), (0, 1), (1, 1), (1, 0))], axis=1)
-    seen = at @ axes.T
-    near = (seen[..., 2] > math.cos(_LARGE)).all(axis=1)
-    plane = seen[near, :, :2] / seen[near, :, 2:]
+    in_axes = at @ axes.T
+    near = (in_axes[..., 2] > math.cos(_LARGE)).all(axis=1)
+    plane = in_axes[near, :, :2] / in_axes[near, :, 2:]
     radius = math.tan(SOLAR_ANGULAR_RADIUS)
     area = np.abs(sum(_sector(plane[:, k], plane[:, (k + 1) % 4], radius) for k in range(4)))
-    # of the disc in the plane to that on the sphere
+    # ratio of the disc's solid angle on the sphere to its area in the plane
     scale = 2.0 * (1.0 - math.cos(SOLAR_ANGULAR_RADIUS)) / radius**2
     out[near] = sun.radiance * area * scale / _solid_angle(at[near])
     return out
 
 
 def _sector(p: FloatArray, q: FloatArray, radius: float) -> FloatArray:
-    """Signed area between the circle's middle, at the origin, and the sides p-q (n, 2), inside the circle [same unit squared, (n,)]."""
+    """Return the signed area between the centre of the circle, the origin, and sides p-q (n, 2), inside the circle [unit squared, (n,)]."""
     d = q - p
     a, b, c = np.sum(d * d, axis=1), np.sum(p * d, axis=1), np.sum(p * p, axis=1) - radius**2
     root = np.sqrt(np.maximum(b * b - a * c, 0.0))
@@ -168,7 +169,7 @@ def _sector(p: FloatArray, q: FloatArray, radius: float) -> FloatArray:
 
 
 def _solid_angle(at: FloatArray) -> FloatArray:
-    """Solid angle of quadrilaterals of unit vectors [sr, (n, 4, 3) to (n,)], as two triangles (Van Oosterom and Strackee 1983)."""
+    """Return solid angles of quadrilaterals of unit vectors [sr, (n, 4, 3) to (n,)], as two triangles (Van Oosterom and Strackee 1983)."""
 
     def triangle(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
         volume = np.abs(np.sum(a * np.cross(b, c), axis=1))

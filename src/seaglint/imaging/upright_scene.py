@@ -1,6 +1,7 @@
-"""Rows of an upright image: the sky in those that touch it, and the Sun in it.
+"""Scene of an upright, fixed camera with equal steps of azimuth and elevation: one sweep over the sea yields an image.
 
-Scene of an upright camera with equal steps of azimuth and elevation: one sweep over the sea gives an image.
+:meth:`SweptScene.prepare` fills tables of the samples along a line, of the path, the facets, the sky and the Sun (:func:`sky_rows`). An
+image then needs only the sea of its instant.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import sky_above
 from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging import launch
-from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed
 from seaglint.imaging.scene import Accuracy, Instant, Levels, joined, require_columns
@@ -37,18 +38,18 @@ from seaglint.sea.wave_field import Detail, WaveField
 
 
 def sky_rows(view: SeaView, camera: Camera) -> Rows:
-    """Rows of a camera, with the radiance of the sky and the Sun in those that touch the sky."""
+    """Return the rows of a camera, with the radiance of the sky and the Sun in rows that touch the sky."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
-    # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
-    seen = elevation[camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3]
+    # the sky is evaluated in rows that touch it only, with 2 mrad to spare: crests never lower the horizon by more than a few rows
+    visible = elevation[camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3]
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
     # one row more, as nothing is interpolated beyond the last
-    sky = sky_above(view, np.append(seen, seen[-1:]))
+    sky = sky_above(view, np.append(visible, visible[-1:]))
     return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, sun_in_sky(view))
 
 
-#: Least height of a sensor in significant heights (three standard deviations); lower ones would be under water now and then.
+#: Least height of a sensor in significant heights (three standard deviations of the sea); lower sensors would at times be under water.
 SUBMERGED = 0.75
 
 CELLS_PER_ROW = 3.0  #: Number of cells of elevation in a row within which neighbouring pieces are merged.
@@ -56,7 +57,7 @@ CELLS_PER_ROW = 3.0  #: Number of cells of elevation in a row within which neigh
 #: Share of the sea in shadow below which one ray to the Sun serves merged neighbours; with more shadow none are merged.
 RARE_SHADOW = 0.005
 
-#: Tangent of depression, in rms slopes, beyond which this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %.
+#: Tangent of depression, in rms slopes, beyond which :data:`RARE_SHADOW` suffices: glint changes by less than 0.2 %; at the horizon by 2 %.
 SHADOW_GRAZING = 0.25
 
 SAME = 1e-9  #: Tolerance within which angles [rad], steps and heights (relative) are equal.
@@ -64,13 +65,13 @@ SAME = 1e-9  #: Tolerance within which angles [rad], steps and heights (relative
 
 @dataclass(frozen=True, eq=False)
 class SweptScene:
-    """Scene prepared for an upright camera that stands still; make it with :meth:`prepare`."""
+    """Scene prepared for an upright, fixed camera; make it with :meth:`prepare`."""
 
-    #: Sea, air and Sun; its slopes are the total statistics. Facets hide each other from viewer and Sun as its shadowing says; resolved
-    #: waves hide what lies behind them, and shade it where the Sun's leg is shadowed.
+    #: Sea, air and Sun, with the slope statistics of all waves. Facets hide each other from viewer and Sun according to its shadowing;
+    #: resolved waves hide the sea behind them, and shade it where shadowing includes the Sun.
     view: SeaView
-    camera: Camera  #: The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
-    waves: WaveField | None  #: The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
+    camera: Camera  #: The image grid; its height is the view's sensor height or up to ``accuracy.height_step`` times that height.
+    waves: WaveField | None  #: Waves that are geometry; the other slopes are facets. Without them the image is the mean.
     accuracy: Accuracy  #: Accuracy settings of the drawing.
     layers: tuple[str, ...]  #: Layers beside ``radiance`` and ``glint_radiance``.
     sparkles: Sparkles  #: Glint below the pixel.
@@ -94,8 +95,8 @@ class SweptScene:
         Raises
         ------
         DomainError
-            Heights that differ, a sensor among the waves, waves steeper than the slope model, steps that do not suit the waves, or a
-            layer that there is not.
+            Heights that differ, a sensor among the waves, waves steeper than the slope model, steps that do not suit the waves, or an
+            unknown layer.
         """
         fine, names = accuracy or Accuracy(), require_layers(layers)
         if camera.height != view.sensor_height:
@@ -138,7 +139,7 @@ class SweptScene:
 
     @property
     def report(self) -> Mapping[str, Any]:
-        """Settings of the sweep, for the provenance."""
+        """Settings of the sweep, for the provenance of a file."""
         tables, detail, waves = self._tables, self._levels.detail, self.waves is not None
         return {
             "sweep_step_m": [float(step) for step in self._levels.steps] if waves else None,
@@ -152,29 +153,29 @@ class SweptScene:
         }
 
     def with_camera(self, camera: Camera) -> SweptScene:
-        """Return the same scene through another camera without preparing anything again: some of its columns and rows, or slightly higher.
+        """Return this scene through another camera without preparing anything again: some of its columns and rows, or slightly higher.
 
         Raises
         ------
         DomainError
             Pixels of another size, a view beyond the one prepared, or a height that the air was not prepared for.
         """
-        made, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
-        own, other = made.column_step, camera.column_step
-        if abs(other - own) > SAME * own or abs(camera.row_step - made.row_step) > SAME * made.row_step:
+        prepared, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
+        own, other = prepared.column_step, camera.column_step
+        if abs(other - own) > SAME * own or abs(camera.row_step - prepared.row_step) > SAME * prepared.row_step:
             raise DomainError(
                 f"pixels of {1e3 * other:.6g} x {1e3 * camera.row_step:.6g} mrad, and the scene was prepared for "
-                f"{1e3 * own:.6g} x {1e3 * made.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
+                f"{1e3 * own:.6g} x {1e3 * prepared.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
             )
-        outside = beyond(made, camera)
+        outside = beyond(prepared, camera)
         if outside > SAME:
             raise DomainError(
                 f"the camera looks {np.degrees(outside):.4g} deg beyond the view that the scene was prepared for; "
                 "stay inside it or prepare a scene for this camera"
             )
-        if not made.height * (1.0 - SAME) <= camera.height <= highest * (1.0 + SAME):
+        if not prepared.height * (1.0 - SAME) <= camera.height <= highest * (1.0 + SAME):
             raise DomainError(
-                f"camera at {camera.height:g} m, and the scene was prepared for {made.height:g} to {highest:g} m; "
+                f"camera at {camera.height:g} m, and the scene was prepared for {prepared.height:g} to {highest:g} m; "
                 "stay between them or prepare a scene for this height"
             )
         if self._tables is None:
@@ -183,7 +184,7 @@ class SweptScene:
         if camera.height != walk.eye:
             rise, fall = sight_lines(walk.range_m, camera.height)
             walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
-        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
+        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=prepared.height))
         return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
 
     def reseeded(self, seed: int) -> Self:
@@ -198,39 +199,38 @@ class SweptScene:
         return replace(self, waves=waves, sparkles=sparkles, _levels=levels, _tables=tables)
 
     def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
-        """Sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
+        """Return the sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
         return self._levels.surface(self._levels.lattices(time), origin)
 
     @property
     def pixels(self) -> Imager:
-        """Pixels of the camera, whatever its attitude."""
-        camera = self.camera
-        return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
+        """Pixels of the camera, independent of its attitude."""
+        return pixels_of(self.camera)
 
     def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
-        """Azimuths of the columns and elevations of the rows [rad]."""
+        """Return azimuths of the columns and elevations of the rows [rad]."""
         return self.camera.azimuths, self.camera.elevations
 
     def seen_from(self, pose: Pose) -> SeaView:
-        """View of sea, air and Sun."""
+        """Return the view of sea, air and Sun, equal for all poses."""
         return self.view
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """Sea at a time [s] under a sensor."""
+        """Return the sea at a time [s] under a sensor."""
         lattices = self._levels.lattices(time)
         return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north)))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """Image from a pose at a time [s]."""
+        """Return the image from a pose at a time [s]."""
         return self.columns(pose, time, (0, self.camera.columns), sea)
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
-        """Image of the columns ``part = (first, end)`` alone: their bytes are those of the whole image.
+        """Return the image of the columns ``part = (first, end)`` alone; its bytes are equal to these columns of the whole image.
 
         Raises
         ------
         DomainError
-            Columns that there are not.
+            Columns outside the image.
         """
         require_columns(part, self.camera.columns)
         surface = self.surface(time, (pose.east, pose.north)) if sea is None else sea.surface
@@ -238,7 +238,7 @@ class SweptScene:
         return self._layers(images[:, 0])
 
     def scanned(self, poses: Sequence[Pose], times: Sequence[float]) -> Layers:
-        """Image whose columns have each their own pose and time [s], as scanners see it; neighbours that share both are drawn together."""
+        """Return a scanner's image: each column has a pose and a time [s]; neighbours of equal pose and time are drawn together."""
         count = self.camera.columns
         if len(poses) != count or len(times) != count:
             raise DomainError(f"{len(poses)} poses and {len(times)} times for {count} columns; give one of each for every column")
@@ -246,7 +246,7 @@ class SweptScene:
         return joined([self.columns(poses[a], times[a], (a, b)) for a, b in zip(begins, [*begins[1:], count], strict=True)])
 
     def intervals(self, pose: Pose, time: float, cuts: FloatArray) -> tuple[Layers, ...]:
-        """Images of intervals of distance: between each cut and the one before it, and beyond the last.
+        """Return images of intervals of distance: between each cut and the cut before it, and beyond the last.
 
         Parameters
         ----------
@@ -260,8 +260,8 @@ class SweptScene:
         Returns
         -------
         tuple of Layers
-            n + 1 parts, near to far, in double precision, each summed for itself; the sky belongs to the last. ``radiance`` and its parts
-            are what an interval adds to each pixel and ``coverage`` the share that it fills; :func:`composed` puts them together.
+            n + 1 parts, near to far, in double precision; the sky belongs to the last. ``radiance`` and its parts are the light that an
+            interval adds to each pixel, ``coverage`` the share of the pixel that it fills; :func:`composed` adds the intervals.
         """
         given, count = np.atleast_1d(np.asarray(cuts, np.float64)), self.camera.columns
         if given.size == 0 or given.ndim > 2 or (given.ndim == 2 and given.shape[0] != count):
@@ -277,17 +277,17 @@ class SweptScene:
         return layers_of(launch.planes_of(columns, planes, np.float64), planes, (*self.layers, "coverage"))
 
     def _layers(self, columns: FloatArray) -> Layers:
-        """Layers of columns (columns, channels, rows)."""
+        """Return the layers of columns (columns, channels, rows)."""
         planes = planes_for(self.layers)
         return layers_of(launch.planes_of(columns, planes, np.float32), planes, self.layers)
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
-        """Planes of :func:`~seaglint.imaging.layers.planes_for` [(planes, rows, columns)] of some columns, for a given sea."""
+        """Return the planes of :func:`~seaglint.imaging.layers.planes_for` (planes, rows, columns) of some columns, for a given sea."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return launch.planes_of(images[:, 0], planes_for(self.layers), np.float32)
 
     def _swept(self, pose: Pose, time: float, part: tuple[int, int], surface: Surface, cuts: FloatArray) -> FloatArray:
-        """Channels of some columns (columns, 1 or 2 + cuts, channels, rows)."""
+        """Return the channels of some columns (columns, 1 or 2 + cuts, channels, rows)."""
         camera, tables = self.camera, self._tables
         self._require_pose(pose)
         intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
@@ -312,10 +312,11 @@ class SweptScene:
             )
 
     def _tabled(self, arcs: FloatArray) -> Swept:
-        """Tables that columns read for samples at ``arcs`` [m]."""
+        """Return the tables that columns read, for samples at ``arcs`` [m]."""
         view, camera, levels = self.view, self.camera, self._levels
+        # a calm sea has few samples: the path is known at each
         every = 1 if self.waves is None else PATH_EVERY
-        # of the middle of the piece that ends at a sample
+        # the path is evaluated at the middle of the piece that ends at a sample
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
         places = np.append(middle[::every], middle[-1:])
         basis = path_basis(view.atmosphere, view.band, camera.height, places)
@@ -335,10 +336,11 @@ class SweptScene:
         return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
-        """Facets of every level, and their grazing angles, with the crests' own."""
+        """Return the facets of every level with the sines of their grazing angles, from troughs to crests."""
         view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
         crest = 0.0 if waves is None else waves.significant_height
         towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
+        # facets are seen no more grazingly than the last sample
         floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
         last = [*levels.begins[1:], arcs[-1]]
         out = []
@@ -351,10 +353,10 @@ class SweptScene:
         return out
 
     def _shadows(self, sun: Sunlight) -> tuple[FloatArray, FloatArray]:
-        """Step [m] and steepest rise of shadow rays at every level, and the tangent up to which one ray serves several pieces.
+        """Return step [m] and steepest rise of shadow rays at every level, and the tangent up to which one ray serves several pieces.
 
-        The rise is 0 where almost nothing is in shadow by Smith's law. Farther out than that tangent of elevation the visible pieces are
-        those most often in shadow.
+        The step is 0 where the share of the sea in shadow is negligible by Smith's law. Beyond that tangent of elevation the visible pieces
+        are the pieces most often in shadow.
         """
         levels, fine = self._levels, self.accuracy
         if self.waves is None:
@@ -373,9 +375,10 @@ class SweptScene:
 
 
 def calm_doublings(width: float, most: int) -> int:
-    """Number of times that the lines of a column split in two over a sea without waves.
+    """Return the number of times that the lines of a column split in two over a sea without waves.
 
-    They split until three stand in a deviation of the glint, or ``most`` times; ``width`` is the column's, in deviations of the glint.
+    They split until a deviation of the glint contains three lines, or until there are ``most`` lines; ``width``: of the column, in
+    deviations of the glint.
 
     >>> calm_doublings(0.3, 16), calm_doublings(1.0, 16), calm_doublings(9.0, 16)
     (0, 2, 4)
@@ -383,20 +386,20 @@ def calm_doublings(width: float, most: int) -> int:
     return min(max(math.ceil(3.0 * width) - 1, 0), most - 1).bit_length()
 
 
-def beyond(made: Camera, other: Camera) -> float:
-    """Angle by which a camera's view extends beyond another's [rad]; 0 or less where it stays inside."""
-    aside = abs(float(wrap_angle(other.azimuth - made.azimuth))) + 0.5 * (other.width - made.width)
-    around = made.width >= 2.0 * np.pi - SAME
-    return max(-np.inf if around else aside, other.top - made.top, made.bottom - other.bottom)
+def beyond(prepared: Camera, other: Camera) -> float:
+    """Return the angle by which the view of a camera extends beyond another's view [rad]; 0 or less for a view inside it."""
+    aside = abs(float(wrap_angle(other.azimuth - prepared.azimuth))) + 0.5 * (other.width - prepared.width)
+    around = prepared.width >= 2.0 * np.pi - SAME
+    return max(-np.inf if around else aside, other.top - prepared.top, prepared.bottom - other.bottom)
 
 
 def composed(parts: Sequence[Layers]) -> Layers:
-    """Whole image from its :meth:`SweptScene.intervals`, front to back."""
+    """Return the whole image from its :meth:`SweptScene.intervals`, front to back."""
     return summed(parts)
 
 
 def require_above(foot: float, height: float, time: float) -> None:
-    """Refuse a sensor ``height`` above the mean sea that is below the sea under it, ``foot`` high [m]."""
+    """Raise for a sensor ``height`` [m] above the mean sea that is not above the sea under it, ``foot`` [m] high."""
     if foot >= height:
         text = f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea"
         raise DomainError(
@@ -408,7 +411,7 @@ def require_above(foot: float, height: float, time: float) -> None:
 
 
 def require_dry(height: float, waves: WaveField) -> None:
-    """Refuse a sensor ``height`` [m] that waves would reach now and then."""
+    """Raise for a sensor ``height`` [m] that waves would reach at times."""
     if height < SUBMERGED * waves.significant_height:
         raise DomainError(
             f"sensor height = {height:g} m is within reach of the waves (significant height {waves.significant_height:.2f} m); "

@@ -1,16 +1,15 @@
-"""Cubic B-splines on periodic lattices: rows of their coefficients, and weights of the 16 points around a place.
+"""Resolved sea surface for kernels: heights and slopes from periodic lattices, bounds of the height, and shadows of waves.
 
-What stands at the lattice points are coefficients, not heights: :meth:`seaglint.sea.wave_field.WaveField.coefficients` makes them.
-
-Reading of the synthesised sea: splines on periodic lattices, at any level of detail, and bounds of its height.
+Lattice points of a cubic B-spline hold its coefficients, not heights; :meth:`seaglint.sea.wave_field.WaveField.coefficients` computes them.
 
 A level of detail (:mod:`seaglint.sea.wave_field`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line
-makes a :func:`course` of it once: where it starts on every lattice of the level and how it moves over it.
+computes a :func:`course` of it once: its start on every lattice of the level and its step over the lattice.
 
-Most samples of a grazing line are hidden. A line is read in strips, lattice by lattice, longest waves first, and a strip is left as soon as
-the largest heights that the other lattices hold cannot bring it into view.
+Most samples of a grazing line are hidden. A line is read in strips, lattice by lattice, longest waves first. A strip is left as soon as the
+largest heights of the remaining lattices cannot bring it into view.
 
-Shadows of waves under a low Sun: the share of the solar disc that a point of the resolved sea sees over the crests towards it.
+Under a low Sun crests shade the sea: a point is lit by the share of the solar disc above the skyline towards the Sun
+(:func:`sun_over_waves`).
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from seaglint.sea.tiles import Wander
 
 @kernel
 def lay_rows(lattice: np.ndarray, k: int, rows: np.ndarray) -> None:
-    """Lay the numbers ``k`` of a periodic lattice (n, n, 1 or 2) out in rows of n + 3 points.
+    """Copy the numbers ``k`` of a periodic lattice (n, n, 1 or 2) into rows of n + 3 points.
 
     With one more point before and two beyond along either axis the points around any cell lie at fixed distances from its address.
     """
@@ -44,7 +43,7 @@ def lay_rows(lattice: np.ndarray, k: int, rows: np.ndarray) -> None:
 
 @kernel
 def spline_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float32]:
-    """Weights of the four points around a place on a cubic B-spline, ``f`` cells beyond the second of them."""
+    """Return the weights of the four points around a place on a cubic B-spline, ``f`` cells beyond the second of them."""
     one, sixth = np.float32(1.0), np.float32(1.0 / 6.0)
     e = one - f
     first, last = e * e * e * sixth, f * f * f * sixth
@@ -54,7 +53,7 @@ def spline_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, n
 
 @kernel
 def slope_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np.float32]:
-    """Derivatives of the :func:`spline_weights` [1/cell]."""
+    """Return the derivatives of the :func:`spline_weights` [1/cell]."""
     half = np.float32(0.5)
     e = np.float32(1.0) - f
     first, last = -half * e * e, half * f * f
@@ -64,14 +63,15 @@ def slope_weights(f: np.float32) -> tuple[np.float32, np.float32, np.float32, np
 
 @kernel
 def cell(size: int, u: float, v: float) -> tuple[int, np.float32, np.float32]:
-    """Address of the cell of a lattice position, and the fractions (v, u) within it. The lattice ``size`` is a power of two."""
+    """Return the address of the cell of a lattice position, and the fractions (v, u) within it. The lattice ``size`` is a power of two."""
+    # the size is a power of two, so that a bit mask is the remainder, also of negative positions
     lower_u, lower_v = math.floor(u), math.floor(v)
     return (int(lower_v) & (size - 1)) * (size + 3) + (int(lower_u) & (size - 1)), np.float32(v - lower_v), np.float32(u - lower_u)
 
 
 @kernel
 def spline_value(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.float32) -> np.float32:
-    """Cubic B-spline ``f`` along u and ``g`` along v into a cell, whose first point of 16 is at ``at``, with ``row`` points a row."""
+    """Return a cubic B-spline ``f`` along u and ``g`` along v into a cell; ``at``: its first of 16 points; ``row``: points in a row."""
     a0, a1, a2, a3 = spline_weights(f)
     b0, b1, b2, b3 = spline_weights(g)
     one, two, three = np.uint64(1), np.uint64(2), np.uint64(3)
@@ -86,7 +86,8 @@ def spline_value(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g:
 
 @kernel
 def gradient(z: np.ndarray, at: np.uint64, row: np.uint64, f: np.float32, g: np.float32) -> tuple[np.float32, np.float32]:
-    """Derivatives along u and v [m/cell] of a cubic B-spline; arguments as of :func:`spline_value`."""
+    """Return the derivatives along u and v [m/cell] of a cubic B-spline; arguments as of :func:`spline_value`."""
+    # four points along v at a time: each is read once for both derivatives
     a0, a1, a2, a3 = spline_weights(f)
     c0, c1, c2, c3 = slope_weights(f)
     b0, b1, b2, b3 = spline_weights(g)
@@ -157,7 +158,7 @@ class Bounds(NamedTuple):
 
 
 class SurfaceLine(NamedTuple):
-    """Horizontal line over the lattices of one level, straight between the knots at which the displacement of a part is known.
+    """Horizontal line over the lattices of one level, straight between the knots at which the displacement of a part is evaluated.
 
     ``start[j, m] + r step[j, m]``: position (u, v) [cells] at ``r`` metres, between the knots ``m`` and ``m + 1``; ``part[j]`` as in
     :class:`Surface`, and the last ``m``; ``knot[j] = (arc of the first knot [m], knots per metre)``; ``turn[j] = (cos, sin)`` of a part's
@@ -186,7 +187,7 @@ class Strip(NamedTuple):
 
 @njit
 def new_strip() -> Strip:
-    """Empty strip."""
+    """Return an empty strip."""
     fraction = (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32))
     return Strip(
         np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), fraction, np.empty(STRIP, np.uint32)
@@ -195,7 +196,7 @@ def new_strip() -> Strip:
 
 @kernel
 def sine(cycles: float) -> float:
-    """Sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which vectorises."""
+    """Return the sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which vectorises."""
     x = cycles - math.floor(cycles + 0.5)
     q = x * x
     return x * (1.0 - 4.0 * q) * (6.2831842 + q * (-16.2087243 + q * (16.7611333 + q * (-9.5276694 + q * 3.0445527))))
@@ -203,7 +204,7 @@ def sine(cycles: float) -> float:
 
 @kernel
 def knots(surface: Surface, i: int, arcs: tuple[float, float]) -> tuple[int, float]:
-    """Number of straight pieces of a line between two arcs [m] over a part, and pieces per metre; one where the part does not wander."""
+    """Return the number of straight pieces of a line between two arcs [m] over a part, and pieces per metre; 1 where the part is fixed."""
     if surface.wander.shape[1] == 0 or arcs[1] <= arcs[0]:
         return 1, 0.0
     per_metre = KNOTS_PER_PERIOD * surface.grid[i, 0] / surface.part[i, 1]
@@ -212,7 +213,7 @@ def knots(surface: Surface, i: int, arcs: tuple[float, float]) -> tuple[int, flo
 
 @kernel
 def displace(surface: Surface, i: int, direction: tuple[float, float], arcs: tuple[float, float], at: np.ndarray) -> None:
-    """Displacement of a part [cells] at the knots ``at[m]``, ``arcs = (first, distance of knots)`` [m], of a line under the sensor."""
+    """Compute the displacement of a part [cells] at the knots ``at[m]`` of a line; ``arcs = (first, distance of knots)`` [m]."""
     at[:] = 0.0
     for w in range(surface.wander.shape[1]):
         wave = surface.wander[i, w]
@@ -228,7 +229,7 @@ def displace(surface: Surface, i: int, direction: tuple[float, float], arcs: tup
 def lay_course(surface: Surface, level: int, direction: tuple[float, float], arcs: tuple[float, float], line: SurfaceLine) -> None:
     """Set ``line`` to the line from under the sensor along a horizontal unit vector (east, north), to be read between two arcs [m].
 
-    With one arc, twice, it is straight, and displaced all along as it is there.
+    Two equal arcs give a straight line with the displacement at that arc.
     """
     east, north = direction
     for j in range(line.part.shape[0]):
@@ -244,6 +245,7 @@ def lay_course(surface: Surface, level: int, direction: tuple[float, float], arc
         start, step = line.start[j], line.step[j]
         between = 1.0 / per_metre if per_metre > 0.0 else 0.0
         displace(surface, i, direction, (arcs[0], between), start[: pieces + 1])
+        # each knot's displacement becomes the start, at r = 0, of the straight piece that begins there
         for m in range(pieces):
             bend_u, bend_v = (start[m + 1, 0] - start[m, 0]) * per_metre, (start[m + 1, 1] - start[m, 1]) * per_metre
             r = arcs[0] + m * between
@@ -254,7 +256,7 @@ def lay_course(surface: Surface, level: int, direction: tuple[float, float], arc
 
 @njit
 def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float]) -> SurfaceLine:
-    """Line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
+    """Return the line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
     count, most = 0, 1
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
         most = max(most, knots(surface, surface.level[level, count], arcs)[0])
@@ -267,20 +269,20 @@ def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[
 
 @kernel
 def piece(line: SurfaceLine, j: int, r: float) -> int:
-    """Straight piece of a line over a level's part ``j``, ``r`` metres along; the first and the last continue beyond their ends."""
+    """Return the straight piece of a line over a level's part ``j``, ``r`` metres along; first and last continue beyond their ends."""
     return int(min(max(int((r - line.knot[j, 0]) * line.knot[j, 1]), 0), line.part[j, 4]))
 
 
 @kernel
 def position(line: SurfaceLine, j: int, r: float) -> tuple[float, float]:
-    """Position (u, v) [cells] over a level's part ``j``, ``r`` metres along a line."""
+    """Return the position (u, v) [cells] over a level's part ``j``, ``r`` metres along a line."""
     m = piece(line, j, r)
     return line.start[j, m, 0] + r * line.step[j, m, 0], line.start[j, m, 1] + r * line.step[j, m, 1]
 
 
 @kernel
 def point_height(surface: Surface, line: SurfaceLine, j: int, u: float, v: float) -> float:
-    """Height of a level's part ``j`` [m] at a position [cells]: a cubic B-spline of the 16 points around it, or linear between four."""
+    """Return the height of a level's part ``j`` [m] at a position [cells]: a cubic B-spline of 16 points, or linear between four."""
     place, g, f = cell(line.part[j, 1], u, v)
     z, row, at, one = surface.lattice, np.uint64(line.part[j, 1] + 3), np.uint64(place + line.part[j, 0]), np.uint64(1)
     if line.part[j, 3] != 0:
@@ -291,7 +293,7 @@ def point_height(surface: Surface, line: SurfaceLine, j: int, u: float, v: float
 
 @kernel
 def height(surface: Surface, line: SurfaceLine, first: int, last: int, r: float) -> float:
-    """Height of a level's parts ``first`` to ``last`` (not included) together [m], ``r`` metres along a line."""
+    """Return the summed height of a level's parts ``first`` to ``last`` (not included) [m], ``r`` metres along a line."""
     total = 0.0
     for j in range(first, last):
         u, v = position(line, j, r)
@@ -301,7 +303,7 @@ def height(surface: Surface, line: SurfaceLine, first: int, last: int, r: float)
 
 @kernel
 def slopes(surface: Surface, line: SurfaceLine, r: float) -> tuple[float, float]:
-    """Slopes of a level towards east and north [1], ``r`` metres along a line."""
+    """Return the slopes of a level towards east and north [1], ``r`` metres along a line."""
     east, north = 0.0, 0.0
     for j in range(line.part.shape[0]):
         u, v = position(line, j, r)
@@ -313,19 +315,19 @@ def slopes(surface: Surface, line: SurfaceLine, r: float) -> tuple[float, float]
 
 
 @kernel
-def address(line: SurfaceLine, j: int, first: float, some: tuple[int, int], strip: Strip) -> int:
-    """Fractions and cells over a level's part ``j`` of the readings ``some = (begin, end)`` of a strip, as far as the line is straight.
+def address(line: SurfaceLine, j: int, first: float, readings: tuple[int, int], strip: Strip) -> int:
+    """Compute fractions and cells over a level's part ``j`` of a strip's ``readings = (begin, end)``, up to the line's next knot.
 
-    ``first`` [m]: where ``strip.arc`` counts from. Returns the reading to go on with. Apart from the reading, in numbers of 32 bits, which
-    the processor takes several at a time.
+    ``first`` [m]: origin of ``strip.arc``. Returns the number of the next reading. The addresses are computed apart from the readings, in
+    numbers of 32 bits, of which the processor takes several at a time.
     """
     v, u = strip.fraction
-    begin, end = some
+    begin, end = readings
     r = first + strip.arc[begin]
     m = piece(line, j, r)
     knot = line.knot[j, 0] + (m + 1) / line.knot[j, 1] - first if m < line.part[j, 4] else math.inf
     if strip.arc[end - 1] >= knot:
-        # the readings before the next knot: a guess from their mean distance, put right
+        # the readings before the next knot: estimated from their mean distance, then corrected
         span = max(float(strip.arc[end - 1] - strip.arc[begin]), 1e-9)
         end = begin + 1 + int(max(knot - strip.arc[begin], 0.0) / span * (end - 1 - begin))
         while end > begin + 1 and strip.arc[end - 1] >= knot:
@@ -340,10 +342,10 @@ def address(line: SurfaceLine, j: int, first: float, some: tuple[int, int], stri
     move_u, move_v = np.float32(line.step[j, m, 0] * SUBCELLS), np.float32(line.step[j, m, 1] * SUBCELLS)
     last, row, bits, low = np.uint32(size - 1), np.uint32(size + 3), np.uint32(SUBCELL_BITS), np.uint32(SUBCELLS - 1)
     part = np.float32(1.0 / SUBCELLS)
-    # unsigned, as an address that could be negative is looked at once more
-    room = np.uint64(begin)
+    # unsigned: Numba tests every signed address for a negative value
+    origin = np.uint64(begin)
     for n in range(end - begin):
-        k = room + np.uint64(n)
+        k = origin + np.uint64(n)
         along = strip.arc[k]
         at_u, at_v = np.uint32(offset_u + np.int32(along * move_u)), np.uint32(offset_v + np.int32(along * move_v))
         u[k], v[k] = np.float32(np.int32(at_u & low)) * part, np.float32(np.int32(at_v & low)) * part
@@ -353,11 +355,12 @@ def address(line: SurfaceLine, j: int, first: float, some: tuple[int, int], stri
 
 @kernel
 def stride(line: SurfaceLine, j: int, span: tuple[float, float, float], count: int) -> int:
-    """Binary logarithm of the distance, in samples, of readings of a level's part ``j``: 0 to 4.
+    """Return the binary logarithm of the distance, in samples, of readings of a level's part ``j``: 0 to 4.
 
     ``span``: length of the strip's ``count`` samples and of its first and last step [m]; a strip that is not full, or of uneven steps, is
     read at every sample.
     """
+    # ``moved``: readings that the strip needs; with STRIP / 2**bits readings there must be at least as many
     u, v = line.step[j, 0, 0], line.step[j, 0, 1]
     moved = span[0] * math.sqrt(u * u + v * v) * READS_PER_CELL
     if count < STRIP or 2.0 * moved > STRIP or max(span[1], span[2]) > EVEN_STEPS * min(span[1], span[2]):
@@ -371,17 +374,18 @@ def stride(line: SurfaceLine, j: int, span: tuple[float, float, float], count: i
 
 @kernel
 def add_between(strip: Strip, bits: int) -> None:
-    """Add heights known at every ``2**bits``-th sample to the strip's, between them cubic; fast where ``bits`` is a constant.
+    """Add heights of every ``2**bits``-th sample to the heights of the strip, cubic between them; fast where ``bits`` is a constant.
 
-    The parabolas through three readings, of which two are mixed (Catmull and Rom): exact to the third order in the readings' distance.
+    Between two readings, the two parabolas through three readings are mixed (Catmull and Rom): exact to the third order in the distance of
+    readings.
     """
     apart, half = 1 << bits, np.float32(0.5)
     part = np.float32(1.0 / apart)
     before, low, high = strip.read[0], strip.read[1], strip.read[2]
     for m in range(STRIP >> bits):
         beyond = strip.read[np.uint64(m + 3)]
-        rise, there, step = half * (high - before), half * (beyond - low), high - low
-        bend, twist = step + step + step - rise - rise - there, rise + there - step - step
+        rise, next_rise, step = half * (high - before), half * (beyond - low), high - low
+        bend, twist = step + step + step - rise - rise - next_rise, rise + next_rise - step - step
         for k in range(apart):
             t = np.float32(k) * part
             strip.height[np.uint64(m * apart + k)] += low + t * (rise + t * (bend + t * twist))
@@ -390,10 +394,10 @@ def add_between(strip: Strip, bits: int) -> None:
 
 @kernel
 def add_heights(surface: Surface, line: SurfaceLine, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
-    """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
+    """Add the heights of a level's part ``j`` at ``count`` samples of a line, from ``range_m[first]`` on, to the heights of the strip [m].
 
-    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells; cubic between the samples that are
-    read (:func:`stride`).
+    Equal to :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells; cubic between the samples that
+    are read (:func:`stride`).
     """
     at, begin = np.uint64(first), range_m[first]
     last = range_m[first + count - 1] - begin
@@ -408,13 +412,14 @@ def add_heights(surface: Surface, line: SurfaceLine, j: int, range_m: np.ndarray
         for k in range(count):
             strip.height[np.uint64(k)] += strip.read[np.uint64(k)]
         return
-    # one reading before the strip and two beyond it, as steps go on there
+    # a cubic needs one reading before the strip and two beyond it: the first and the last step continue there
     apart, inside = 1 << bits, STRIP >> bits
     strip.arc[0] = -head * apart
     for m in range(inside):
         strip.arc[np.uint64(m + 1)] = range_m[at + (np.uint64(m) << np.uint64(bits))] - begin
     strip.arc[inside + 1], strip.arc[inside + 2] = last + tail, last + tail * (1 + apart)
     read_heights(surface, line, j, begin, inside + 3, strip)
+    # constants in place of ``bits``: each call is compiled with a fixed length of its inner loop
     if bits == 1:
         add_between(strip, 1)
     elif bits == 2:
@@ -427,7 +432,7 @@ def add_heights(surface: Surface, line: SurfaceLine, j: int, range_m: np.ndarray
 
 @kernel
 def read_heights(surface: Surface, line: SurfaceLine, j: int, first: float, count: int, strip: Strip) -> None:
-    """Heights of a level's part ``j`` at ``count`` arcs of ``strip.arc``, counted from ``first`` [m], into ``strip.read``."""
+    """Read the heights of a level's part ``j`` at ``count`` arcs of ``strip.arc``, counted from ``first`` [m], into ``strip.read``."""
     v, u = strip.fraction
     done = 0
     while done < count:
@@ -448,7 +453,7 @@ def read_heights(surface: Surface, line: SurfaceLine, j: int, first: float, coun
 
 
 def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray) -> float:
-    """Bound of the slope [1] of a sea whose heights are read from lattices, ``spacing`` [m] apart, that add up.
+    """Return a bound of the slope [1] of a sea from lattices of a ``spacing`` [m], whose heights add up.
 
     Neither a cubic B-spline nor a linear one is steeper than the steepest line between two neighbouring points.
     """
@@ -460,7 +465,7 @@ def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray
 
 
 def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """Rows :attr:`Surface.wander` for a sensor above ``origin`` [m]."""
+    """Return the rows :attr:`Surface.wander` for a sensor above ``origin`` [m]."""
     out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
     for rows, one, d, angle in zip(out, wander, spacing, turn, strict=False):
         row = rows[: one.phase.size]  # waves that a part lacks have no amplitude
@@ -478,20 +483,21 @@ FARTHEST = 4000  #: Number of steps after which a Sun at the very horizon counts
 def sun_over_waves(
     surface: Surface, level: int, line: SurfaceLine, sunward: SurfaceLine, r: float, march: tuple[float, float], sun: Sunlight
 ) -> tuple[float, float]:
-    """Share of the solar disc visible from the sea ``r`` metres along a line, over the waves of a level towards the Sun there.
+    """Return the share of the solar disc visible from the sea ``r`` metres along a line, over the waves of a level in front of the Sun.
 
-    With it comes the height of that part's middle above the whole disc's [rad].
+    The second value is the height of the middle of the visible part above the middle of the disc [rad].
 
-    The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
-    most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out. Tiles are
-    displaced on the whole way as where it begins.
+    The skyline is searched in the azimuth of the Sun, in steps of ``march[0]`` [m], or larger ones where a sea that rises by ``march[1]``
+    at most cannot reach the ray before. The search ends where the highest crest would not reach above the lower limb; the drop of the
+    round sea over that distance is neglected. Tiles have the displacement of the beginning all along.
     """
     step, rise = march
     tiles = line.part.shape[0]
     own = height(surface, line, 0, tiles, r)
+    # the floor bounds the number of steps where the lower limb is at or below the horizontal
     low = max(sun.lower_tangent, 1e-4)
     steps = min((surface.crest[level, 0] - own) / (low * step), float(FARTHEST))
-    # most waves that shade a place are near it: the first step is taken in parts
+    # most waves that shade a place are near it: the first step is divided into 1/4, 1/2 and 1
     skyline, n = -1.0, 0.25
     while n <= steps:
         d, z = n * step, 0.0

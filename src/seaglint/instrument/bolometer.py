@@ -1,11 +1,11 @@
 r"""Thermal detectors: the response of a microbolometer to absorbed power, with a lag and without shot noise.
 
-Noise is what a data sheet states: the NETD against a blackbody of a temperature, seen through optics of an f-number. In absorbed power
+Noise is given as on a data sheet: by the NETD against a blackbody of a temperature, through optics of an f-number. In absorbed power
 
 .. math:: \sigma_P = \mathrm{NETD}\; A_d\, \Omega(F_0)\, \alpha\, \frac{dL}{dT}(T_0)
 
-is a property of the pixel, whatever optics it gets. The signal follows the power with :math:`1 - e^{-t/\tau}`; frames ``dt`` apart keep the
-share :math:`e^{-dt/\tau}` of the frame before.
+is a property of the pixel, independent of the optics of the sensor. The signal follows the power with :math:`1 - e^{-t/\tau}`; a frame
+contains the share :math:`e^{-dt/\tau}` of the frame ``dt`` before.
 """
 
 from __future__ import annotations
@@ -32,13 +32,12 @@ class ThermalPixels(Pixels):
 
     pitch: float  #: Distance of the pixels' centres [m].
     netd: float  #: Noise-equivalent temperature difference of the data sheet [K].
-    #: ``netd_f_number``, ``netd_temperature``: Optics (transmission 1) and blackbody [K] for which it is stated.
-    netd_f_number: float = 1.0
-    netd_temperature: float = 300.0
-    time_constant: float = 0.0  #: Time constant of the exponential lag [s]; 0 has none.
+    netd_f_number: float = 1.0  #: F-number of the optics (of transmission 1) for which the NETD is stated.
+    netd_temperature: float = 300.0  #: Temperature of the blackbody for which the NETD is stated [K].
+    time_constant: float = 0.0  #: Time constant of the exponential lag [s]; 0 without lag.
     fill_factor: float = 1.0  #: Share of a pixel's area that absorbs [1].
-    absorptance: float = 1.0  #: Share of the power on it that is absorbed [1].
-    full_scale_temperature: float = 433.15  #: Blackbody that fills the converter [K].
+    absorptance: float = 1.0  #: Absorbed share of the power on the pixel [1].
+    full_scale_temperature: float = 433.15  #: Temperature of the blackbody that fills the converter [K].
     bit_depth: int = MOST_BITS  #: Bit depth of the converter.
     offset: float = 0.0  #: Counts without power.
 
@@ -47,7 +46,7 @@ class ThermalPixels(Pixels):
 
 
 def lag_weights(time_constant: float, interval: float) -> FloatArray:
-    """Weights of this frame, the one before and so on in the signal, which add to 1.
+    """Return the weights of a frame and of the frames before it in its signal [1]; they add to 1.
 
     Parameters
     ----------
@@ -64,6 +63,8 @@ def lag_weights(time_constant: float, interval: float) -> FloatArray:
     if time_constant <= 0.0:
         return np.ones(1)
     decay = math.exp(-interval / time_constant)
+    # decay^n reaches FORGOTTEN at n = log(FORGOTTEN) / log(decay)
     count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(decay)) if decay > 0.0 else 0, MOST_REMEMBERED - 1)
+    # the forgotten frames' share is divided among the others, so that a steady scene has its full signal
     weights = (1.0 - decay) * decay ** np.arange(count)
     return np.asarray(weights / weights.sum())

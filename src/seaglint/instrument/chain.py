@@ -1,4 +1,4 @@
-"""Chain of the whole sensor: from radiance at the aperture to counts, frame by frame."""
+"""Chain of the whole sensor, frame by frame: radiance at the aperture, radiance on the focal plane, signal, counts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distort
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.transfer import BYTES_PER_FINE_PIXEL, Sampling, Transfer, isolated, needed_oversampling, padded_shape
 
-KEPT: Final = 4  #: Number of transfers of different sizes or smears that are cached.
+CACHED: Final = 4  #: Number of transfers of different sizes or smears that are cached.
 
 SHORT_BELOW: Final = 0.95  #: Share of the well above which the shorter exposure is used.
 
@@ -34,7 +34,7 @@ class Exposure:
     signal: NDArray[np.uint16]  #: Counts [(rows, columns) or (time, rows, columns), uint16].
     #: Signal before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
     units: NDArray[np.float32]
-    saturated: int  #: Pixels that are full or at the end of the converter.
+    saturated: int  #: Number of pixels that are full or at the end of the converter.
 
     @property
     def saturated_share(self) -> float:
@@ -52,9 +52,9 @@ class SensorModel:
     noise: DetectorNoise = field(default_factory=DetectorNoise)  #: Noise of the pixels.
     seed: int = 1  #: Seed of all random numbers.
     frame_interval: float = 0.04  #: Time from frame to frame [s].
-    #: Whether columns are places of a scanner, all of them seen along the optical axis, rather than of the focal plane.
+    #: True for a scanner: columns are directions of the scan, each on the optical axis, not places on the focal plane.
     scanning: bool = False
-    circle: bool = False  #: Whether pictures go all round.
+    circle: bool = False  #: True for pictures of a full circle.
     _transfers: OrderedDict[tuple[Sampling, tuple[int, int]], Transfer] = field(default_factory=OrderedDict, repr=False)
     _patterns: dict[tuple[int, int], Pattern] = field(default_factory=dict, repr=False)
 
@@ -65,7 +65,7 @@ class SensorModel:
 
     @property
     def exposure_time(self) -> float:
-        """Time over which movement of the line of sight blurs [s]; a thermal detector has only its lag."""
+        """Time over which movement of the line of sight blurs [s]; 0 for a thermal detector, which has only its lag."""
         return self.detector.integration_time if isinstance(self.detector, PhotonPixels) else 0.0
 
     @cached_property
@@ -83,6 +83,7 @@ class SensorModel:
         """Straight line from radiance to counts."""
         optics, detector, photons = self.optics, self.detector, self.photons
         warm = optics.emissivity * optics.solid_angle + optics.housing_solid_angle
+        # warm optics and housing are blackbodies; their electrons have the conversion of the scene
         glow = float(photons.radiance(optics.temperature)) * warm * detector.active_area if warm > 0.0 else 0.0
         light = detector.active_area * optics.solid_angle * optics.transmission
         if isinstance(detector, ThermalPixels):
@@ -98,12 +99,13 @@ class SensorModel:
             gain = detector.gain
         else:
             hot = light * per_joule * float(photons.radiance(FULL_SCALE_TEMPERATURE)) + background
+            # the converter ends at the full well, or at a hot blackbody without a well
             gain = (capacity if math.isfinite(capacity) else hot) / (detector.top_count - detector.offset)
         return Readout(light * per_joule, background, dark, capacity, gain, detector.offset, detector.top_count)
 
     @cached_property
     def read_rms(self) -> float:
-        """Noise of a reading without shot noise [units]: a photon detector's read noise; a thermal detector's whole noise."""
+        """Noise of a reading without shot noise [units]: read noise of a photon detector, whole noise of a thermal detector."""
         detector = self.detector
         if isinstance(detector, PhotonPixels):
             return detector.read_noise
@@ -112,14 +114,14 @@ class SensorModel:
         return detector.netd * detector.active_area * cone * detector.absorptance * slope * NANO
 
     def smear(self, rates: tuple[float, float] = (0.0, 0.0)) -> tuple[float, float]:
-        """Movement of the line of sight in an exposure, its own drift and that of the platform [rad], from rates [rad s-1]."""
+        """Return the movement of the line of sight in an exposure by drift and platform [rad], from rates of the platform [rad s-1]."""
         drift = self.optics.drift
         return (drift[0] + rates[0]) * self.exposure_time, (drift[1] + rates[1]) * self.exposure_time
 
     def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False) -> Sampling:
-        """Sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1].
+        """Return the sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1].
 
-        ``points``: their values are light without extent, in the middle of the fine pixels.
+        ``points``: True for values that are light without extent, in the middle of the fine pixels.
         """
         detector = self.detector
         share = detector.crosstalk if isinstance(detector, PhotonPixels) else 0.0
@@ -129,18 +131,18 @@ class SensorModel:
     def transfer(
         self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0), *, points: bool = False
     ) -> Transfer:
-        """Blur and sampling of fine pictures of ``shape`` (rows, columns), as :meth:`sampling` has them; the latest are cached."""
+        """Return blur and sampling of fine pictures of ``shape`` (rows, columns), with :meth:`sampling`; the latest are cached."""
         key = (self.sampling(oversampling, rates, points=points), shape)
         cached = self._transfers.get(key)
         if cached is None:
             cached = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
-            while len(self._transfers) > KEPT:
+            while len(self._transfers) > CACHED:
                 self._transfers.popitem(last=False)
         self._transfers.move_to_end(key)
         return cached
 
     def transfer_bytes(self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> int:
-        """Memory that blur and sampling of pictures of ``shape`` (rows, columns of the detector) take [bytes]."""
+        """Return the memory for blur and sampling of pictures of ``shape`` (rows, columns of the detector) [bytes]."""
         rows, columns = padded_shape(self.blur, self.sampling(oversampling, rates), shape)
         return rows * columns * oversampling**2 * BYTES_PER_FINE_PIXEL
 
@@ -153,34 +155,35 @@ class SensorModel:
         *,
         drawn: bool = False,
     ) -> NDArray[np.float32]:
-        """Radiance on each pixel: blurred, distorted and vignetted.
+        """Return the radiance on each pixel: blurred, distorted and vignetted.
 
         Parameters
         ----------
         radiance : ndarray
-            At the aperture, ``oversampling`` times finer than the pixels [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
+            Radiance at the aperture, ``oversampling`` times finer than the pixels [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         oversampling : int
             Fine pixels along a pixel's side.
         rates : (float, float)
             Movement of the line of sight by the platform, along and across rows [rad s-1].
         added : ndarray, optional
-            What is added on the pixels, already blurred and distorted (:mod:`seaglint.instrument.local_light`), before stray light and
+            Radiance added on the pixels, already blurred and distorted (:mod:`seaglint.instrument.local_light`), before stray light and
             vignetting [W m-2 sr-1, (rows, columns)]; for single pictures.
         drawn : bool
-            Whether the picture was drawn by this program, each fine pixel the mean of a scene over it. Of any other picture, light that
-            stands alone in a fine pixel (:func:`~seaglint.instrument.transfer.isolated`) is that of a point in its middle.
+            True for a picture of this program, in which each fine pixel is the mean of a scene over it. In any other picture, isolated
+            light of a fine pixel (:func:`~seaglint.instrument.transfer.isolated`) is taken as a point in its middle.
 
         Returns
         -------
         ndarray
-            Mean radiance on the pixels, which optics without losses would bring there [W m-2 sr-1, (rows, columns), with time before
-            them where ``radiance`` has it].
+            Mean radiance on the pixels behind optics without losses [W m-2 sr-1, (rows, columns), with time before them where
+            ``radiance`` has it].
 
         Raises
         ------
         DataError
             Values that are no radiances.
         """
+        # order of the optics: distortion, blur and sampling (with ``added``, which has both), stray light, vignetting
         if radiance.ndim == 3:
             return np.stack([self.focal_plane(picture, oversampling, rates, drawn=drawn) for picture in radiance])
         require_radiance(radiance)
@@ -189,10 +192,10 @@ class SensorModel:
             places = distorted_places((radiance.shape[0], radiance.shape[1]), optics.distortion)
             radiance = map_coordinates(radiance, places, order=1, mode="nearest").astype(np.float32)
         shape = (radiance.shape[0], radiance.shape[1])
-        alone = None if drawn else isolated(radiance)
-        if alone is not None and alone.any():
-            points = self.transfer(shape, oversampling, rates, points=True)(alone)
-            out = self.transfer(shape, oversampling, rates)(radiance - alone) + points
+        isolated_light = None if drawn else isolated(radiance)
+        if isolated_light is not None and isolated_light.any():
+            points = self.transfer(shape, oversampling, rates, points=True)(isolated_light)
+            out = self.transfer(shape, oversampling, rates)(radiance - isolated_light) + points
         else:
             out = self.transfer(shape, oversampling, rates)(radiance)
         if added is not None:
@@ -206,26 +209,27 @@ class SensorModel:
         return out
 
     def expose(self, seen: NDArray[np.float32], frame: int = 0, time: float | None = None) -> Exposure:
-        """Signal of the pixels for given radiances.
+        """Return the signal of the pixels for given radiances.
 
         Parameters
         ----------
         seen : ndarray
             Radiance from :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         frame : int
-            Number of the frame (of the first one) in the whole sequence: its noise is a function of it.
+            Number of the frame (of the first frame) in the whole sequence; noise is a function of it.
         time : float, optional
-            Its time [s]; the frame's number times the frame interval by default.
+            Time of the frame [s]; its number times the frame interval by default.
         """
         if seen.ndim == 3:
             begin = frame * self.frame_interval if time is None else time
             frames = [self.expose(picture, frame + k, begin + k * self.frame_interval) for k, picture in enumerate(seen)]
-            counted = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
-            return Exposure(*counted, sum(one.saturated for one in frames))
+            signals = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
+            return Exposure(*signals, sum(one.saturated for one in frames))
         line, noise = self.readout, self.noise
         shape = (seen.shape[0], seen.shape[1])
         pattern = self._pattern(shape)
         when = frame * self.frame_interval if time is None else time
+        # gain and curvature act on light alone; dark signal is added after them
         light = pattern.response(np.maximum(line.per_radiance * seen.astype(np.float64), 0.0) + (line.background - line.dark))
         dark = pattern.dark(shape) + line.dark
         detector = self.detector
@@ -236,6 +240,7 @@ class SensorModel:
             full = units >= well
             if detector.short_integration_time is not None:
                 factor = detector.range_factor
+                # fewer electrons in proportion to the time, scaled back after the shot noise
                 second = self._collected(mean / factor, frame, well, 1) * factor
                 short = units > SHORT_BELOW * well
                 units, full = np.where(short, second, units), second >= well * factor
@@ -249,9 +254,9 @@ class SensorModel:
         return Exposure(counts.astype(np.uint16), units.astype(np.float32), saturated)
 
     def _collected(self, mean: FloatArray, frame: int, well: float, exposure: int) -> FloatArray:
-        """Electrons in the wells: from light and dark current, with their shot noise, limited to the well."""
+        """Return the electrons in the wells, from light and dark current, with their shot noise, limited to the well."""
         if self.noise.temporal:
-            # NumPy's Poisson numbers end at 2^63; wells end long before.
+            # NumPy's Poisson numbers end at 2^63; wells end long before
             most = np.clip(mean, 0.0, 1e15)
             mean = stream(self.seed, "sensor shot", frame, exposure).poisson(most).astype(np.float64)
         return np.minimum(mean, well)
@@ -264,20 +269,20 @@ class SensorModel:
         return cached
 
     def sense(self, radiance: NDArray[np.float32], frame: int = 0, oversampling: int = 1) -> Exposure:
-        """Signal by :meth:`focal_plane` and :meth:`expose`; a lag needs the frames before it, see :func:`lagged`."""
+        """Return the signal by :meth:`focal_plane` and :meth:`expose`, without the lag of a thermal detector, which needs more frames."""
         return self.expose(self.focal_plane(radiance, oversampling), frame)
 
     def apparent_temperature(self, counts: FloatArray | NDArray[np.uint16]) -> FloatArray:
-        """Apparent temperature at the aperture from counts [K]."""
+        """Return the apparent temperature at the aperture from counts [K]."""
         return self.photons.apparent_temperature(self.readout.radiance(counts))
 
     def reseeded(self, seed: int) -> SensorModel:
-        """Return another detector of the same kind, with other noise."""
+        """Return another detector of this kind, with other noise."""
         return replace(self, seed=seed, _transfers=self._transfers, _patterns={})
 
 
 def require_radiance(radiance: NDArray[np.float32], name: str = "radiance") -> None:
-    """Refuse values that are not radiances; the message calls them ``name``.
+    """Raise for values that are not radiances; the message has them under ``name``.
 
     Raises
     ------

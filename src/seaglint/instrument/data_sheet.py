@@ -12,11 +12,10 @@ from seaglint.base.free_form import JsonObject
 class TransferCurves:
     """Modulation transfer function of a sensor."""
 
-    frequency_cycles_per_mrad: list[float]  #: Frequencies.
-    #: ``along``, ``across``: Transfer along rows and across them [1].
-    along: list[float]
-    across: list[float]
-    nyquist_cycles_per_mrad: float  #: Nyquist frequency.
+    frequency_cycles_per_mrad: list[float]  #: Frequencies [cycles mrad-1].
+    along: list[float]  #: Transfer along rows [1].
+    across: list[float]  #: Transfer across rows [1].
+    nyquist_cycles_per_mrad: float  #: Nyquist frequency [cycles mrad-1].
     parts: dict[str, dict[str, list[float]]]  #: Factors of the transfer by their causes, for ``along`` and ``across`` [1].
 
 
@@ -25,10 +24,10 @@ class BudgetAtMean:
     """Noise of a pixel at the mean radiance of a scene, by its causes."""
 
     scene_radiance: float  #: Mean radiance [W m-2 sr-1].
-    scene_apparent_temperature_k: float | None  #: Apparent temperature of it; None where there is none.
+    scene_apparent_temperature_k: float | None  #: Apparent temperature of the mean radiance [K]; None for a radiance without one.
     signal: float  #: Mean signal [units].
     parts: dict[str, float]  #: Temporal noise by its causes, rms [units].
-    total_temporal: float  #: Root of the sum of their squares [units].
+    total_temporal: float  #: Total temporal noise, the root of the sum of squares of the causes [units].
     fixed_pattern: float  #: Spread between pixels, rms [units].
 
     @property
@@ -44,12 +43,11 @@ class BudgetAtMean:
 
 @dataclass(frozen=True)
 class ConversionError:
-    """Error of the conversion of radiance to photons for spectra other than that of the reference."""
+    """Error of the conversion of radiance to photons for spectra other than the reference."""
 
-    reference_k: float  #: Temperature of the blackbody for which it is right [K].
-    #: ``at_280_k``, ``at_320_k``: Relative error for blackbodies of 280 and 320 K [1].
-    at_280_k: float
-    at_320_k: float
+    reference_k: float  #: Temperature of the blackbody for which the conversion is exact [K].
+    at_280_k: float  #: Relative error for a blackbody of 280 K [1].
+    at_320_k: float  #: Relative error for a blackbody of 320 K [1].
     sunlight: float  #: Relative error for sunlight [1].
 
     def as_dict(self) -> JsonObject:
@@ -64,9 +62,8 @@ class SensorDataSheet:
     detector: Literal["photon", "thermal"]  #: Kind of detector.
     band_um: list[float]  #: Limits of the band [um].
     mean_wavelength_um: float  #: Mean wavelength of the photons [um].
-    #: ``aperture_m``, ``focal_length_m``: Diameter of the pupil and focal length [m].
-    aperture_m: float
-    focal_length_m: float
+    aperture_m: float  #: Diameter of the pupil [m].
+    focal_length_m: float  #: Focal length [m].
     f_number: float  #: Focal ratio [1].
     solid_angle_sr: float  #: Solid angle of the pupil at the pixel [sr].
     ifov_mrad: float  #: Angle of a pixel [mrad].
@@ -76,17 +73,14 @@ class SensorDataSheet:
     sitf_counts_per_k: float  #: Slope of the signal against temperature [counts K-1].
     nei_w_m2: float  #: Noise-equivalent irradiance at the aperture [W m-2].
     nep_w: float  #: Noise-equivalent power on the pixel [W].
-    point_share: float  #: Share of a point's light on the sensitive area of the pixel at whose centre it stands [1].
-    #: Contrast of a point in that pixel, over that of the same light spread evenly over the whole pixel: the share over the fill factor
-    #: [1].
+    point_share: float  #: Share of the light of a point at the centre of a pixel that falls on the pixel's sensitive area [1].
+    #: Contrast of a point at the centre of a pixel, relative to its light spread evenly over the pixel: the share over the fill factor [1].
     point_response: float
-    #: ``electrons_per_count``, ``nw_per_count``: Gain in the unit of the detector; the other one is None.
-    electrons_per_count: float | None
-    nw_per_count: float | None
+    electrons_per_count: float | None  #: Gain of a photon detector [electrons]; None for a thermal detector.
+    nw_per_count: float | None  #: Gain of a thermal detector [nW]; None for a photon detector.
     offset_counts: float  #: Counts without a signal.
-    #: ``radiance_per_count``, ``radiance_at_zero_counts``: Scale and offset of counts [W m-2 sr-1].
-    radiance_per_count: float
-    radiance_at_zero_counts: float
+    radiance_per_count: float  #: Scale of counts [W m-2 sr-1].
+    radiance_at_zero_counts: float  #: Offset of counts [W m-2 sr-1].
     dynamic_range_db: float | None  #: Full scale over the noise in the dark; None without noise [dB].
     saturation_temperature_k: float | None  #: Apparent temperature that saturates [K].
     saturation_radiance: float  #: Radiance that saturates [W m-2 sr-1].
@@ -98,7 +92,7 @@ class SensorDataSheet:
 
     @property
     def unit(self) -> str:
-        """Unit of the signals, as it is printed."""
+        """Printed unit of the signals."""
         return "electrons" if self.detector == "photon" else "nW"
 
     def as_dict(self) -> JsonObject:

@@ -26,7 +26,7 @@ class Pixels:
     bit_depth: int
 
     def require_bits(self) -> None:
-        """Refuse a bit depth above :data:`MOST_BITS`."""
+        """Raise for a bit depth outside 1 to :data:`MOST_BITS`."""
         if not 1 <= self.bit_depth <= MOST_BITS:
             raise DomainError(
                 f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",
@@ -57,16 +57,16 @@ class PhotonPixels(Pixels):
 
     pitch: float  #: Distance of the pixels' centres [m].
     fill_factor: float = 1.0  #: Share of a pixel's area that is sensitive, a square in its middle [1].
-    integration_time: float = 0.01  #: [s].
+    integration_time: float = 0.01  #: Integration time [s].
     quantum_efficiency: float = 1.0  #: Electrons for each photon, where the response of the efficiency's curve is 1 [1].
-    well_capacity: float | None = None  #: Electrons that a pixel holds; None does not saturate.
-    read_noise: float = 0.0  #: Rms of a reading [electrons].
-    dark_current: float = 0.0  #: [electrons s-1].
+    well_capacity: float | None = None  #: Largest number of electrons in a pixel; None without saturation.
+    read_noise: float = 0.0  #: Rms noise of a reading [electrons].
+    dark_current: float = 0.0  #: Dark current [electrons s-1].
     bit_depth: int = MOST_BITS  #: Bit depth of the converter.
-    gain: float | None = None  #: Electrons for each count; where None a full well, or the electrons of a hot blackbody, fill the converter.
+    gain: float | None = None  #: Electrons for each count; None: a full well, or the electrons of a hot blackbody, fill the converter.
     offset: float = 0.0  #: Counts without electrons.
-    crosstalk: float = 0.0  #: Share of a pixel's electrons that is collected by its four neighbours [1].
-    short_integration_time: float | None = None  #: Second, shorter integration, taken where the long one saturates [s].
+    crosstalk: float = 0.0  #: Share of a pixel's electrons that its four neighbours collect [1].
+    short_integration_time: float | None = None  #: Second, shorter integration time, used where the long integration saturates [s].
 
     def __post_init__(self) -> None:
         self.require_bits()
@@ -100,9 +100,10 @@ class Readout:
     """
 
     per_radiance: float  #: Units for each unit of in-band radiance at the aperture [units (W m-2 sr-1)-1].
-    background: float  #: Units without any scene: dark current, warm optics and housing.
-    dark: float  #: The part of them that is no light.
-    capacity: float  #: Units at which a pixel saturates; infinite where it does not.
+    background: float  #: Units without a scene: dark current, warm optics and housing.
+    dark: float  #: Units of dark current, a part of ``background``.
+    # capacity and full scale differ: the converter may end before the well
+    capacity: float  #: Units at which a pixel saturates; infinite without saturation.
     gain: float  #: Units for each count.
     offset: float  #: Counts without units.
     top_count: int  #: Largest count.
@@ -122,11 +123,11 @@ class Readout:
         return min(self.capacity, (self.top_count - self.offset) * self.gain)
 
     def units(self, radiance: ArrayLike) -> FloatArray:
-        """Mean signal of radiances at the aperture [W m-2 sr-1], unlimited [units]."""
+        """Return the mean signal of radiances at the aperture [W m-2 sr-1], without limits [units]."""
         return self.per_radiance * np.asarray(radiance, np.float64) + self.background
 
     def counts(self, units: ArrayLike) -> FloatArray:
-        """Counts, whole numbers as floats, within the converter's range."""
+        """Return the counts of a signal [units], whole numbers as floats, within the converter's range."""
         raw = np.rint(np.asarray(units, np.float64) / self.gain + self.offset)
         return np.clip(raw, 0.0, float(self.top_count))
 
@@ -137,20 +138,20 @@ class Readout:
 
     @property
     def radiance_offset(self) -> float:
-        """Radiance of zero counts [W m-2 sr-1]; negative where there is a background."""
+        """Radiance of zero counts [W m-2 sr-1]; negative with a background."""
         return -(self.offset * self.gain + self.background) / self.per_radiance
 
     def radiance(self, counts: ArrayLike) -> FloatArray:
-        """Radiance at the aperture from counts [W m-2 sr-1]."""
+        """Return the radiance at the aperture from counts [W m-2 sr-1]."""
         return np.asarray(counts, np.float64) * self.radiance_scale + self.radiance_offset
 
 
 def square_mtf(frequency: ArrayLike, width: float) -> FloatArray:
-    """Transfer of a detector of an angular width [rad], at frequencies across it [cycles rad-1]."""
+    """Return the transfer of a detector of an angular width [rad], at frequencies across it [cycles rad-1]."""
     return np.asarray(np.sinc(np.asarray(frequency, np.float64) * width))
 
 
 def crosstalk_mtf(along: ArrayLike, across: ArrayLike, share: float, step: float) -> FloatArray:
-    """Transfer of pixels ``step`` [rad] apart that lose a share to their four neighbours."""
+    """Return the transfer of pixels ``step`` [rad] apart that lose a share to their four neighbours [1]."""
     x, y = np.asarray(along, np.float64), np.asarray(across, np.float64)
     return np.asarray(1.0 - share + 0.5 * share * (np.cos(2.0 * np.pi * x * step) + np.cos(2.0 * np.pi * y * step)))

@@ -1,14 +1,12 @@
-r"""Figures of merit of a sensor, as in a data sheet.
+r"""Figures of merit of a sensor, as in a data sheet, and settings of a photon detector for a stated NETD.
 
 With the electrons ``N`` of a blackbody that fills the field and their noise ``sigma``
 
 .. math:: \mathrm{NETD} = \frac{\sigma(T)}{dN/dT} \qquad \mathrm{SiTF} = \frac{1}{g}\frac{dN}{dT} \qquad
     \mathrm{NEI} = \frac{\sigma}{A_{pupil}\,\tau\,t\,K\,s}
 
-``s`` is the share of a point's light that falls on its pixel. All are those of the sensor's own noise, whatever the switches ``temporal``
-and ``fixed_pattern`` of a scenario leave out.
-
-Photon detectors of a stated NETD: the read noise, or the integration time, that gives it.
+``s`` is the share of a point's light that falls on its pixel. All figures are for the complete noise of the sensor, also if the switches
+``temporal`` and ``fixed_pattern`` of a scenario omit parts of it.
 """
 
 from __future__ import annotations
@@ -30,17 +28,18 @@ from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
 from seaglint.instrument.optics import motion_mtf
 from seaglint.instrument.transfer import sensor_mtf
 
-BACKGROUND: Final = 300.0  #: Temperature of the blackbody against which NETD, SiTF and the like are stated [K].
+BACKGROUND: Final = 300.0  #: Temperature of the blackbody for NETD, SiTF and related figures [K].
 
 MTF_POINTS: Final = 41  #: Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency.
 
 
-RIPPLE_POINTS: Final = 8  #: Frequencies in a ripple of the transfer of pixel, crosstalk and movement in the integral over a point's light.
+#: Number of frequencies in a ripple of the transfer of pixel, crosstalk and movement, in the integral over a point's light.
+RIPPLE_POINTS: Final = 8
 
-LEAST_POINTS: Final = 512
-MOST_POINTS: Final = 1024  #: Least and largest number of frequencies along each half axis of that integral.
+LEAST_POINTS: Final = 512  #: Least number of frequencies along each half axis of that integral.
+MOST_POINTS: Final = 1024  #: Largest number of frequencies along each half axis of that integral.
 
-BLUR_POINTS: Final = 4097  #: Number of frequencies up to the optics' cut-off among which the transfer's fall to a half is sought.
+BLUR_POINTS: Final = 4097  #: Number of frequencies up to the optics' cut-off at which the transfer is compared with a half.
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class Budget:
 
 
 def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (0.0, 0.0)) -> dict[str, dict[str, FloatArray]]:
-    """Transfer along rows and across them, by cause, at frequencies [cycles rad-1]; ``total`` is their product, that of pictures.
+    """Return the transfer along rows and across them, by cause, at frequencies [cycles rad-1]; ``total`` is their product.
 
     >>> from seaglint.optics.band import Band
     >>> from seaglint.instrument.optics import SensorOptics
@@ -84,12 +83,13 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
 def blur_px(model: SensorModel) -> float:
     r"""Return the blur of a sensor beyond its pixels, as a standard deviation [px].
 
-    That of the Gaussian whose transfer falls to a half where the product ``H`` of optics, crosstalk and steady movement does:
+    The result is the standard deviation of a Gaussian with a transfer of a half at the frequency where the product ``H`` of optics,
+    crosstalk and steady movement is a half:
 
     .. math:: s = \frac{1}{p f_{1/2}}\sqrt{\frac{\ln 2}{2\pi^2}}, \qquad H(f_{1/2}) = \tfrac12
 
-    with the pixel's angle ``p``; the root mean square of both axes. Integration over the pixel itself, which rendered pictures have
-    too, is not in it. A second moment would not do: that of diffraction is infinite.
+    with the pixel's angle ``p``; the root mean square of both axes. It does not include the integration over the pixel, which rendered
+    pictures have too. A second moment is no alternative, as the second moment of diffraction is infinite.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def blur_px(model: SensorModel) -> float:
     zero: FloatArray = np.zeros(BLUR_POINTS)
     for axes in ((frequency, zero), (zero, frequency)):
         beyond = sensor_mtf(model.blur, sampling, *axes)
-        # Linear between the points; at the cut-off the transfer is 0, so that it falls to a half before.
+        # linear between the points; the transfer is 0 at the cut-off, so that it falls to a half before
         after = int(np.flatnonzero(beyond <= 0.5)[0])
         step = (beyond[after - 1] - 0.5) / (beyond[after - 1] - beyond[after])
         half = frequency[after - 1] + step * (frequency[after] - frequency[after - 1])
@@ -116,42 +116,46 @@ def blur_px(model: SensorModel) -> float:
 
 
 def budget(model: SensorModel, radiance: float) -> Budget:
-    """Noise budget of a pixel at a radiance at the aperture [W m-2 sr-1]."""
+    """Return the noise budget of a pixel at a radiance at the aperture [W m-2 sr-1]."""
     line, noise, detector = model.readout, model.noise, model.detector
     signal = float(line.units(radiance))
     parts: dict[str, float] = {}
     if isinstance(detector, PhotonPixels):
+        # shot noise: the variance of electrons is their mean
         parts["scene"] = math.sqrt(line.per_radiance * radiance)
         parts["optics"] = math.sqrt(max(line.background - line.dark, 0.0))
         parts["dark"] = math.sqrt(line.dark)
         parts["read"] = detector.read_noise
     else:
         parts["detector"] = model.read_rms
+    # a converter's steps are uniform errors: step over the root of 12
     parts |= {"one_over_f": noise.one_over_f, "quantisation": line.gain / math.sqrt(12.0)}
     parts |= {name: getattr(noise, name) for name in ("frame", "row_temporal", "column_temporal")}
     return Budget(signal, parts)
 
 
 def fixed_pattern(model: SensorModel, radiance: float) -> float:
-    """Rms of fixed differences between pixels [units]."""
+    """Return the rms of fixed differences between pixels at a radiance [units]."""
     noise, line = model.noise, model.readout
     light = float(line.units(radiance)) - line.dark
     if noise.corrected_at is None:
         gain, offset, (first, second) = noise.gain_spread * light, noise.offset_spread, (0.0, 0.0)
     else:
         gain, offset, (first, second) = 0.0, 0.0, noise.corrected_at
+    # zero at the two signals of the correction; without correction both are 0
     curved = noise.curvature_spread * (light - first) * (light - second) / min(line.full_scale, 1e15)
     return math.sqrt(gain**2 + offset**2 + curved**2)
 
 
 def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
-    """Seven components of 3-D noise at a radiance [units]; differences between pixels of a scanner are differences between rows."""
+    """Return the seven components of 3-D noise at a radiance [units]; for a scanner, differences between pixels are between rows."""
     temporal, noise = budget(model, radiance), model.noise
     common = ("frame", "row_temporal", "column_temporal")
     pattern, scanning = fixed_pattern(model, radiance), model.scanning
     pixel = math.sqrt(sum(value**2 for name, value in temporal.parts.items() if name not in common))
     return {
         "T": noise.frame,
+        # one pixel of a scanner draws a whole row: its pattern is the row's
         "V": math.hypot(noise.row, pattern) if scanning else noise.row,
         "H": noise.column,
         "TV": noise.row_temporal,
@@ -162,16 +166,16 @@ def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
 
 
 def signal_slope(model: SensorModel, temperature: float) -> float:
-    """Signal for each kelvin of a blackbody [units K-1], with the conversion of the chain."""
+    """Return the signal for each kelvin of a blackbody [units K-1], with the conversion of the chain."""
     return model.readout.per_radiance * model.photons.radiance_slope(temperature)
 
 
 def point_response(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) -> float:
-    """Contrast of a point in the pixel at whose centre it stands, over that of the same light spread evenly over the whole pixel [1].
+    """Return the contrast of a point at the centre of a pixel, relative to its light spread evenly over the whole pixel [1].
 
-    ``s = (1 - stray) p^2 int H_optics H_detector H_crosstalk H_motion d^2f`` with the pixel's angle ``p``: what a point of the intensity
-    ``I`` at the distance ``R`` adds to the radiance ``I / (R^2 p^2)`` of its pixel. The fill factor is not in it, as the radiance of a
-    pixel is that over its sensitive area; :func:`point_share` has it.
+    ``s = (1 - stray) p^2 int H_optics H_detector H_crosstalk H_motion d^2f`` with the pixel's angle ``p``: a point of the intensity ``I``
+    at the distance ``R`` adds ``s I / (R^2 p^2)`` to the radiance of its pixel. The response does not include the fill factor, as the
+    radiance of a pixel is a mean over its sensitive area; :func:`point_share` includes it.
     """
     sampling, jitter = model.sampling(1, rates), model.optics.jitter
     # up to the cut-off, or to where jitter leaves 1e-12; several points in the shortest ripple
@@ -186,7 +190,7 @@ def point_response(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) 
 
 
 def point_share(model: SensorModel, rates: tuple[float, float] = (0.0, 0.0)) -> float:
-    """Share of a point's light on the sensitive area of the pixel at whose centre it stands [1]: the response times the fill factor."""
+    """Return the share of the light of a point at the centre of a pixel on its sensitive area [1]: the response times the fill factor."""
     return model.detector.fill_factor * point_response(model, rates)
 
 
@@ -203,7 +207,7 @@ def figures(
     model : SensorModel
         The sensor.
     scene_radiance : float, optional
-        Mean radiance for which the noise budget is made [W m-2 sr-1]; that of a blackbody at 300 K by default.
+        Mean radiance of the noise budget [W m-2 sr-1]; the radiance of a blackbody at 300 K by default.
     rates : (float, float)
         Movement of the line of sight by the platform [rad s-1].
     frequencies : sequence of float
@@ -217,9 +221,11 @@ def figures(
     nyquist = 0.5 / model.ifov
     frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
     transfer = mtf(model, frequency, rates)
-    here = budget(model, mean)
+    at_mean = budget(model, mean)
+    # the dark: noise without light from the scene
     floor = budget(model, 0.0).total
     time = detector.integration_time if isinstance(detector, PhotonPixels) else model.frame_interval
+    # units for each watt on the sensitive area
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
     ceiling = (line.full_scale - line.background) / line.per_radiance
     response = point_response(model, rates)
@@ -229,7 +235,9 @@ def figures(
         along=transfer["along"]["total"].tolist(),
         across=transfer["across"]["total"].tolist(),
         nyquist_cycles_per_mrad=1e-3 * nyquist,
-        parts={way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
+        parts={
+            direction: {name: part.tolist() for name, part in parts.items() if name != "total"} for direction, parts in transfer.items()
+        },
     )
     return SensorDataSheet(
         detector="photon" if photon else "thermal",
@@ -260,9 +268,9 @@ def figures(
         noise_budget=BudgetAtMean(
             scene_radiance=mean,
             scene_apparent_temperature_k=_finite(float(photons.apparent_temperature(mean))),
-            signal=here.signal,
-            parts=here.parts,
-            total_temporal=here.total,
+            signal=at_mean.signal,
+            parts=at_mean.parts,
+            total_temporal=at_mean.total,
             fixed_pattern=fixed_pattern(model, mean),
         ),
         three_d_noise=three_d(model, mean),
@@ -280,26 +288,26 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-SHORTEST = 1e-9  #: Shortest integration time tried [s].
+SHORTEST = 1e-9  #: Shortest integration time of the search [s].
 
 
 def netd(model: SensorModel, temperature: float) -> float:
-    """Noise-equivalent temperature difference against a blackbody [K].
+    """Return the noise-equivalent temperature difference against a blackbody [K].
 
-    Temporal noise of a pixel that sees the blackbody over the slope of its signal against temperature, whatever the well holds.
+    It is the temporal noise of a pixel before the blackbody over the slope of its signal against temperature, without a limit by the well.
 
     Parameters
     ----------
     model : SensorModel
         The sensor.
     temperature : float
-        Of the blackbody [K].
+        Temperature of the blackbody [K].
     """
     return budget(model, float(model.photons.radiance(temperature))).total / signal_slope(model, temperature)
 
 
 def read_noise_for(model: SensorModel, stated: float, temperature: float) -> float:
-    r"""Read noise with which a photon detector has a stated NETD [electrons].
+    r"""Return the read noise with which a photon detector has a stated NETD [electrons].
 
     .. math:: \sigma_r^2 = (\mathrm{NETD}\, dS/dT)^2 - \sigma_0^2
 
@@ -308,11 +316,11 @@ def read_noise_for(model: SensorModel, stated: float, temperature: float) -> flo
     Parameters
     ----------
     model : SensorModel
-        Sensor with a photon detector, whose own read noise is ignored.
+        Sensor with a photon detector; its read noise is ignored.
     stated : float
-        NETD [K].
+        Stated NETD [K].
     temperature : float
-        Blackbody for which it is stated [K].
+        Temperature of the blackbody for which it is stated [K].
 
     Raises
     ------
@@ -333,33 +341,33 @@ def read_noise_for(model: SensorModel, stated: float, temperature: float) -> flo
 
 
 def integration_time_for(model: SensorModel, stated: float, temperature: float, longest: float) -> float:
-    """Integration time with which a photon detector has a stated NETD [s].
+    """Return the integration time with which a photon detector has a stated NETD [s].
 
     Parameters
     ----------
     model : SensorModel
-        Sensor with a photon detector, whose own integration time is ignored.
+        Sensor with a photon detector; its integration time is ignored.
     stated : float
-        NETD [K].
+        Stated NETD [K].
     temperature : float
-        Blackbody for which it is stated [K].
+        Temperature of the blackbody for which it is stated [K].
     longest : float
         Longest integration time that a frame allows [s].
 
     Raises
     ------
     DomainError
-        No integration time up to the longest gives it, or the pixel is full before.
+        No integration time up to the longest has this NETD, or the pixel is full before.
     """
     pixels = _photon_pixels(model)
 
-    def over(time: float) -> float:
+    def log_ratio(time: float) -> float:
         return math.log(netd(exposed(time), temperature) / stated)
 
     def exposed(time: float) -> SensorModel:
         return replace(model, detector=replace(pixels, integration_time=time))
 
-    if over(longest) > 0.0:
+    if log_ratio(longest) > 0.0:
         raise DomainError(
             f"NETD = {1e3 * stated:.4g} mK is below the {1e3 * netd(exposed(longest), temperature):.4g} mK of the longest integration, "
             f"{longest:.4g} s; give a higher one, a lower frame rate or a faster lens",
@@ -367,14 +375,15 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
             value=stated,
             allowed=f"from {netd(exposed(longest), temperature):.4g} K",
         )
-    if over(SHORTEST) < 0.0:
+    if log_ratio(SHORTEST) < 0.0:
         raise DomainError(
             f"NETD = {1e3 * stated:.4g} mK is reached by any integration time; give a lower one, or integration_time_s",
             name="netd",
             value=stated,
             allowed=f"up to {netd(exposed(SHORTEST), temperature):.4g} K",
         )
-    time = math.exp(brentq(lambda x: over(math.exp(x)), math.log(SHORTEST), math.log(longest), xtol=1e-10))
+    # NETD falls with the integration time over many decades: the root is sought in the logarithms of both
+    time = math.exp(brentq(lambda x: log_ratio(math.exp(x)), math.log(SHORTEST), math.log(longest), xtol=1e-10))
     line = exposed(time).readout
     signal = float(line.units(model.photons.radiance(temperature)))
     if signal > line.full_scale:
@@ -388,7 +397,7 @@ def integration_time_for(model: SensorModel, stated: float, temperature: float, 
 
 
 def _photon_pixels(model: SensorModel) -> PhotonPixels:
-    """The detector, which has to be one of photons."""
+    """Return the photon detector of a model; raise for a thermal detector."""
     if not isinstance(model.detector, PhotonPixels):
         raise DomainError("a thermal detector states its NETD itself; read noise and integration time are a photon detector's")
     return model.detector

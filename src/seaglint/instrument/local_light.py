@@ -1,14 +1,15 @@
-r"""Parts of a picture: added to it, cut and joined, round its seam where it closes on itself.
+r"""Light of small sources on the focal plane, at places finer than any grid, in windows of a picture.
 
-Light of small sources on the focal plane, at places finer than any grid.
-
-A source at image point ``x`` gives a pixel the light ``h(p - x)``, where the transform of ``h`` is the product ``H`` of all transfer
-functions. Sources are spread on a local grid of ``m`` nodes to a pixel by cubic B-splines, whose own transform is then divided out:
+A source at image point ``x`` adds the light ``h(p - x)`` to a pixel ``p``; the transform of ``h`` is the product ``H`` of all transfer
+functions. Sources are distributed on a local grid of ``m`` nodes to a pixel by cubic B-splines; the transform of the splines is then
+divided out:
 
 .. math:: L_p = \int \frac{H(f)}{B(f)}\,\hat G(f)\,e^{2\pi i f p}\,df, \qquad B(f) = \mathrm{sinc}^4(f_x/m)\,\mathrm{sinc}^4(f_y/m)
 
-Optics pass nothing above their cut-off :math:`f_c`. With :math:`m = 4 f_c` what the grid folds into a frequency ``f`` is
-:math:`(f/(m-f))^4` of it, at most :math:`4\cdot 10^{-4}` up to half the cut-off (Dutt and Rokhlin 1993, SIAM J. Sci. Comput. 14, 1368).
+The transfer of optics is 0 above their cut-off :math:`f_c`. With :math:`m = 4 f_c` the grid adds to a frequency ``f`` an aliased share of
+:math:`(f/(m-f))^4`, at most :math:`4\cdot 10^{-4}` up to half the cut-off (Dutt and Rokhlin 1993, SIAM J. Sci. Comput. 14, 1368).
+
+Windows are parts of a picture, with its full circle if it closes on itself: they are added to it, cut and joined.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ PictureWindow = tuple[int, int, NDArray[np.float32]]
 
 
 def add_window(picture: FloatArray, window: PictureWindow, circle: int) -> None:
-    """Add a window to a picture (rows, columns); ``circle``: columns of a full circle, 0 where there is none."""
+    """Add a window to a picture (rows, columns); ``circle``: columns of a full circle, 0 for a picture that is no full circle."""
     row, column, values = window
     first, end = max(row, 0), min(row + values.shape[0], picture.shape[0])
     if first >= end:
@@ -50,7 +51,7 @@ def add_window(picture: FloatArray, window: PictureWindow, circle: int) -> None:
 
 
 def part_of(window: PictureWindow, rows: tuple[int, int] | None, columns: tuple[int, int] | None) -> PictureWindow:
-    """Part of a window in some rows and columns (first and end; None for all)."""
+    """Return the part of a window in some rows and columns (first and end; None for all)."""
     row, column, values = window
     if rows is not None:
         first, end = max(rows[0], row), min(rows[1], row + values.shape[0])
@@ -62,9 +63,10 @@ def part_of(window: PictureWindow, rows: tuple[int, int] | None, columns: tuple[
 
 
 def sum_of(windows: list[PictureWindow], shape: tuple[int, ...], circle: int) -> PictureWindow | None:
-    """Sum of windows in a picture of ``shape`` (rows, columns); None where none of them is in it."""
+    """Return the sum of windows in a picture of ``shape`` (rows, columns) as one window; None if all are outside it."""
     if not windows:
         return None
+    # on a full circle all windows move to the turn in which they are nearest to the first
     about = windows[0][1]
     moved = [(row, about + (column - about + circle // 2) % circle - circle // 2 if circle else column, v) for row, column, v in windows]
     top, left = max(min(row for row, _, _ in moved), 0), min(column for _, column, _ in moved)
@@ -80,72 +82,64 @@ def sum_of(windows: list[PictureWindow], shape: tuple[int, ...], circle: int) ->
     return top, left, whole.astype(np.float32)
 
 
-NODES_PER_CYCLE: Final = 4.0  #: Nodes of the grid to a period of the optics' cut-off.
+NODES_PER_CYCLE: Final = 4.0  #: Number of nodes of the grid in a period of the optics' cut-off.
 
 #: Least and greatest margin of a window around its sources [pixels]; between them :data:`BLURS` of diffraction.
 #:
-#: What diffraction sends beyond, a share of some ``1 / (pi^2 BLURS)``, comes in again from the other side, so that sums are whole.
+#: Diffracted light beyond the margin, a share of some ``1 / (pi^2 BLURS)``, wraps around to the other side, so that sums are complete.
 MARGINS: Final = (24, 48)
 
 BLURS: Final = 16.0  #: Margin in units of the blur's diameter (wavelength times f-number).
 
-TILE: Final = 96  #: Side of the tiles into which sources are divided where they spread farther [pixels].
+TILE: Final = 96  #: Side of the tiles into which sources over a larger area are divided [pixels].
 
-STEP: Final = 16  #: Windows have whole multiples of this many pixels, so that few filters are needed.
+STEP: Final = 16  #: Step of the sizes of windows [pixels], so that few filters are needed.
 
-KEPT: Final = 8  #: Number of filters of windows that are cached.
+CACHED: Final = 8  #: Number of filters of windows that are cached.
 
 
 class Boxes(NamedTuple):
-    """Sources as boxes of light over the sea, at the middle of an exposure.
+    """Sources as boxes of light over the sea, at the middle of an exposure; arrays are (b,)."""
 
-    The fields are columns and rows of their centres [pixels, (b,)], light as counted and as radiance, each times the share of a pixel that
-    the box has [W m-2 sr-1 pixels, (b,)], covered area [pixels, (b,)], and the side of a box [pixels], 0 for points.
-    """
-
-    column: FloatArray
-    row: FloatArray
-    counted: FloatArray
-    radiance: FloatArray
-    cover: FloatArray
-    side: float
+    column: FloatArray  #: Columns of the centres [pixels].
+    row: FloatArray  #: Rows of the centres [pixels].
+    counted: FloatArray  #: Counted radiance times the area of the box [W m-2 sr-1 pixels].
+    radiance: FloatArray  #: Radiance times the area of the box [W m-2 sr-1 pixels].
+    cover: FloatArray  #: Covered area [pixels].
+    side: float  #: Side of a box [pixels]; 0 for points.
 
 
 class Instants(NamedTuple):
-    """Instants of an exposure: shifts of the sources [pixels, (k,)], weights, which add to 1, and shifts of the sea's image [pixels]."""
+    """Instants of an exposure; arrays are (k,)."""
 
-    across: FloatArray
-    down: FloatArray
-    weight: FloatArray
-    sea_across: FloatArray
-    sea_down: FloatArray
+    across: FloatArray  #: Shifts of the sources along columns [pixels].
+    down: FloatArray  #: Shifts of the sources along rows [pixels].
+    weight: FloatArray  #: Weights, which add to 1.
+    sea_across: FloatArray  #: Shifts of the sea's image along columns [pixels].
+    sea_down: FloatArray  #: Shifts of the sea's image along rows [pixels].
 
 
 class Backdrop(NamedTuple):
-    """Image of the sea behind sources.
+    """Image of the sea behind sources."""
 
-    The fields are its radiance [W m-2 sr-1, (rows, columns)], pixels of it along a side of the detector's, columns of a full circle (of
-    the detector; 0 where there is none), and the factor by which its light counts.
-    """
-
-    radiance: NDArray[np.float32]
-    fine: int
-    circle: int
-    counted: float
+    radiance: NDArray[np.float32]  #: Radiance [W m-2 sr-1, (rows, columns)].
+    fine: int  #: Number of its pixels along a side of a detector's pixel.
+    circle: int  #: Columns of the detector in a full circle; 0 for an image that is no full circle.
+    counted: float  #: Counted over unweighted radiance of the sea [1].
 
 
 class LensShift(NamedTuple):
-    """Distortion: share of the radius at the corners, column and row of the axis and distance to a corner [pixels]."""
+    """Distortion of a lens."""
 
-    share: float
-    column: float
-    row: float
-    corner: float
+    share: float  #: Relative radial shift at the corners [1].
+    column: float  #: Column of the axis [pixels].
+    row: float  #: Row of the axis [pixels].
+    corner: float  #: Distance from the axis to a corner [pixels].
 
 
 @kernel
 def behind(sea: Backdrop, column: float, row: float) -> float:
-    """Radiance of the sea at an image point, linear between the pixels' centres."""
+    """Return the radiance of the sea at an image point [W m-2 sr-1], linear between the pixels' centres."""
     high, wide = sea.radiance.shape
     x, y = column * sea.fine - 0.5, row * sea.fine - 0.5
     i, j = math.floor(x), math.floor(y)
@@ -161,7 +155,7 @@ def behind(sea: Backdrop, column: float, row: float) -> float:
 
 @kernel
 def _spline(t: float) -> tuple[float, float, float, float]:
-    """Weights of a cubic B-spline at the four nodes about a place ``t`` behind the second."""
+    """Return the weights of a cubic B-spline at the four nodes about a place ``t`` behind the second."""
     s = 1.0 - t
     return s * s * s / 6.0, (4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0, (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0, t * t * t / 6.0
 
@@ -177,9 +171,9 @@ def spread(
     sea: Backdrop,
     bent: LensShift,
 ) -> None:
-    """Add the change that sources make to the nodes of ``grid`` (rows, columns), ``nodes`` to a pixel, from pixel ``first`` on.
+    """Add the change of light by sources to the nodes of ``grid`` (rows, columns), ``nodes`` to a pixel, from pixel ``first`` on.
 
-    Only what lies in ``tile`` (left, right, top, bottom) [pixels] enters.
+    Only sources in ``tile`` (left, right, top, bottom) [pixels] contribute.
     """
     high, wide = grid.shape
     for k in range(instants.weight.size):
@@ -190,6 +184,7 @@ def spread(
                 x, y = column - bent.column, row - bent.row
                 square = bent.share * (x * x + y * y) / (bent.corner * bent.corner)
                 at_column, at_row = bent.column + x * (1.0 + square), bent.row + y * (1.0 + square)
+                # area magnification of the distortion: tangential times radial stretch
                 weight *= (1.0 + square) * (1.0 + 3.0 * square)
             if not (tile[0] <= at_column < tile[1] and tile[2] <= at_row < tile[3]):
                 continue
@@ -199,6 +194,7 @@ def spread(
             light *= weight
             x, y = (at_column - first[0]) * nodes, (at_row - first[1]) * nodes
             i, j = math.floor(x), math.floor(y)
+            # the spline needs one node before and two behind
             if i < 1 or j < 1 or i + 2 >= wide or j + 2 >= high:
                 continue
             across, down = _spline(x - i), _spline(y - j)
@@ -210,7 +206,7 @@ def spread(
 
 @njit
 def count_pixels(sums: np.ndarray, first: tuple[int, int], boxes: Boxes, instants: Instants, sea: Backdrop) -> None:
-    """Add covered share, radiance, and radiance of the sea that is hidden to the pixels from ``first`` on, ``sums`` (3, rows, columns)."""
+    """Add covered share, radiance, and radiance of the hidden sea to the pixels from ``first`` on, ``sums`` (3, rows, columns)."""
     high, wide = sums.shape[1], sums.shape[2]
     half = 0.5 * boxes.side
     for k in range(instants.weight.size):
@@ -221,7 +217,7 @@ def count_pixels(sums: np.ndarray, first: tuple[int, int], boxes: Boxes, instant
             hidden = 0.0
             if cover != 0.0:
                 hidden = cover * behind(sea, column + instants.sea_across[k], row + instants.sea_down[k])
-            # a box on the border of pixels is shared among them
+            # a box across the border of pixels contributes to up to four of them
             in_left = min((left + 1 - column + half) / boxes.side, 1.0) if half > 0.0 else 1.0
             in_top = min((top + 1 - row + half) / boxes.side, 1.0) if half > 0.0 else 1.0
             for down in range(2):
@@ -238,26 +234,27 @@ def count_pixels(sums: np.ndarray, first: tuple[int, int], boxes: Boxes, instant
 class LocalLight:
     """Transfer of small sources to the pixels around them; make it with :meth:`of`."""
 
-    blur: Blur
-    sampling: Sampling
-    nodes: int
-    margin: int
+    blur: Blur  #: Transfer of the optics.
+    sampling: Sampling  #: Pixels and steady movement.
+    nodes: int  #: Number of nodes of the grid along a side of a pixel.
+    margin: int  #: Margin of a window around its sources [pixels].
     _filters: OrderedDict[tuple[int, int], NDArray[np.complex64]] = field(default_factory=OrderedDict, repr=False)
 
     @classmethod
     def of(cls, blur: Blur, sampling: Sampling, shortest: float) -> LocalLight:
-        """Prepare for optics and pixels.
+        """Prepare the transfer for optics and pixels.
 
         Parameters
         ----------
         blur : Blur
             Transfer of the optics.
         sampling : Sampling
-            Pixels and steady movement; its oversampling does not matter.
+            Pixels and steady movement; its oversampling is not used.
         shortest : float
-            Shortest wavelength, whose cut-off the optics have [m].
+            Shortest wavelength of the band, which determines the cut-off of the optics [m].
         """
         cutoff = sampling.step * blur.optics.cutoff(shortest)
+        # the cut-off in cycles per pixel times nodes per cycle
         nodes = max(math.ceil(NODES_PER_CYCLE * cutoff), 2)
         nodes += nodes % 2  # the middle of a pixel is a node
         wide = BLURS / (blur.optics.cutoff(blur.wavelength) * sampling.step) + 4.0 * blur.optics.jitter / sampling.step
@@ -265,7 +262,7 @@ class LocalLight:
         return cls(blur, sampling, nodes, math.ceil(min(max(wide, MARGINS[0]), MARGINS[1]) + smear))
 
     def filter(self, shape: tuple[int, int]) -> NDArray[np.complex64]:
-        """Transfer for a window of ``shape`` (rows, columns) [pixels], with the splines taken out; the latest are cached."""
+        """Return the transfer for a window of ``shape`` (rows, columns) [pixels] over the splines' transform; latest ones are cached."""
         cached = self._filters.get(shape)
         if cached is None:
             m, step = self.nodes, self.sampling.step
@@ -274,32 +271,32 @@ class LocalLight:
             total = total / (np.sinc(x / m) ** 4)[None, :] / (np.sinc(y / m) ** 4)[:, None]
             phase = np.exp(1j * np.pi * x)[None, :] * np.exp(1j * np.pi * y)[:, None]  # a pixel's middle is half a pixel behind its edge
             cached = self._filters[shape] = (total * phase).astype(np.complex64)
-            while len(self._filters) > KEPT:
+            while len(self._filters) > CACHED:
                 self._filters.popitem(last=False)
         return cached
 
-    def seen(
+    def changes(
         self,
         boxes: Boxes,
         instants: Instants,
         sea: Backdrop,
         bent: LensShift,
-        wanted: tuple[tuple[int, int] | None, tuple[int, int] | None] = (None, None),
+        requested: tuple[tuple[int, int] | None, tuple[int, int] | None] = (None, None),
     ) -> list[tuple[int, int, NDArray[np.float32]]]:
-        """Change of the radiance on the pixels around sources in an exposure.
+        """Return the change of the radiance on the pixels around sources in an exposure.
 
         Parameters
         ----------
         boxes : Boxes
             The sources.
         instants : Instants
-            Where they are during the exposure.
+            Their shifts during the exposure.
         sea : Backdrop
-            What is behind them.
+            Image of the sea behind them.
         bent : LensShift
             Distortion of the lens.
-        wanted : (columns, rows)
-            First and end of those that are wanted, where not all are: sources beyond the margin about them are left out.
+        requested : (columns, rows)
+            First and end of the requested pixels, None for all: sources farther from them than the margin are left out.
 
         Returns
         -------
@@ -309,7 +306,7 @@ class LocalLight:
         if boxes.column.size == 0 or instants.weight.size == 0:
             return []
         limits = list(_extent(boxes, instants, bent))
-        for k, some in enumerate(wanted):
+        for k, some in enumerate(requested):
             if some is not None:
                 limits[2 * k] = max(limits[2 * k], some[0] - self.margin)
                 limits[2 * k + 1] = min(limits[2 * k + 1], some[1] + self.margin)
@@ -324,9 +321,10 @@ class LocalLight:
         return out
 
     def _window(self, low: float, high: float) -> tuple[int, int]:
-        """First pixel and number of pixels of a window about sources between two places, its middle within a quarter of a pixel of theirs.
+        """Return first pixel and number of pixels of a window about sources between two places [pixels].
 
-        Were it not, what comes in from the other side would shift the mean place of a source.
+        The middles of window and sources are within a quarter of a pixel: otherwise light that wraps around from the other side would shift
+        the mean place of a source.
         """
         size = 2 * self.margin + STEP * math.ceil((high - low - 1e-5) / STEP)
         middle = 0.5 * (low + high)
@@ -337,7 +335,7 @@ class LocalLight:
         m = self.nodes
         spectrum = scipy.fft.rfft2(grid.astype(np.float32))
         spectrum *= self.filter(shape)
-        if side > 0.0:  # light of a box is a mean over it
+        if side > 0.0:  # the light of a box is a mean over it: its blur is divided out
             x, y = scipy.fft.rfftfreq(m * shape[1], 1.0 / m), scipy.fft.fftfreq(m * shape[0], 1.0 / m)
             spectrum /= (np.sinc(y * side)[:, None] * np.sinc(x * side)[None, :]).astype(np.float32)
         folded = spectrum.reshape(m, shape[0], -1).sum(axis=0)
@@ -347,7 +345,7 @@ class LocalLight:
 
 
 def _extent(boxes: Boxes, instants: Instants, bent: LensShift) -> tuple[float, float, float, float]:
-    """Left, right, top and bottom of all sources at all instants [pixels], a little beyond them."""
+    """Return left, right, top and bottom of all sources at all instants [pixels], with a small margin."""
     across = np.array([boxes.column.min() + instants.across.min(), boxes.column.max() + instants.across.max()])
     down = np.array([boxes.row.min() + instants.down.min(), boxes.row.max() + instants.down.max()])
     if bent.share != 0.0:
@@ -361,7 +359,7 @@ def _extent(boxes: Boxes, instants: Instants, bent: LensShift) -> tuple[float, f
 
 
 def _in_rows(boxes: Boxes, instants: Instants, tile: tuple[float, float, float, float], bent: LensShift) -> Boxes:
-    """Boxes that may come into the rows of a tile; they are in the order of their rows."""
+    """Return the boxes that may be in the rows of a tile; boxes are in the order of their rows."""
     if bent.share != 0.0:
         return boxes
     first, end = np.searchsorted(boxes.row, [tile[2] - instants.down.max() - 1e-6, tile[3] - instants.down.min() + 1e-6])
@@ -371,12 +369,12 @@ def _in_rows(boxes: Boxes, instants: Instants, tile: tuple[float, float, float, 
 
 
 def _tiles(left: float, right: float, top: float, bottom: float) -> list[tuple[float, float, float, float]]:
-    """Tiles that make up an area [pixels]: itself where it is small."""
+    """Return the tiles of an area [pixels]; a small area is one tile."""
     return [(*across, *down) for down in _cuts(top, bottom) for across in _cuts(left, right)]
 
 
 def _cuts(low: float, high: float) -> list[tuple[float, float]]:
-    """Parts of a length, itself where it is short; none where its end is not behind its beginning."""
+    """Return the parts of a length; a short one is one part, an empty one has none."""
     inner = np.arange(math.floor(low) + TILE, high, TILE, dtype=np.float64) if high - low > TILE else np.zeros(0)
     ends = [low, *(float(x) for x in inner), high]
     return list(itertools.pairwise(ends)) if low < high else []

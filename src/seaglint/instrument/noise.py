@@ -1,23 +1,22 @@
-r"""Noise of a detector: temporal noise, fixed pattern, and defective pixels.
+r"""Noise of a detector (temporal noise, fixed pattern, defective pixels), and analysis of frames into three-dimensional noise.
 
-Every number is a function of (seed, frame, pixel): a frame drawn alone has the noise that it has in its sequence, whatever the threads.
-The seven components of three-dimensional noise (NVESD) can all be put in: frame (T), row (V), column (H), row in time (TV), column in time
+Every number is a function of (seed, frame, pixel): a frame has equal noise alone and in its sequence, for any number of threads. The
+settings include all seven components of three-dimensional noise (NVESD): frame (T), row (V), column (H), row in time (TV), column in time
 (TH), pixel (VH: gain and offset) and pixel in time (TVH: shot, read, 1/f).
 
-1/f noise is a sum of octaves: the values of the k-th are held for :math:`2^k` frames (Voss's method), so that any frame is found alone and
-the density falls like 1/f over the octaves.
+1/f noise is a sum of octaves: the values of the k-th are constant for :math:`2^k` frames (Voss's method), so that any frame can be computed
+alone and the density falls like 1/f over the octaves.
 
-Two-point correction makes the response of all pixels equal at two signals, ``x1`` and ``x2``. Spreads of gain and offset are then gone and
-a spread ``c`` of the curvature leaves :math:`c\,(x - x_1)(x - x_2)/x_{full}`; the drift since then comes on top.
+Two-point correction makes the response of all pixels equal at two signals, ``x1`` and ``x2``. It removes the spreads of gain and offset; a
+spread ``c`` of the curvature leaves :math:`c\,(x - x_1)(x - x_2)/x_{full}`. The drift after the correction is added.
 
-Three-dimensional noise: a cube of frames of an even scene split into seven components.
-
-Averaging operators over time, rows and columns (NVESD) take the cube apart; with :math:`D_t` the mean over time and so on,
+:func:`three_d_noise` splits a cube of frames of an even scene into the seven components by averaging operators over time, rows and columns
+(NVESD). With :math:`D_t` the mean over time and so on,
 
 .. math:: \text{TVH} = (1 - D_t)(1 - D_v)(1 - D_h)\,U, \quad \text{VH} = D_t (1 - D_v)(1 - D_h)\,U, \;\ldots
 
-the parts are orthogonal and their mean squares add to the variance of the cube. The mean over n samples of a component that changes still
-holds one n-th of its variance: :func:`three_d_noise` takes that off, so that components put in come back.
+the parts are orthogonal and their mean squares add to the variance of the cube. The mean over n samples of a changing component contains
+one n-th of its variance: the function subtracts it, so that it recovers the components of synthetic noise.
 
 References
 ----------
@@ -45,31 +44,25 @@ BLINK_SHARE: Final = 0.5  #: Share of the time that a blinking pixel is in its u
 class DetectorNoise:
     """Noise settings of a detector, in units of the signal (electrons; nanowatts of a thermal detector)."""
 
-    #: ``temporal``, ``fixed_pattern``: Whether noise that changes in time, and whatever stays (defect pixels with it), is there at all.
-    temporal: bool = True
-    fixed_pattern: bool = True
+    temporal: bool = True  #: True for noise that changes in time.
+    fixed_pattern: bool = True  #: True for noise that is constant in time, defective pixels included.
     one_over_f: float = 0.0  #: Rms of the 1/f noise of a pixel over its octaves.
-    #: ``frame``, ``row``, ``column``, ``row_temporal``, ``column_temporal``: Rms of what all pixels of a frame, a row or a column have in
-    #: common: T, V, H, TV, TH.
-    frame: float = 0.0
-    row: float = 0.0
-    column: float = 0.0
-    row_temporal: float = 0.0
-    column_temporal: float = 0.0
-    gain_spread: float = 0.0  #: Rms relative spread of the pixels' gain [1].
-    offset_spread: float = 0.0  #: Rms spread of their offset.
+    frame: float = 0.0  #: Rms of the common noise of all pixels of a frame (T).
+    row: float = 0.0  #: Rms of the fixed noise of rows (V).
+    column: float = 0.0  #: Rms of the fixed noise of columns (H).
+    row_temporal: float = 0.0  #: Rms of the noise of rows that changes from frame to frame (TV).
+    column_temporal: float = 0.0  #: Rms of the noise of columns that changes from frame to frame (TH).
+    gain_spread: float = 0.0  #: Rms relative spread of the gain of pixels [1].
+    offset_spread: float = 0.0  #: Rms spread of the offset of pixels.
     curvature_spread: float = 0.0  #: Rms spread of the relative deviation from a straight line at full scale [1].
-    corrected_at: tuple[float, float] | None = None  #: Signals of a two-point correction.
-    drift_per_hour: float = 0.0  #: Rms of the offsets' change in an hour.
-    #: ``dead_share``, ``hot_share``, ``blinking_share``: Shares of the pixels that see nothing, that have a high dark signal, or that jump
-    #: between two levels [1].
-    dead_share: float = 0.0
-    hot_share: float = 0.0
-    blinking_share: float = 0.0
-    #: ``hot_signal``, ``blinking_signal``: Dark signal of hot pixels, and the height of the jumps.
-    hot_signal: float = 0.0
-    blinking_signal: float = 0.0
-    blinking_time: float = 1.0  #: Mean time between them [s].
+    corrected_at: tuple[float, float] | None = None  #: Signals of a two-point correction; None without correction.
+    drift_per_hour: float = 0.0  #: Rms of the change of offsets in an hour.
+    dead_share: float = 0.0  #: Share of pixels without response [1].
+    hot_share: float = 0.0  #: Share of pixels with a high dark signal [1].
+    blinking_share: float = 0.0  #: Share of pixels that jump between two levels [1].
+    hot_signal: float = 0.0  #: Dark signal of hot pixels.
+    blinking_signal: float = 0.0  #: Height of the jumps of blinking pixels.
+    blinking_time: float = 1.0  #: Mean time between jumps [s].
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,12 +78,12 @@ class Pattern:
     dead: NDArray[np.bool_] | None
     hot: NDArray[np.bool_] | None
     blinking: NDArray[np.int64] | None  #: Flat indices of the blinking pixels.
-    cells: tuple[int, int]  #: Rows and columns of the detector's own pixels: those of the picture, or one column of a scanner.
+    cells: tuple[int, int]  #: Rows and columns of the detector: equal to the picture's, or one column for a scanner.
     seed: int = field(default=0)
 
     @classmethod
     def of(cls, noise: DetectorNoise, seed: int, shape: tuple[int, int], full_scale: float, *, scanning: bool = False) -> Pattern:
-        """Draw the pattern of a detector whose pictures are of ``shape`` (rows, columns); a scanner has one pixel for each row."""
+        """Draw the pattern of a detector with pictures of ``shape`` (rows, columns); a scanner has one pixel for each row."""
         cells = (shape[0], 1) if scanning else shape
         if not noise.fixed_pattern:
             return cls(noise, full_scale, None, None, None, None, None, None, None, cells, seed)
@@ -99,6 +92,7 @@ class Pattern:
             return rms * stream(seed, purpose).standard_normal(cells) if rms > 0.0 else None
 
         corrected = noise.corrected_at is not None
+        # two-point correction removes differences of gain and offset, but not lines added after it
         offset = None if corrected else spread(noise.offset_spread, "sensor offset")
         lines = np.zeros(shape)
         if noise.row > 0.0:
@@ -125,7 +119,7 @@ class Pattern:
         )
 
     def response(self, light: FloatArray) -> FloatArray:
-        """Mean signal of every pixel from that of an ideal one: gain, curvature, dead pixels."""
+        """Return the mean signal of every pixel from the signal of an ideal one: gain, curvature, dead pixels."""
         if self.gain is not None:
             light = light * (1.0 + self.gain)
         if self.curvature is not None:
@@ -136,13 +130,13 @@ class Pattern:
         return light
 
     def dark(self, shape: tuple[int, int]) -> FloatArray | float:
-        """Additional dark signal of hot pixels."""
+        """Return the additional dark signal of hot pixels."""
         if self.hot is None:
             return 0.0
         return np.broadcast_to(np.where(self.hot, self.noise.hot_signal, 0.0), shape)
 
     def added(self, time: float, signal: FloatArray) -> FloatArray:
-        """Signal with offsets, drift and blinking, which are added after the exposure."""
+        """Return the signal with offsets, drift and blinking, which are added after the exposure."""
         if self.offset is not None:
             signal = signal + self.offset
         if self.drift is not None:
@@ -154,23 +148,23 @@ class Pattern:
         return signal
 
     def _states(self, time: float) -> FloatArray:
-        """State of each blinking pixel, True for the upper one: drawn anew in spans that begin at a phase of its own."""
+        """Return the state of each blinking pixel, 1 for the upper level: drawn anew in spans that begin at a separate phase."""
         assert self.blinking is not None
         count = self.blinking.size
-        # half of the new states are the old ones
+        # half of the new states are equal to the old ones: spans are half of the mean time between jumps
         span = self.noise.blinking_time * BLINK_SHARE
         phase = stream(self.seed, "sensor blinking phase").random(count)
         number = np.floor(time / span + phase).astype(np.int64)
         up = np.zeros(count)
         for value in np.unique(number):
             draws = stream(self.seed, "sensor blinking", int(value) & 0xFFFFFFFF).random(count)
-            here = number == value
-            up[here] = draws[here] < BLINK_SHARE
+            members = number == value
+            up[members] = draws[members] < BLINK_SHARE
         return up
 
 
 def temporal_noise(noise: DetectorNoise, seed: int, frame: int, shape: tuple[int, int], rms: float) -> FloatArray | None:
-    """Temporal noise of a frame: a reading's ``rms`` and components of :class:`DetectorNoise`; None where there is none."""
+    """Return the temporal noise of a frame: a reading's ``rms`` and components of :class:`DetectorNoise`; None without noise."""
     if not noise.temporal:
         return None
     out: FloatArray | None = None
@@ -195,31 +189,31 @@ def temporal_noise(noise: DetectorNoise, seed: int, frame: int, shape: tuple[int
 
 
 def pink(seed: int, frame: int, shape: tuple[int, int]) -> FloatArray:
-    """1/f noise of unit variance of all pixels in one frame."""
+    """Return 1/f noise of unit variance of all pixels in one frame (rows, columns)."""
     total = np.zeros(shape)
     for octave in range(OCTAVES):
-        # spans of different octaves do not all begin together
+        # offsets from the digits of the golden ratio: spans of different octaves do not all begin together
         number = (frame + (0x9E37 >> octave)) >> octave
         total += stream(seed, "sensor 1/f", octave, number).standard_normal(shape)
     return np.asarray(total / np.sqrt(OCTAVES))
 
 
-#: Components: time; rows (each one level); columns; rows in time; columns in time; pixels; pixels in time.
+#: Components: time; rows (one level each); columns; rows in time; columns in time; pixels; pixels in time.
 COMPONENTS: Final = ("T", "V", "H", "TV", "TH", "VH", "TVH")
 
 
 def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str, float]:
-    """Standard deviations of the seven components, in the units of the cube.
+    """Return the standard deviations of the seven components, in the units of the cube.
 
     Parameters
     ----------
     cube : ndarray
-        Frames of an even scene [(time, rows, columns)], two or more of each.
+        Frames of an even scene (time, rows, columns), two or more of each.
 
     Returns
     -------
     dict
-        By the names of :data:`COMPONENTS`; 0 where a component is below what the others leave in its mean.
+        Standard deviations by the names of :data:`COMPONENTS`; 0 for a component below the share of the others in its mean.
     """
     u = np.asarray(cube, np.float64)
     if u.ndim != 3 or min(u.shape) < 2:
@@ -237,7 +231,7 @@ def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str,
         "T": nt - 1, "V": nv - 1, "H": nh - 1, "TV": (nt - 1) * (nv - 1), "TH": (nt - 1) * (nh - 1), "VH": (nv - 1) * (nh - 1),
         "TVH": (nt - 1) * (nv - 1) * (nh - 1),
     }  # fmt: skip
-    # Mean squares over degrees of freedom, each in the scale of single samples of its component.
+    # mean squares over degrees of freedom, each in the scale of single samples of its component
     mean_square = {name: float(np.sum(part**2)) / degrees[name] for name, part in raw.items()}
     out = {"TVH": mean_square["TVH"]}
     out["TV"] = mean_square["TV"] - out["TVH"] / nh

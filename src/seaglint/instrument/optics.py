@@ -1,7 +1,7 @@
 r"""Optics: transmitted light on the focal plane, and sharpness.
 
-Spatial frequencies ``f`` are cycles per radian at the aperture. Each cause of blur is a transfer function (MTF) of its own and the
-whole is their product:
+Spatial frequencies ``f`` are cycles per radian at the aperture. Each cause of blur has a transfer function (MTF), and the total transfer is
+their product:
 
 .. math::
 
@@ -43,24 +43,22 @@ SolidAngle = Literal["sine", "thin-lens"]
 class SensorOptics:
     r"""Optics of a sensor: pupil, transmittance, blur, distortion."""
 
-    #: ``aperture``, ``focal_length``: Diameter of the entrance pupil and focal length [m].
-    aperture: float
-    focal_length: float
+    aperture: float  #: Diameter of the entrance pupil [m].
+    focal_length: float  #: Focal length [m].
     transmission: float = 1.0  #: Transmittance of the optics, in the band [1].
-    obscuration: float = 0.0  #: Diameter of the central obscuration over that of the pupil [1].
+    obscuration: float = 0.0  #: Diameter of the central obscuration over the diameter of the pupil [1].
     wavefront_error: float = 0.0  #: Rms error of the wavefront at the mean wavelength [waves].
     defocus: float = 0.0  #: Peak error of the wavefront by defocus, at the pupil's edge, at the mean wavelength [waves].
     jitter: float = 0.0  #: Rms movement of the line of sight during an exposure, in each direction [rad].
     drift: tuple[float, float] = (0.0, 0.0)  #: Steady movement of the line of sight, along and across rows [rad s-1].
-    #: ``temperature``, ``emissivity``: Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
-    temperature: float = 293.15
-    emissivity: float = 0.0
-    #: F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around them.
-    #: None is a shield that fits.
+    temperature: float = 293.15  #: Temperature of warm optics, which radiate into the detector [K].
+    emissivity: float = 0.0  #: Emissivity of the optics [1].
+    #: F-number of the cold shield; if it is lower than the f-number of the optics, the housing around them (black, at ``temperature``)
+    #: radiates into the detector. None for a shield that fits.
     cold_shield_f_number: float | None = None
     stray_share: float = 0.0  #: Share of the light that is scattered evenly over the picture [1].
     cos4: bool = False  #: Illumination falls with the fourth power of the field angle's cosine.
-    #: Relative radial shift of the picture's corners, with the square of the distance from the axis; positive is pincushion [1].
+    #: Relative radial shift of the picture's corners; it grows with the square of the distance from the axis; positive is pincushion [1].
     distortion: float = 0.0
     #: :math:`\pi/(4F^2)` of optics that obey the sine condition (point and extended sources then agree), or :math:`\pi/(4F^2+1)`.
     solid_angle_law: SolidAngle = "sine"
@@ -83,12 +81,12 @@ class SensorOptics:
 
     @property
     def f_number(self) -> float:
-        """Focal length over aperture."""
+        """Focal length over aperture [1]."""
         return self.focal_length / self.aperture
 
     @property
     def open_share(self) -> float:
-        """Open share of the pupil's area, without the obscuration."""
+        """Open share of the pupil's area, without the obscuration [1]."""
         return 1.0 - self.obscuration**2
 
     @property
@@ -103,27 +101,28 @@ class SensorOptics:
 
     @property
     def housing_solid_angle(self) -> float:
-        """Solid angle of warm housing seen through an oversized cold shield [sr]."""
+        """Solid angle of warm housing within an oversized cold shield [sr]."""
         if self.cold_shield_f_number is None or self.cold_shield_f_number >= self.f_number:
             return 0.0
         return cone(self.cold_shield_f_number, self.solid_angle_law) - cone(self.f_number, self.solid_angle_law)
 
     def cutoff(self, wavelength: float) -> float:
-        """Cut-off frequency of the optics [cycles rad-1]."""
+        """Return the cut-off frequency of the optics at a wavelength [m] [cycles rad-1]."""
         return self.aperture / wavelength
 
 
 def cone(f_number: float, law: SolidAngle = "sine") -> float:
-    r"""Solid angle of a cone of light [sr].
+    r"""Return the projected solid angle of a cone of light [sr].
 
     >>> round(cone(2.0), 4), round(cone(2.0, "thin-lens"), 4)
     (0.1963, 0.1848)
     """
+    # pi sin^2 of half the cone: sin = 1/(2F), or tan = 1/(2F) of a thin lens
     return math.pi / (4.0 * f_number**2 + (1.0 if law == "thin-lens" else 0.0))
 
 
 def pupil_mtf(v: ArrayLike, obscuration: float = 0.0, defocus: float = 0.0) -> FloatArray:
-    r"""Transfer function of an annular pupil: the overlap of two, shifted by ``v`` diameters, with the phase of defocus.
+    r"""Return the transfer of an annular pupil [1]: the overlap of two, shifted by ``v`` diameters, with the phase of defocus.
 
     Parameters
     ----------
@@ -156,7 +155,7 @@ def pupil_mtf(v: ArrayLike, obscuration: float = 0.0, defocus: float = 0.0) -> F
     s, end = given[..., None], (1.0 - given)[..., None]
     x, dx = end * np.sin(angle), end * np.cos(angle) * (0.5 * np.pi / PUPIL_POINTS)
     upper = np.sqrt(np.maximum(1.0 - (x + s) ** 2, 0.0))
-    # of the two inner circles the nearer one is the wider gap; where both are crossed they do not overlap for themselves
+    # half of the overlap is integrated, where the nearer of the two inner circles is the wider gap; it covers the other one's gap
     lower = np.sqrt(np.maximum(obscuration**2 - (x - s) ** 2, 0.0))
     chord = np.maximum(upper - lower, 0.0)
     wave = np.cos(8.0 * np.pi * defocus * s * x) if defocus else 1.0
@@ -164,7 +163,7 @@ def pupil_mtf(v: ArrayLike, obscuration: float = 0.0, defocus: float = 0.0) -> F
 
 
 def wavefront_mtf(v: ArrayLike, rms: float) -> FloatArray:
-    """Shannon's factor for an rms wavefront error [waves] at a frequency over the cut-off, 1 beyond it.
+    """Return Shannon's factor [1] for an rms wavefront error [waves] at a frequency over the cut-off, 1 beyond it.
 
     >>> round(float(wavefront_mtf(0.5, 0.09)), 2)
     0.75
@@ -174,12 +173,12 @@ def wavefront_mtf(v: ArrayLike, rms: float) -> FloatArray:
 
 
 def jitter_mtf(frequency: ArrayLike, rms: float) -> FloatArray:
-    """Transfer of random movement, rms [rad] in each direction."""
+    """Return the transfer [1] of random movement, rms [rad] in each direction, at frequencies [cycles rad-1]."""
     return np.asarray(np.exp(-2.0 * (np.pi * rms * np.asarray(frequency, np.float64)) ** 2))
 
 
 def motion_mtf(frequency: ArrayLike, angle: float) -> FloatArray:
-    """Transfer of steady movement through an angle [rad]; it reverses contrast beyond its first zero."""
+    """Return the transfer [1] of steady movement through an angle [rad]; it reverses contrast beyond its first zero."""
     return np.asarray(np.sinc(np.asarray(frequency, np.float64) * angle))
 
 
@@ -187,12 +186,11 @@ def motion_mtf(frequency: ArrayLike, angle: float) -> FloatArray:
 class Blur:
     """Transfer of the optics for the spectrum of a detector; make it with :meth:`of`."""
 
-    optics: SensorOptics  #: Whose it is.
+    optics: SensorOptics  #: The optics.
     wavelength: float  #: Mean wavelength [m].
-    #: ``frequency``, ``diffraction``, ``defocused``: Table of the band's mean transfer, without and with defocus [cycles rad-1, 1, 1].
-    frequency: FloatArray = field(repr=False)
-    diffraction: FloatArray = field(repr=False)
-    defocused: FloatArray = field(repr=False)
+    frequency: FloatArray = field(repr=False)  #: Frequencies of the tables [cycles rad-1].
+    diffraction: FloatArray = field(repr=False)  #: Mean transfer over the band without defocus [1].
+    defocused: FloatArray = field(repr=False)  #: Mean transfer over the band with defocus [1].
 
     @classmethod
     def of(cls, optics: SensorOptics, wavelength: FloatArray, share: FloatArray) -> Blur:
@@ -202,7 +200,7 @@ class Blur:
         frequency = nodes * optics.cutoff(float(wavelength.min()))
         v = frequency[:, None] * wavelength / optics.aperture
         clear = pupil_mtf(nodes, optics.obscuration)
-        # Optical path, not waves, is the same at all wavelengths; a few of them carry a defocused band.
+        # an error of the optical path is equal in metres, not in waves, at all wavelengths; 16 of them represent a defocused band
         diffraction = np.interp(v, nodes, clear) @ share
         if optics.defocus == 0.0:
             return cls(optics, mean, frequency, diffraction, diffraction)
@@ -220,13 +218,14 @@ class Blur:
         return cls(optics, mean, frequency, diffraction, soft @ weight)
 
     def parts(self, frequency: ArrayLike) -> dict[str, FloatArray]:
-        """Transfer of every cause of blur that is equal in all directions, at frequencies [cycles rad-1]."""
+        """Return the transfer [1] of every cause of blur that is equal in all directions, at frequencies [cycles rad-1]."""
         f = np.abs(np.asarray(frequency, np.float64))
         optics = self.optics
         sharp = np.interp(f, self.frequency, self.diffraction, right=0.0)
         out = {"diffraction": sharp}
         if optics.defocus:
             soft = np.interp(f, self.frequency, self.defocused, right=0.0)
+            # a factor on the sharp transfer, so that the product of all causes is the defocused one
             out["defocus"] = np.where(sharp > 1e-9, soft / np.maximum(sharp, 1e-9), 1.0)
         if optics.wavefront_error:
             out["wavefront"] = wavefront_mtf(f * self.wavelength / optics.aperture, optics.wavefront_error)
@@ -236,12 +235,12 @@ class Blur:
 
     @property
     def jitter_apart(self) -> float:
-        """Jitter that is not in :meth:`table`, as its transfer falls too fast for the table's nodes [rad]; 0 for all slower falls."""
+        """Jitter that is not in :meth:`table`, as its transfer falls too fast for the table's nodes [rad]; 0 for smaller jitter."""
         jitter = self.optics.jitter
         return jitter if jitter * float(self.frequency[1]) > SHARPEST else 0.0
 
     def table(self) -> tuple[FloatArray, FloatArray]:
-        """Product of these parts, without :attr:`jitter_apart`, from 0 to the cut-off [cycles rad-1, 1]."""
+        """Return frequencies from 0 to the cut-off [cycles rad-1] and the product of :meth:`parts` without :attr:`jitter_apart` [1]."""
         total = np.ones(self.frequency.size)
         for name, part in self.parts(self.frequency).items():
             if name != "jitter" or not self.jitter_apart:
@@ -250,12 +249,12 @@ class Blur:
 
 
 def cos4_falloff(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Relative illumination of points of the focal plane, given by tangents of the field angle [1, (columns,)], [1, (rows,)]."""
+    """Return the relative illumination of the focal plane [1, (rows, columns)] at tangents of the field angle (columns,) and (rows,)."""
     return 1.0 / (1.0 + x[None, :] ** 2 + y[:, None] ** 2) ** 2
 
 
 def distorted_places(shape: tuple[int, int], share: float) -> tuple[FloatArray, FloatArray]:
-    """Rows and columns of the sharp picture at each pixel of a distorted one [(rows, columns)].
+    """Return rows and columns of the undistorted picture at each pixel of a distorted one, each (rows, columns).
 
     A point at the radius ``r`` (1 at the corners) is drawn at ``r (1 + share r^2)``.
     """

@@ -1,12 +1,12 @@
 r"""Conversion of in-band radiance to photons and electrons.
 
-A detector counts photons, a scene gives watts in a band. With the response ``R`` of the band and the detector's quantum efficiency
-``eta``, a blackbody of temperature ``T`` gives
+A detector counts photons; a scene has watts in a band. With the response ``R`` of the band and the detector's quantum efficiency ``eta``, a
+blackbody of temperature ``T`` has
 
 .. math:: K(T) = \frac{\int \eta R B \lambda / (h c)\,d\lambda}{\int R B\,d\lambda}
 
-electrons for each joule. :class:`Photons` uses the ``K`` of one reference temperature for the sea and sky, so that the chain stays linear;
-:meth:`Photons.error` says what that costs for other spectra. Spectra that are known, as those of objects are, are counted by
+electrons for each joule. :class:`Photons` uses the ``K`` of one reference temperature for the sea and sky, so that the chain is linear;
+:meth:`Photons.error` returns the error for other spectra. Known spectra, such as the spectra of objects, are counted by
 :meth:`Photons.counted`.
 """
 
@@ -25,7 +25,7 @@ from seaglint.base.errors import DomainError
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 
-#: Temperature of the blackbody whose spectrum represents the scene's [K]: in the middle of seas and skies.
+#: Temperature of the blackbody with the spectrum that represents the scene [K]: in the middle of seas and skies.
 REFERENCE_TEMPERATURE: Final = 300.0
 
 SUN_TEMPERATURE: Final = 5778.0  #: Temperature of the blackbody that represents sunlight in the comparison of conversions [K].
@@ -74,24 +74,26 @@ class Photons:
     @cached_property
     def _electrons(self) -> FloatArray:
         """Electrons per joule at each wavenumber [J-1]."""
+        # one over the photon's energy h c nu, with nu in m-1
         return self._efficiency / (100.0 * constants.h * constants.c * self.wavenumber_cm)
 
     def radiance(self, temperature: ArrayLike) -> FloatArray:
-        """In-band radiance of a blackbody [W m-2 sr-1, shape of ``temperature`` in K]."""
+        """Return the in-band radiance of a blackbody [W m-2 sr-1, shape of ``temperature`` in K]."""
         return self._planck(temperature) @ self._weights
 
     def photon_radiance(self, temperature: ArrayLike) -> FloatArray:
-        """Electron rate from a blackbody, integrated over its spectrum [electrons s-1 m-2 sr-1, shape of ``temperature`` in K]."""
+        """Return the electron rate from a blackbody's spectrum in the band [electrons s-1 m-2 sr-1, shape of ``temperature`` in K]."""
         return np.asarray(self._planck(temperature) @ (self._weights * self._electrons))
 
     def radiance_slope(self, temperature: float) -> float:
-        """Derivative of :meth:`radiance` [W m-2 sr-1 K-1]."""
+        """Return the derivative of :meth:`radiance` [W m-2 sr-1 K-1]."""
+        # a central difference: small against curvature, large against rounding
         step = 0.01
         pair = self.radiance([temperature - step, temperature + step])
         return float((pair[1] - pair[0]) / (2.0 * step))
 
     def per_joule(self, temperature: float) -> float:
-        """Electrons per joule in the band, ``K(T)`` of the module [J-1]."""
+        """Return the electrons per joule in the band, ``K(T)`` of the module [J-1]."""
         return float(self.photon_radiance(temperature) / self.radiance(temperature))
 
     @cached_property
@@ -100,9 +102,9 @@ class Photons:
         return self.per_joule(self.temperature)
 
     def counted(self, wavenumber_cm: ArrayLike) -> FloatArray:
-        """Electrons per joule at wavenumbers [cm-1] over those of the reference temperature [1, shape of ``wavenumber_cm``].
+        """Return electrons per joule at wavenumbers [cm-1] over :attr:`electrons_per_joule` [1, shape of ``wavenumber_cm``].
 
-        A spectrum times this gives, by :attr:`electrons_per_joule`, its own electrons.
+        The product of a spectrum with this curve, converted by :attr:`electrons_per_joule`, has the exact number of electrons.
 
         >>> Photons(Band.rectangular(3.0, 5.0)).counted([2000.0, 3000.0]).round(2)
         array([1.12, 0.75])
@@ -112,7 +114,7 @@ class Photons:
         return np.asarray(self.peak * curve / (100.0 * constants.h * constants.c * nu) / self.electrons_per_joule)
 
     def error(self, temperature: float) -> float:
-        """Relative error of the chain's electrons for the spectrum of another blackbody [1]; positive where it has too many.
+        """Return the relative error of the chain's electrons for the spectrum of another blackbody [1]; positive for too many electrons.
 
         >>> round(100 * Photons(Band.rectangular(3.5, 5.0)).error(280.0), 1)
         -0.6
@@ -126,13 +128,14 @@ class Photons:
 
     @cached_property
     def spectrum(self) -> tuple[FloatArray, FloatArray]:
-        """Wavelengths [m] and the share of the reference blackbody's electrons at each, which adds to 1."""
+        """Wavelengths [m] and the share of the reference blackbody's electrons at each [1]; shares add to 1."""
+        # electrons, not energy: blur follows what the detector counts
         share = self._planck(self.temperature) * self._weights * self._electrons
         return 0.01 / self.wavenumber_cm, share / share.sum()
 
     @cached_property
     def wavelength(self) -> float:
-        """Mean wavelength of these electrons [m]."""
+        """Mean wavelength of the reference blackbody's electrons [m]."""
         wavelength, share = self.spectrum
         return float(wavelength @ share)
 
@@ -141,7 +144,7 @@ class Photons:
         return ApparentTemperature.create(self.band, self.wavenumber_cm)
 
     def apparent_temperature(self, radiance: ArrayLike) -> FloatArray:
-        """Apparent temperature of in-band radiances [K]; NaN outside 100-6500 K."""
+        """Return the apparent temperature of in-band radiances [K]; NaN outside 100-6500 K."""
         return self._inverse(radiance)
 
     def _planck(self, temperature: ArrayLike) -> FloatArray:

@@ -17,12 +17,12 @@ ScanKind = Literal["staring", "line", "panoramic"]
 class ScanPattern:
     """Timing of the columns and rows of a picture."""
 
-    #: All columns at once; one after the other across the field of view; or round and round, where the next picture goes on where the last
-    #: one ended.
+    #: "staring": all columns at once; "line": one after the other across the field of view; "panoramic": continuous rotation, in which a
+    #: picture begins where the last one ended.
     kind: ScanKind = "staring"
-    period: float = 0.0  #: Time from the first column to the one behind the last [s]; of a panoramic scanner a turn. 0 takes all at once.
-    leftwards: bool = False  #: Whether the scanner goes from right to left (counter-clockwise).
-    row_time: float = 0.0  #: Time from row to row of a rolling shutter, from the top [s]; 0 is a global one.
+    period: float = 0.0  #: Time from the first column to the end of the last [s], one turn of a panoramic scanner; 0: all at once.
+    leftwards: bool = False  #: True for a scan from right to left (counter-clockwise).
+    row_time: float = 0.0  #: Time from row to row of a rolling shutter, from the top [s]; 0 for a global shutter.
 
     def __post_init__(self) -> None:
         if self.period < 0.0 or self.row_time < 0.0:
@@ -31,10 +31,11 @@ class ScanPattern:
     @property
     def instantaneous(self) -> bool:
         """True if all pixels have one instant."""
+        # a scanner without a period counts as staring
         return (self.kind == "staring" or self.period == 0.0) and self.row_time == 0.0
 
     def column_delays(self, columns: int) -> FloatArray:
-        """Time of each column after the frame's [s, (columns,)].
+        """Return the time of each column after the time of the frame [s, (columns,)].
 
         >>> ScanPattern("line", 0.4).column_delays(4)
         array([0. , 0.1, 0.2, 0.3])
@@ -45,5 +46,5 @@ class ScanPattern:
         return (order[::-1] if self.leftwards else order) * (self.period / columns)
 
     def row_delays(self, rows: int) -> FloatArray:
-        """Time of each row after the frame's [s, (rows,)]."""
+        """Return the time of each row after the time of the frame [s, (rows,)]."""
         return np.arange(rows, dtype=np.float64) * self.row_time

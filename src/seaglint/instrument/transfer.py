@@ -1,6 +1,6 @@
 r"""Sampling of a fine picture of the radiance by the detector's pixels: blur and integration in one pass, with the sensor's aliasing.
 
-The picture has ``n x n`` pixels in each of the detector's, each the mean over its area. In frequency the detector's mean is then
+The picture has ``n x n`` pixels in each pixel of the detector, each the mean over its area. In frequency the detector's mean is then
 
 .. math::
 
@@ -8,7 +8,7 @@ The picture has ``n x n`` pixels in each of the detector's, each the mean over i
     \frac{\mathrm{sinc}(f_x w)\,\mathrm{sinc}(f_y w)}{\mathrm{sinc}(f_x c)\,\mathrm{sinc}(f_y c)}
 
 with the width ``w`` of the sensitive square and ``c`` of a fine pixel. At a fill factor of 1 the quotient is the transfer of a sum over
-``n x n`` fine pixels exactly; sampling at the detector's pitch folds the spectrum, which is the sensor's own aliasing.
+``n x n`` fine pixels exactly; sampling at the detector's pitch folds the spectrum, which is the aliasing of the sensor.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ from seaglint.instrument.optics import Blur, jitter_mtf, motion_mtf
 
 MARGIN: Final = 8  #: Least number of pixels by which the picture's border is continued.
 
-MOST_OVERSAMPLING: Final = 15  #: Largest number of fine pixels along a side of a detector's.
+MOST_OVERSAMPLING: Final = 15  #: Largest number of fine pixels along a side of a detector's pixel.
 
 AIRY_RINGS: Final = 6.0  #: Margin in units of the blur's diameter (wavelength times f-number).
 
 #: Largest share of an edge's step that may wrap around over the margin from the picture's other side.
 #:
-#: The wings of diffraction fall only as the distance: of an edge ``x`` away the share ``s / (2 pi^2 x)`` is left, with the fall ``s`` of
-#: the transfer at frequency 0. A margin of six rings lets through 0.005, which raises the whole MTF of a slanted edge by 0.01.
+#: The wings of diffraction fall only with the distance: an edge ``x`` away contributes the share ``s / (2 pi^2 x)``, with the fall ``s`` of
+#: the transfer at frequency 0. A margin of six rings admits 0.005, which raises the whole MTF of a slanted edge by 0.01.
 WINGS: Final = 0.001
 
-#: Largest margin for those wings [pixels], or half the picture's side where that is more: wider ones cost more than they change.
+#: Largest margin for those wings [pixels], or half the picture's side where that is more: wider margins cost more than they change.
 MOST_MARGIN: Final = 64
 
 
-#: Memory of a transfer and its use per fine pixel, margins among them: tables in double precision while it is made, then spectra.
+#: Memory of a transfer and its use per fine pixel, margins included: tables in double precision during preparation, then spectra [bytes].
 BYTES_PER_FINE_PIXEL: Final = 40
 
 
@@ -54,17 +54,17 @@ class Sampling:
 
     step: float  #: Angle between pixels [rad].
     width: float  #: Angle of the sensitive square's side [rad].
-    oversampling: int  #: Fine pixels along a side of a pixel.
-    crosstalk: float = 0.0  #: Share that goes to the four neighbours.
+    oversampling: int  #: Number of fine pixels along a side of a pixel.
+    crosstalk: float = 0.0  #: Share that goes to the four neighbours [1].
     smear: tuple[float, float] = (0.0, 0.0)  #: Steady movement of the line of sight during an exposure, along rows and across them [rad].
-    circle: bool = False  #: Whether the picture goes all round, so that its last column is followed by the first.
-    points: bool = False  #: Whether the picture's values are light without extent in the middle of its pixels, rather than means over them.
+    circle: bool = False  #: True for a picture of a full circle, whose first column follows its last.
+    points: bool = False  #: True for values that are light without extent in the middle of pixels; False for means over pixels.
 
 
 def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatArray, grain: float = 0.0) -> FloatArray:
-    """Transfer from the radiance at the aperture to the pixels: optics, sensitive square, crosstalk and movement.
+    """Return the transfer from the radiance at the aperture to the pixels [1]: optics, sensitive square, crosstalk and movement.
 
-    Pictures, MTF, the response to a point and NEI all take it from here.
+    Pictures, MTF, the response to a point and NEI all use this function.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatA
     along, across : ndarray
         Frequencies along rows and across them, which broadcast [cycles rad-1].
     grain : float
-        Angle of a picture's own pixels, whose means it holds: their blur is divided out [rad].
+        Angle of the pixels of a picture of means over them [rad]; their blur is divided out.
 
     Returns
     -------
@@ -96,9 +96,9 @@ def sensor_mtf(blur: Blur, sampling: Sampling, along: FloatArray, across: FloatA
 
 
 def margins(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int, int]:
-    """Pixels by which a picture of ``shape`` (rows, columns) is continued above and below, and to the left and right.
+    """Return the number of pixels by which a picture of ``shape`` (rows, columns) is continued above and below, and left and right.
 
-    Jitter and movement count up to the picture's own side, or :data:`MOST_MARGIN`.
+    Jitter and movement count up to the side of the picture, or :data:`MOST_MARGIN`.
     """
     step, jitter = sampling.step, blur.optics.jitter
     frequency, table = blur.table()
@@ -107,20 +107,21 @@ def margins(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int
     out = []
     for side, smear in zip(shape, (sampling.smear[1], sampling.smear[0]), strict=True):
         most = max(side, MOST_MARGIN)
+        # four standard deviations of jitter on top of the optics
         shaken = min(4.0 * jitter / step, most)
         out.append(math.ceil(max(MARGIN + rings + shaken, min(wings, max(0.5 * side, MOST_MARGIN))) + min(abs(smear) / step, most)))
     return out[0], out[1]
 
 
 def padded_shape(blur: Blur, sampling: Sampling, shape: tuple[int, int]) -> tuple[int, int]:
-    """Rows and columns of a picture with its :func:`margins`, as they are transformed; a full circle needs none at its sides."""
+    """Return rows and columns of a picture with its :func:`margins` in the transform; a full circle has no margins at its sides."""
     above, left = margins(blur, sampling, shape)
     rows = int(scipy.fft.next_fast_len(shape[0] + 2 * above, real=True))
     return rows, shape[1] if sampling.circle else int(scipy.fft.next_fast_len(shape[1] + 2 * left, real=True))
 
 
 def needed_oversampling(step: float, cutoff: float) -> int:
-    """Fine pixels along a side of pixels ``step`` [rad] apart for optics of a cut-off [cycles rad-1].
+    """Return the number of fine pixels along a side of pixels ``step`` [rad] apart, for optics of a cut-off [cycles rad-1].
 
     >>> needed_oversampling(0.15e-3, 0.1 / 3.5e-6)
     9
@@ -129,7 +130,7 @@ def needed_oversampling(step: float, cutoff: float) -> int:
 
 
 def require_divides(shape: tuple[int, int], oversampling: int) -> tuple[int, int]:
-    """Size of the detector under a fine picture; refuse sizes that do not divide.
+    """Return the size of the detector under a fine picture; raise for sizes that do not divide.
 
     Raises
     ------
@@ -151,7 +152,7 @@ def require_divides(shape: tuple[int, int], oversampling: int) -> tuple[int, int
 
 
 def require_steady(jitter: float, shape: tuple[int, int]) -> None:
-    """Refuse an rms jitter [pixels] that is too wide for a picture of ``shape``.
+    """Raise for an rms jitter [pixels] that is too wide for a picture of ``shape``.
 
     Raises
     ------
@@ -196,15 +197,15 @@ class Transfer:
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
         y = scipy.fft.fftfreq(n * rows, step / n)
-        # the mean over a fine pixel is in the picture already
+        # the picture already contains the mean over a fine pixel
         total = sensor_mtf(blur, sampling, x[None, :], y[:, None], 0.0 if sampling.points else step / n)
-        # A pixel's middle is half of n - 1 fine pixels behind its first one's.
+        # the middle of a pixel is (n - 1) / 2 fine pixels behind the middle of its first fine pixel
         middle = 0.5 * (n - 1) * step / n
         phase = np.exp(2j * np.pi * x * middle)[None, :] * np.exp(2j * np.pi * y * middle)[:, None]
         return cls(sampling, shape, before, (rows, columns), (total * phase).astype(np.complex64))
 
     def __call__(self, fine: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Mean radiance on each pixel's sensitive square [units of ``fine``, (rows, columns), or (time, rows, columns)]."""
+        """Return the mean radiance on each pixel's sensitive square [units of ``fine``, (rows, columns), or (time, rows, columns)]."""
         if fine.ndim == 3:
             return np.stack([self(picture) for picture in fine])
         n, (rows, columns) = self.sampling.oversampling, self.padded
@@ -213,9 +214,10 @@ class Transfer:
                 f"a picture of {fine.shape} for a sensor prepared for {(self.shape[0] * n, self.shape[1] * n)}; prepare another"
             )
         level = np.float32(fine.mean(dtype=np.float64))  # the transformed values are small: single precision rounds little
-        given = np.pad(fine - level, [_pads(n * self.before[i], n * self.shape[i], n * self.padded[i]) for i in (0, 1)], mode="edge")
-        spectrum = scipy.fft.rfft2(given)
+        padded = np.pad(fine - level, [_pads(n * self.before[i], n * self.shape[i], n * self.padded[i]) for i in (0, 1)], mode="edge")
+        spectrum = scipy.fft.rfft2(padded)
         spectrum *= self.filter
+        # taking every n-th row of the result is a sum over n parts of its spectrum: the transform along columns is n times shorter
         folded = spectrum.reshape(n, rows, -1).sum(axis=0) / np.float32(n)
         lines = scipy.fft.ifft(folded, axis=0)
         out = scipy.fft.irfft(lines, n * columns, axis=1)[:, ::n]
@@ -224,9 +226,9 @@ class Transfer:
 
 
 def isolated(picture: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Excess of each pixel over the brightest of its eight neighbours, 0 where it has less [units of ``picture``, (rows, columns)].
+    """Return the excess of each pixel over the brightest of its eight neighbours, or 0 [units of ``picture``, (rows, columns)].
 
-    Light that falls into one fine pixel alone has no extent that the picture tells: the mean over the pixel is that of a point in it.
+    The extent of light in a single fine pixel is not known from the picture: the mean over the pixel is taken as the mean of a point in it.
     """
     around = scipy.ndimage.maximum_filter(picture, footprint=_AROUND, mode="nearest")
     return np.asarray(np.maximum(picture - around, 0.0), np.float32)

@@ -1,1 +1,1 @@
-"""Bodies on and above the sea: shapes, materials, motion, floating."""
+"""Bodies on and above the sea: shapes, materials, motion, floating, and their images."""

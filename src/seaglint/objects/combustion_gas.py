@@ -1,6 +1,6 @@
 r"""Spectral emissivity of hot carbon dioxide and water vapour: the exponential wide-band model of Edwards.
 
-Lines of a band of strength :math:`\alpha` have mean intensities over their spacing that fall exponentially from the band's head or centre,
+Lines of a band of strength :math:`\alpha` have mean intensities per spacing that fall exponentially from the head or centre of the band,
 
 .. math:: \kappa(\nu) = \frac{\alpha}{\omega} \exp\left(-\frac{|\nu - \nu_0|}{\omega}\right),
 
@@ -8,10 +8,10 @@ with :math:`2 |\nu - \nu_0|` in bands with two wings. A path of :math:`X` grams 
 
 .. math:: \varepsilon(\nu) = \min\left(\kappa X,\ \sqrt{\beta \kappa X},\ 1\right)
 
-on the average over its lines: where these are weak, strong, and overlap so much that nothing passes (of :math:`\beta > 1` without the
-root: they overlap at once). The integral over the band is Edwards' absorption in its three regimes, linear, root and logarithm, to which
-the parameters were fitted. With the smooth transmittance of Goody's statistical model in its place total emissivities are 20 % below
-Leckner's. Transmittances of bands that overlap multiply. The bands have
+on the average over its lines, for weak lines, for strong lines, and for lines that overlap so much that the gas is opaque (for
+:math:`\beta > 1` without the root: weak lines overlap already). The integral over the band is Edwards' absorption in its three regimes,
+linear, root and logarithm, to which the parameters were fitted. (The smooth transmittance of Goody's statistical model instead gives total
+emissivities 20 % below Leckner's.) Transmittances of bands that overlap multiply. The bands have
 :math:`\omega = \omega_0 \sqrt{T/T_0}`, :math:`\beta = \beta_0 \sqrt{T_0/T}\, \Phi(T)/\Phi(T_0)\, P_e` and
 
 .. math:: \alpha = \alpha_0 \frac{(1 - e^{-\sum u_k \delta_k})\, \Psi(T)}{(1 - e^{-\sum u_{0,k} \delta_k})\, \Psi(T_0)},\quad
@@ -21,15 +21,14 @@ where :math:`\Psi` and :math:`\Phi` are sums over the vibrational levels, :math:
 :math:`p_0` = 1 atm.
 
 Total emissivities at 400-2000 K agree with Leckner's (1972) within 18 %, mostly within 10 %. Spectra are means over some 25 cm-1. Soot and
-other gases are not in it.
+other gases are not included. :func:`plume_emissivity` tabulates emissivities of plumes along chords of all lengths, at the samples of a
+band.
 
 References
 ----------
 Edwards, D. K., and W. A. Menard (1964), Applied Optics 3, 621-625; Edwards, D. K. (1976), Advances in Heat Transfer 12, 115-193;
 parameters as in Modest, M. F. (2013), Radiative Heat Transfer, 3rd ed., section 11.10 and table 11.3;
 Leckner, B. (1972), Combustion and Flame 19, 33-48.
-
-Spectral emissivity of plumes along chords of all lengths, on the samples of a band.
 """
 
 from __future__ import annotations
@@ -57,13 +56,13 @@ _LEVELS: Final = np.arange(600)  #: Vibrational levels of the sums: at 4000 K th
 class WideBand:
     """Parameters of a band of a gas at 100 K."""
 
-    wavenumber_cm: float  #: Its upper head, or its centre where ``both`` is true [cm-1].
+    wavenumber_cm: float  #: Upper head of the band, or its centre where ``both`` is true [cm-1].
     steps: tuple[tuple[int, ...], ...]  #: Change of the quantum number of each vibration.
-    exponent: float  #: Of the effective pressure [1].
+    exponent: float  #: Exponent of the effective pressure [1].
     strength: tuple[float, ...]  #: Integrated mass absorption [cm-1 / (g m-2)]; several for bands at one place, with ``steps`` for each.
     overlap: float  #: Widths of lines over their spacing, times pi [1].
-    width: float  #: Wavenumbers over which it falls to 1/e [cm-1].
-    both: bool  #: True if it has two wings.
+    width: float  #: Wavenumbers over which the intensity falls to 1/e [cm-1].
+    both: bool  #: True for a band with two wings.
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ class Gas:
     molar_mass: float  #: Molar mass [g mol-1].
     vibrations_cm: tuple[float, ...]  #: Wavenumbers of its vibrations [cm-1].
     degeneracy: tuple[int, ...]  #: Number of vibrations at each of them.
-    #: Broadening by itself over that by nitrogen: a part that falls with the root of the temperature, and a constant [1].
+    #: Self-broadening over broadening by nitrogen: a part that falls with the root of the temperature, and a constant [1].
     broadening: tuple[float, float]
     bands: tuple[WideBand, ...]  #: Its bands.
 
@@ -109,12 +108,12 @@ WATER_VAPOUR: Final = Gas(
     ),
 )
 
-#: Wavenumbers above which a band ends at once [cm-1].
+#: Wavenumbers of band heads, above which a band ends at once [cm-1].
 HEADS: Final = tuple(band.wavenumber_cm for gas in (CARBON_DIOXIDE, WATER_VAPOUR) for band in gas.bands if not band.both)
 
 
 def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co2_share: float, h2o_share: float) -> FloatArray:
-    """Spectral emissivity of a mixture of gases at 1 atm [1, (paths, n)], a mean over some 25 cm-1.
+    """Return the spectral emissivity of a mixture of gases at 1 atm [1, (paths, n)], a mean over some 25 cm-1.
 
     Parameters
     ----------
@@ -137,6 +136,7 @@ def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co
     for gas, share in ((CARBON_DIOXIDE, co2_share), (WATER_VAPOUR, h2o_share)):
         if share <= 0.0:
             continue
+        # grams of the gas per square metre, by the law of ideal gases
         column = length[:, None] * share * gas.molar_mass * constants.atm / (constants.R * temperature)
         for band in gas.bands:
             strength, overlap, width = band_at(gas, band, temperature, share)
@@ -147,7 +147,7 @@ def emissivity(wavenumber_cm: ArrayLike, path: ArrayLike, temperature: float, co
 
 
 def _shape(band: WideBand, nu: FloatArray, width: float) -> FloatArray:
-    """Mean intensity of lines over that at the head or centre [1]; nothing lies above a head."""
+    """Return the mean intensity of lines over the intensity at the head or centre [1]; 0 above a head."""
     if band.both:
         return np.asarray(np.exp(-2.0 * np.abs(nu - band.wavenumber_cm) / width))
     below = band.wavenumber_cm - nu
@@ -156,15 +156,16 @@ def _shape(band: WideBand, nu: FloatArray, width: float) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def band_at(gas: Gas, band: WideBand, temperature: float, share: float) -> tuple[float, float, float]:
-    """Strength [cm-1 / (g m-2)], line overlap [1] and width [cm-1] of a band at a temperature [K], of a share of the gas in 1 atm.
+    """Return strength [cm-1 / (g m-2)], line overlap [1] and width [cm-1] of a band at a temperature [K], for a share of the gas in 1 atm.
 
     Components at one place add: their strengths, and the roots of strength times overlap (Modest 2013, section 11.10).
     """
     ratio = REFERENCE / temperature
+    # effective pressure in atm: the module's P_e at p = p_0
     pressure = (1.0 + (gas.broadening[0] * ratio**0.5 + gas.broadening[1] - 1.0) * share) ** band.exponent
     strengths, overlaps = [], []
     for steps, strength in zip(band.steps, band.strength, strict=True):
-        if not any(steps):  # rotation: no vibration changes, and Edwards gives its own law
+        if not any(steps):  # rotation: no vibration changes, and Edwards has a separate law
             strengths.append(strength * float(np.exp(-9.0 * ratio**0.5)))
             overlaps.append(band.overlap * ratio**0.5)
             continue
@@ -178,7 +179,7 @@ def band_at(gas: Gas, band: WideBand, temperature: float, share: float) -> tuple
 
 
 def _levels(gas: Gas, steps: tuple[int, ...], temperature: float) -> tuple[float, float]:
-    """Psi times the share without stimulated emission, and Phi, of the module's formulas [1]."""
+    """Return Psi times the share without stimulated emission, and Phi, of the module's formulas [1]."""
     psi = phi = 1.0
     quanta = SECOND_RADIATION / temperature * np.asarray(gas.vibrations_cm)
     for u, step, g in zip(quanta, steps, gas.degeneracy, strict=True):
@@ -187,38 +188,39 @@ def _levels(gas: Gas, steps: tuple[int, ...], temperature: float) -> tuple[float
         upper = _rising(v + 1.0, g + abs(step) - 1) * np.exp(-u * v)
         every = _LEVELS.astype(np.float64)
         lower = _rising(every + 1.0, g - 1) * np.exp(-u * every)
+        # sums over the levels of each vibration factorise
         psi *= float(upper.sum() / lower.sum())
         phi *= float(np.sqrt(upper).sum() ** 2 / upper.sum())
     return psi * float(-np.expm1(-quanta @ np.asarray(steps))), phi
 
 
 def _rising(start: FloatArray, count: int) -> FloatArray:
-    """Product of ``count`` numbers from ``start`` on [1]: (v + count)! / v! for v + 1; factors 1/(g-1)! cancel."""
+    """Return the product of ``count`` numbers from ``start`` on [1]: (v + count)! / v! for v + 1; factors 1/(g-1)! cancel."""
     out = np.ones_like(start)
     for k in range(count):
         out = out * (start + k)
     return out
 
 
-#: Number of chords that are tabulated, even in the root of their length: short ones absorb as the root, and linear interpolation leaves
-#: 1e-4 of the emissivity 0.999999 of a grey plume.
+#: Number of tabulated chords, even in the root of their length: absorption of short chords grows as the root, and linear interpolation has
+#: an error of 1e-4 for a grey plume of emissivity 0.999999.
 CHORDS: Final = 257
 
 FINE_STEP: Final = 1.0  #: Largest step of the wavenumbers that are averaged over a sample of the band [cm-1].
 
 
 def chord_shares() -> FloatArray:
-    """Shares of the longest chord that are tabulated [1, (chords,)]."""
+    """Return the tabulated shares of the longest chord [1, (chords,)]."""
     return np.linspace(0.0, 1.0, CHORDS) ** 2
 
 
 def longest_chord(plume: GasPlume) -> float:
-    """Length of a plume of gases along its longest axis [m]; 0 for a grey one, whose chords are shares of the longest in a direction."""
+    """Return the length of a plume of gases along its longest axis [m]; 0 for a grey plume, with chords relative to each direction."""
     return 0.0 if plume.emissivity is not None else 2.0 * max(plume.semi_axes)
 
 
 def plume_emissivity(plume: GasPlume, wavenumber_cm: FloatArray) -> FloatArray:
-    """Emissivity along chords of :func:`chord_shares` at the samples of a band [1, (chords, n)]."""
+    """Return the emissivity along chords of :func:`chord_shares` at the samples of a band [1, (chords, n)]."""
     if plume.emissivity is not None:
         grey = -np.expm1(chord_shares() * math.log1p(-plume.emissivity))
         return np.repeat(grey[:, None], wavenumber_cm.size, axis=1)
@@ -228,9 +230,9 @@ def plume_emissivity(plume: GasPlume, wavenumber_cm: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def _tabulated(temperature: float, co2_share: float, h2o_share: float, longest: float, wavenumber_cm: bytes) -> FloatArray:
-    """Means of the gases' emissivity over each sample, weighted by the hat of linear interpolation between samples.
+    """Return means of the gases' emissivity over each sample [1, (chords, n)], weighted by the hat of linear interpolation between samples.
 
-    A sum over the samples is then the integral of the emissivity times what else is linear between them.
+    The sum over the samples of the product with a quantity that is linear between samples is then the integral of the product.
     """
     nu = np.frombuffer(wavenumber_cm)
     pieces = max(math.ceil(float(np.diff(nu).max()) / FINE_STEP - 1e-9), 1)
@@ -244,5 +246,6 @@ def _tabulated(temperature: float, co2_share: float, h2o_share: float, longest: 
     hats = csr_array((np.concatenate([width * (1.0 - right), width * right]), (np.tile(rows, 2), np.concatenate([left, left + 1]))))
     spectra = emissivity(middle, longest * chord_shares(), temperature, co2_share, h2o_share)
     out = np.asarray(spectra @ hats / hats.sum(axis=0))
+    # the table is cached: all callers share it
     out.setflags(write=False)
     return out

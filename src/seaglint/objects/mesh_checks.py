@@ -1,4 +1,4 @@
-"""Checks that a mesh encloses a volume: closed, of one orientation, of some volume, not crossing itself; and test of points inside."""
+"""Checks of meshes: closed, of one orientation, of some volume, not crossing itself; points inside, materials and waterlines of solids."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ THINNEST = 1e-9  #: Least share of its bounding box that a solid fills.
 
 TOUCHING = 1e-6  #: Depth, relative to the size of a mesh, up to which crossing triangles count as touching: files hold seven digits.
 
-MOST_SLABS = 64  #: Number of parts of a mesh that are searched for crossings one by one.
+MOST_SLABS = 64  #: Largest number of slabs of a mesh that are searched for crossings one by one.
 
 COLDEST, HOTTEST = 100.0, 4000.0  #: Limits of objects' temperatures [K]; values outside are mistyped.
 
@@ -29,32 +29,42 @@ def oriented(mesh: Mesh) -> Mesh:
     Raises
     ------
     DomainError
-        An open mesh, one whose triangles turn both ways, one without volume, or one that crosses itself.
+        An open mesh, a mesh with triangles of both orientations, without volume, or one that crosses itself.
     """
     vertices, triangles = mesh
     if not len(triangles) or not np.isfinite(vertices).all():
         raise DomainError("the mesh has no triangles, or vertices that are no finite numbers; export it again")
-    same = merged(vertices)[triangles]
-    valid = (same[:, 0] != same[:, 1]) & (same[:, 1] != same[:, 2]) & (same[:, 2] != same[:, 0])
-    same, triangles = same[valid], triangles[valid]
-    _require_closed(same)
-    filled = volume((vertices, triangles))
+    merged_corners = merged(vertices)[triangles]
+    valid = (
+        (merged_corners[:, 0] != merged_corners[:, 1])
+        & (merged_corners[:, 1] != merged_corners[:, 2])
+        & (merged_corners[:, 2] != merged_corners[:, 0])
+    )
+    merged_corners, triangles = merged_corners[valid], triangles[valid]
+    _require_closed(merged_corners)
+    enclosed = volume((vertices, triangles))
     size = np.ptp(vertices, axis=0)
-    if abs(filled) <= THINNEST * max(float(np.prod(size)), 1e-3 * float(size.max()) ** 3):
-        raise DomainError(f"the mesh has no volume ({abs(filled):.3g} m3); give it some thickness")
-    _require_uncrossed(vertices, same)
-    return vertices, np.ascontiguousarray(triangles if filled > 0.0 else triangles[:, ::-1])
+    if abs(enclosed) <= THINNEST * max(float(np.prod(size)), 1e-3 * float(size.max()) ** 3):
+        raise DomainError(f"the mesh has no volume ({abs(enclosed):.3g} m3); give it some thickness")
+    _require_uncrossed(vertices, merged_corners)
+    return vertices, np.ascontiguousarray(triangles if enclosed > 0.0 else triangles[:, ::-1])
 
 
 def inside(part: Solid, place: FloatArray) -> bool:
-    """True if a place [m, (3,)] in the body's axes is inside a solid: its surface fills the whole sphere seen from there."""
+    """Return True if a place [m, (3,)] in the body's axes is inside a solid: seen from it, the surface fills the whole sphere."""
     if np.any(place < part.vertices.min(axis=0)) or np.any(place > part.vertices.max(axis=0)):
         return False
-    a, b, c = (part.vertices[part.triangles[:, i]] - place for i in range(3))
+    return encloses_origin((part.vertices - place, part.triangles))
+
+
+def encloses_origin(mesh: Mesh) -> bool:
+    """Return True if a closed surface encloses the origin: the solid angles of its triangles add to a full sphere."""
+    a, b, c = (mesh[0][mesh[1][:, i]] for i in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    # half of a solid angle by its tangent (Van Oosterom and Strackee 1983); the sum is 2 pi inside and 0 outside
     numerator = np.sum(a * np.cross(b, c), axis=1)
     denominator = la * lb * lc + np.sum(a * b, axis=1) * lc + np.sum(b * c, axis=1) * la + np.sum(c * a, axis=1) * lb
-    return bool(abs(np.sum(np.arctan2(numerator, denominator))) > np.pi)  # half of the solid angle
+    return bool(abs(np.sum(np.arctan2(numerator, denominator))) > np.pi)
 
 
 def _require_closed(triangles: NDArray[np.int64]) -> None:
@@ -75,7 +85,7 @@ def _require_closed(triangles: NDArray[np.int64]) -> None:
 def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> None:
     corners = vertices[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    # swept along the axis on which the triangles are smallest against the whole, in slabs of the next smallest
+    # sorted along the axis on which triangles are smallest relative to the mesh, in slabs of the axis with the next smallest ones
     size = np.maximum(np.ptp(vertices, axis=0), 1e-300)
     axes = np.argsort((high - low).mean(axis=0) / size, kind="stable")
     order = np.argsort(low[:, axes[0]], kind="stable")
@@ -84,11 +94,11 @@ def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> No
     first = second = -1
     for slab in range(slabs):
         bottom, top = (begin + wide * k / slabs for k in (slab, slab + 1))
-        some = order[(low[order, axes[1]] <= top) & (high[order, axes[1]] >= bottom)]
-        arranged = [np.ascontiguousarray(values[some][..., axes]) for values in (corners, low, high)]
-        first, second = _crossing(arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[some]), depth)
+        members = order[(low[order, axes[1]] <= top) & (high[order, axes[1]] >= bottom)]
+        arranged = [np.ascontiguousarray(values[members][..., axes]) for values in (corners, low, high)]
+        first, second = _crossing(arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[members]), depth)
         if first >= 0:
-            first, second = int(some[first]), int(some[second])
+            first, second = int(members[first]), int(members[second])
             break
     if first >= 0:
         x, y, z = corners[first].mean(axis=0)
@@ -100,9 +110,9 @@ def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> No
 
 @njit
 def _crossing(corners: FloatArray, low: FloatArray, high: FloatArray, triangles: NDArray[np.int64], depth: float) -> tuple[int, int]:
-    """First two triangles without a common corner that cross by more than ``depth`` [m]; (-1, -1) without any.
+    """Return the first two triangles without a common corner that cross by more than ``depth`` [m]; (-1, -1) without any.
 
-    They are sorted by the first axis.
+    Triangles are sorted by their lower end on the first axis.
     """
     for i in range(low.shape[0]):
         end, y0, y1, z0, z1 = high[i, 0], low[i, 1], high[i, 1], low[i, 2], high[i, 2]
@@ -135,7 +145,7 @@ def _crossing(corners: FloatArray, low: FloatArray, high: FloatArray, triangles:
 
 @njit
 def _pierces(start: FloatArray, end: FloatArray, triangle: FloatArray, depth: float) -> bool:
-    """True if a segment passes through a triangle: by more than ``depth`` on both sides, and that far from its edges."""
+    """Return True if a segment passes through a triangle by more than ``depth`` on both sides, farther than ``depth`` from its edges."""
     a, b, c = triangle[0], triangle[1], triangle[2]
     before, behind = _six_volumes(a, b, c, start), _six_volumes(a, b, c, end)
     if before * behind >= 0.0:
@@ -159,7 +169,7 @@ def _distance(a: FloatArray, b: FloatArray) -> float:
 
 @njit
 def _normal(a: FloatArray, b: FloatArray, c: FloatArray) -> tuple[float, float, float]:
-    """Normal of a triangle, twice its area long."""
+    """Return the normal of a triangle, with a length of twice its area [m2]."""
     x0, y0, z0 = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     x1, y1, z1 = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     return y0 * z1 - z0 * y1, z0 * x1 - x0 * z1, x0 * y1 - y0 * x1
@@ -174,12 +184,12 @@ def _six_volumes(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> 
 
 
 def require_materials(part: Solid) -> None:
-    """Refuse emissivities outside 0 to 1 and temperatures outside the limits.
+    """Raise for emissivities outside 0 to 1 and temperatures outside the limits.
 
     Raises
     ------
     DomainError
-        Naming the first value refused.
+        A value outside its limits; the message has the first.
     """
     for value in part.emissivity[~((part.emissivity >= 0.0) & (part.emissivity <= 1.0))][:1]:
         raise DomainError(f"emissivity = {value:g} of a vertex is outside 0 to 1; correct the file")
@@ -188,7 +198,7 @@ def require_materials(part: Solid) -> None:
 
 
 def waterline(part: Solid, level: float) -> tuple[FloatArray, FloatArray] | None:
-    """Rectangle along x and y with the second moments of a solid's section at a height of its axes [m].
+    """Return the rectangle along x and y that has the second moments of a solid's section at a height in its axes [m].
 
     Returns
     -------
@@ -212,13 +222,14 @@ def waterline(part: Solid, level: float) -> tuple[FloatArray, FloatArray] | None
     share = height[:, :1] / (height[:, :1] - height[:, 1:])
     crossing = corners[:, :1, :2] + (corners[:, 1:, :2] - corners[:, :1, :2]) * share[..., None]
     first, second = crossing[:, 0], crossing[:, 1]
-    # the section keeps to the left of its border, whichever side the lone corner is on
+    # the border is oriented with the section on its left, for a lone corner above or below the level
     swap = (height[:, 0] < 0.0)[:, None]
     start, end = np.where(swap, second, first), np.where(swap, first, second)
     twice = start[:, 0] * end[:, 1] - end[:, 0] * start[:, 1]
     area = 0.5 * float(twice.sum())
     if abs(area) < 1e-12:
         return None
+    # centroid and second moments of a polygon as sums over its border (Green's theorem)
     centre = np.array([float(np.sum((start[:, i] + end[:, i]) * twice)) for i in range(2)]) / (6.0 * area)
     second_moment = np.array([float(np.sum((start[:, i] ** 2 + start[:, i] * end[:, i] + end[:, i] ** 2) * twice)) for i in range(2)])
     spread = second_moment / (12.0 * area) - centre**2

@@ -1,17 +1,17 @@
-"""Attitude of a body: heading clockwise from north, pitch (nose up), roll (starboard side down), as a rotation of its axes.
+"""Motion of bodies: attitudes as rotations, places by latitude and longitude, and placements at rest, on a course or by keyframes.
+
+An attitude is heading clockwise from north, pitch (nose up) and roll (starboard side down):
 
 ::
 
     east, north, up = H(heading) X(pitch) Y(roll) (starboard, forward, upward)
 
-Conversion of latitude and longitude to metres east and north of a place, by the geodesic on the WGS 84 ellipsoid.
+Every placement and velocity is a function of time alone. Positions by keyframes follow a cubic spline, which has a continuous velocity and
+acceleration and no acceleration at its ends, or straight lines. Attitudes turn at an even rate from keyframe to keyframe by the shortest
+rotation (Shoemake 1985, quaternions).
 
-Vincenty, T. 1975: Direct and inverse solutions of geodesics on the ellipsoid with application of nested equations. Survey Review 23, 88-93.
-
-Motion of bodies: at rest, on a straight course, or by keyframes; every place and velocity is a function of time alone.
-
-Positions by keyframes follow a cubic spline, whose velocity and acceleration are continuous and which has no acceleration at its ends, or
-straight lines. Attitudes turn at an even rate from keyframe to keyframe, the shortest way (Shoemake 1985, quaternions).
+Latitude and longitude become metres east and north of a place by the geodesic on the WGS 84 ellipsoid (Vincenty, T. 1975: Direct and
+inverse solutions of geodesics on the ellipsoid with application of nested equations. Survey Review 23, 88-93).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from seaglint.objects.body import Placement
 
 
 def rotation(heading: float, pitch: float = 0.0, roll: float = 0.0) -> FloatArray:
-    """Rotation matrix from a body's axes to east, north and up for three angles [rad, (3, 3)].
+    """Return the rotation matrix (3, 3) from a body's axes to east, north and up for three angles [rad].
 
     Examples
     --------
@@ -49,27 +49,28 @@ def rotation(heading: float, pitch: float = 0.0, roll: float = 0.0) -> FloatArra
     return np.asarray(level @ pitched @ rolled)
 
 
-def heading_of(turned: FloatArray) -> float:
-    """Heading of a rotation [rad]: azimuth of the body's forward axis."""
-    return math.atan2(float(turned[0, 1]), float(turned[1, 1]))
+def heading_of(matrix: FloatArray) -> float:
+    """Return the heading of a rotation [rad]: azimuth of the body's forward axis."""
+    return math.atan2(float(matrix[0, 1]), float(matrix[1, 1]))
 
 
 def tilt(heading: float, starboard: float, forward: float) -> FloatArray:
-    """Rotation that lays a body's level deck on a plane, without turning its forward axis aside.
+    """Return the rotation that moves a body's level deck onto a plane and leaves the azimuth of its forward axis.
 
     Parameters
     ----------
     heading : float
         Heading of the body [rad].
     starboard, forward : float
-        Slope of the plane towards its starboard and forward [1].
+        Slope of the plane towards the body's starboard and forward side [1].
 
     Returns
     -------
     ndarray
-        Acts on east, north and up [(3, 3)].
+        Matrix (3, 3) that acts on east, north and up.
     """
     level = rotation(heading)
+    # the forward axis moves up the slope within its vertical plane
     ahead = np.array([0.0, 1.0, forward]) / math.hypot(1.0, forward)
     normal = np.array([-starboard, -forward, 1.0])
     normal /= np.linalg.norm(normal)
@@ -82,7 +83,7 @@ FLATTENING: Final = 1.0 / 298.257223563  #: Flattening of the WGS 84 ellipsoid [
 
 
 def east_north(latitude: float, longitude: float, start: tuple[float, float]) -> tuple[float, float]:
-    """Metres towards east and north from ``start = (latitude, longitude)`` [rad], by range and bearing.
+    """Return the metres towards east and north from ``start = (latitude, longitude)`` [rad], by range and bearing.
 
     Raises
     ------
@@ -96,8 +97,10 @@ def east_north(latitude: float, longitude: float, start: tuple[float, float]) ->
     >>> round(east, 3), round(north, 1)
     (0.0, 11097.7)
     """
+    # notation of Vincenty's inverse formula: reduced latitudes U, longitude on the auxiliary sphere, iterated; then his series A and B
     f = FLATTENING
     u1, u2 = (math.atan((1.0 - f) * math.tan(angle)) for angle in (start[0], latitude))
+    # the shorter way round
     difference = math.remainder(longitude - start[1], 2.0 * math.pi)
     s1, c1, s2, c2 = math.sin(u1), math.cos(u1), math.sin(u2), math.cos(u2)
     reduced = difference
@@ -133,21 +136,21 @@ SLOWEST = 1e-6  #: Speed below which a body has no course [m s-1].
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """Motion of a body that stays at its place."""
+    """Motion of a body that does not move."""
 
     placement: Placement
 
     @property
     def known(self) -> tuple[float, float]:
-        """First and last time at which it is known [s]."""
+        """First and last time at which the motion is known [s]."""
         return -math.inf, math.inf
 
     def at(self, time: float) -> Placement:
-        """Placement at a time from the start [s]."""
+        """Return the placement at a time from the start [s]."""
         return self.placement
 
     def velocity(self, time: float) -> FloatArray:
-        """Velocity towards east, north and up [m s-1, (3,)]."""
+        """Return the velocity towards east, north and up [m s-1, (3,)]."""
         return np.zeros(3)
 
 
@@ -160,15 +163,15 @@ class Course:
 
     @property
     def known(self) -> tuple[float, float]:
-        """First and last time at which it is known [s]."""
+        """First and last time at which the motion is known [s]."""
         return -math.inf, math.inf
 
     def at(self, time: float) -> Placement:
-        """Placement at a time from the start [s]."""
+        """Return the placement at a time from the start [s]."""
         return Placement(self.start.position + time * self.steady, self.start.rotation)
 
     def velocity(self, time: float) -> FloatArray:
-        """Velocity towards east, north and up [m s-1, (3,)]."""
+        """Return the velocity towards east, north and up [m s-1, (3,)]."""
         return self.steady
 
 
@@ -178,7 +181,7 @@ class Keyframed:
 
     time: FloatArray  #: Times of the keyframes [s].
     position: FloatArray  #: Positions of the keyframes (keyframes, 3): east, north, height [m].
-    follows: bool  #: True if the heading is the direction of motion; then ``turns`` hold pitch and roll alone.
+    follows: bool  #: True if the heading is the direction of motion; then the interpolated attitudes are pitch and roll alone.
     _spline: CubicSpline | None
     _turns: Slerp
 
@@ -198,7 +201,7 @@ class Keyframed:
         Parameters
         ----------
         time : ndarray, (keyframes,)
-            From the first frame [s].
+            Times from the first frame [s].
         position : ndarray, (keyframes, 3)
             East, north, height [m].
         angles : ndarray, (keyframes, 3)
@@ -206,7 +209,7 @@ class Keyframed:
         names : sequence of str
             Names of the keyframes in error messages, e.g. ``"line 7"``.
         follows : bool
-            Head along the way; the headings given count for nothing then.
+            True for a heading in the direction of motion; the headings in ``angles`` are then not used.
         path : "spline" or "straight"
             Interpolation between positions.
 
@@ -231,9 +234,10 @@ class Keyframed:
                 f"{names[row]} to {names[row + 1]}: the object jumps at {speed[row]:.4g} m/s; allowed are {MOST_SPEED:g} m/s: correct a "
                 "position or a time"
             )
+        # with ``follows`` the course is applied later, as a function of time
         heading = np.zeros(len(time)) if follows else angles[:, 0]
         frames = [rotation(float(h), float(p), float(r)) for h, (p, r) in zip(heading, angles[:, 1:], strict=True)]
-        turned = Rotation.from_matrix(np.stack(frames))
+        rotations = Rotation.from_matrix(np.stack(frames))
         turn = np.asarray((Rotation.from_matrix(np.stack(frames[:-1])).inv() * Rotation.from_matrix(np.stack(frames[1:]))).magnitude())
         for row in np.flatnonzero(turn > np.pi - 1e-7)[:1]:
             raise DomainError(
@@ -244,8 +248,9 @@ class Keyframed:
                 f"{names[row]} to {names[row + 1]}: the attitude jumps, at {np.degrees(turn[row] / step[row]):.4g} deg/s; allowed are "
                 f"{np.degrees(MOST_TURN):g} deg/s: correct heading_deg, pitch_deg, roll_deg or a time"
             )
+        # natural: no acceleration at the ends
         spline = CubicSpline(time, position, bc_type="natural") if path == "spline" else None
-        return cls(time.copy(), position.copy(), follows, spline, Slerp(time, turned))
+        return cls(time.copy(), position.copy(), follows, spline, Slerp(time, rotations))
 
     @property
     def known(self) -> tuple[float, float]:
@@ -253,7 +258,7 @@ class Keyframed:
         return float(self.time[0]), float(self.time[-1])
 
     def at(self, time: float) -> Placement:
-        """Placement at a time from the start [s].
+        """Return the placement at a time from the start [s].
 
         Raises
         ------
@@ -265,11 +270,11 @@ class Keyframed:
             position = np.asarray(self._spline(t))
         else:
             position = np.array([np.interp(t, self.time, column) for column in self.position.T])
-        turned = np.asarray(self._turns(t).as_matrix())
-        return Placement(position, rotation(self._course(t)) @ turned if self.follows else turned)
+        attitude = np.asarray(self._turns(t).as_matrix())
+        return Placement(position, rotation(self._course(t)) @ attitude if self.follows else attitude)
 
     def velocity(self, time: float) -> FloatArray:
-        """Velocity towards east, north and up [m s-1, (3,)]; at a corner that of the line that begins there."""
+        """Return the velocity towards east, north and up [m s-1, (3,)]; at a corner of straight lines the velocity of the next line."""
         t = self._inside(time)
         if self._spline is not None:
             return np.asarray(self._spline(t, 1))
@@ -277,8 +282,9 @@ class Keyframed:
         return np.asarray((self.position[row + 1] - self.position[row]) / (self.time[row + 1] - self.time[row]))
 
     def _course(self, time: float) -> float:
-        """Azimuth of the motion [rad]; where there is none that of the next motion, else of the last."""
+        """Return the azimuth of the motion [rad]; at rest the azimuth of the next motion, after the last motion of the last."""
         middle = 0.5 * (self.time[1:] + self.time[:-1])
+        # the time itself, then the middles of later pieces, then of earlier ones, the nearest first
         for t in (time, *middle[middle > time], *middle[middle <= time][::-1]):
             east, north, _ = self.velocity(float(t))
             if math.hypot(east, north) > SLOWEST:
@@ -291,5 +297,5 @@ class Keyframed:
         slack = 1e-9 * max(abs(first), abs(last), 1.0)
         if not first - slack <= time <= last + slack:
             text = f"time = {time:g} s is outside its keyframes, which span {first:g} to {last:g} s"
-            raise DomainError(f"{text}; add keyframes or ask for fewer frames")
+            raise DomainError(f"{text}; add keyframes or request fewer frames")
         return min(max(time, first), last)

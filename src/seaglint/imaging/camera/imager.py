@@ -1,13 +1,13 @@
-r"""Upright image grid: equal steps of azimuth (columns, clockwise) and of elevation (rows, row 0 on top).
+r"""Cameras: the upright image grid, lines of sight in any attitude, and images resampled from the upright grid by exact areas.
 
-Lines of sight of a camera in any attitude, and its image from the sweep's azimuth-elevation image by exact areas.
+The upright grid has equal steps of azimuth (columns, clockwise) and of elevation (rows, row 0 on top).
 
-In azimuth and the sine of elevation equal areas are equal solid angles. A pixel of the tilted camera is a quadrilateral there, a cell of
-the sweep's image a rectangle, and
+In azimuth and the sine of elevation equal areas are equal solid angles. A pixel of a tilted camera is a quadrilateral in this plane, a cell
+of the sweep's image is a rectangle, and
 
 .. math:: L_{pixel} = \sum_{cells} w L_{cell}, \qquad w = \Omega(pixel \cap cell) / \Omega(pixel)
 
-with the overlaps found by clipping. Neighbouring pixels share their corners, so the sum over pixels conserves energy.
+with the overlaps from clipping. Neighbouring pixels share their corners, so the sum over pixels conserves energy.
 """
 
 from __future__ import annotations
@@ -109,8 +109,7 @@ CORNERS = 10  #: Largest number of corners of a quadrilateral cut by two paralle
 class Attitude:
     """Attitude of a camera [rad]: azimuth clockwise from north, elevation above the horizontal, roll about the line of sight.
 
-    A positive roll turns the camera clockwise as seen from behind it (right side down), so what it sees turns counter-clockwise in the
-    image.
+    A positive roll turns the camera clockwise for a viewer behind it (right side down), so the scene turns counter-clockwise in the image.
     """
 
     azimuth: float
@@ -159,11 +158,11 @@ class Imager:
 
     @property
     def goes_round(self) -> bool:
-        """True if the image closes on itself: its last column lies beside its first."""
+        """True if the image closes on itself: its last column is a neighbour of its first."""
         return self.projection == "equal-angle" and self.width > 2.0 * np.pi - 1e-9
 
     def directions(self, attitude: Attitude, across: ArrayLike, down: ArrayLike) -> FloatArray:
-        """Unit vectors (east, north, up) of the lines of sight through image points.
+        """Return unit vectors (east, north, up) of the lines of sight through image points.
 
         Parameters
         ----------
@@ -197,7 +196,7 @@ class Imager:
         return np.asarray(level @ (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes))
 
     def solid_angle(self, attitude: Attitude, across: ArrayLike, down: ArrayLike) -> FloatArray:
-        """Solid angle per pixel at image points [sr, (...)]; points as in :meth:`directions`."""
+        """Return the solid angle per pixel at image points [sr, (...)]; points as in :meth:`directions`."""
         x, y = np.broadcast_arrays(np.asarray(across) / self.columns - 0.5, 0.5 - np.asarray(down) / self.rows)
         if self.projection == "pinhole":
             wide, high = 2.0 * np.tan(0.5 * self.width), 2.0 * np.tan(0.5 * self.height_angle)
@@ -207,24 +206,29 @@ class Imager:
         return np.asarray(step * np.cos(attitude.elevation + y * self.height_angle))
 
     def corners(self, attitude: Attitude) -> FloatArray:
-        """Lines of sight through the corners of all pixels, unit vectors [1, (rows + 1, columns + 1, 3)]."""
+        """Return the lines of sight through the corners of all pixels, unit vectors [1, (rows + 1, columns + 1, 3)]."""
         return self.directions(attitude, np.arange(self.columns + 1.0), np.arange(self.rows + 1.0)[:, None])
 
     def centres(self, attitude: Attitude) -> tuple[FloatArray, FloatArray]:
-        """Azimuth (not wrapped within the image's half circle) and elevation of the pixel centres [rad, (rows, columns)]."""
+        """Return azimuth (continuous within a half circle to both sides) and elevation of the pixel centres [rad, (rows, columns)]."""
         v = self.directions(attitude, np.arange(self.columns) + 0.5, np.arange(self.rows)[:, None] + 0.5)
         azimuth = attitude.azimuth + wrap_angle(np.arctan2(v[..., 0], v[..., 1]) - attitude.azimuth)
         return azimuth, np.arctan2(v[..., 2], np.hypot(v[..., 0], v[..., 1]))
 
     def camera(self, height: float, attitude: Attitude) -> Camera | None:
-        """Image grid of the sweep where this camera has one (equal angles, no roll), else None."""
+        """Return the image grid of the sweep for a camera of equal angles without roll, else None."""
         if self.projection != "equal-angle" or attitude.roll != 0.0:
             return None
         return Camera(height, attitude.azimuth, attitude.elevation, self.width, self.height_angle, self.columns, self.rows)
 
 
+def pixels_of(camera: Camera) -> Imager:
+    """Return the pixels of an upright image grid, for any attitude; the inverse of :meth:`Imager.camera`."""
+    return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
+
+
 def pixel_pitch(corners: FloatArray) -> tuple[float, float]:
-    """Least and median angle between neighbouring corners [rad]."""
+    """Return the least and the median angle between neighbouring corners [rad]."""
     across = np.linalg.norm(np.diff(corners, axis=1), axis=-1)
     down = np.linalg.norm(np.diff(corners, axis=0), axis=-1)
     pitch = np.minimum(np.minimum(across[1:], across[:-1]), np.minimum(down[:, 1:], down[:, :-1]))
@@ -232,7 +236,7 @@ def pixel_pitch(corners: FloatArray) -> tuple[float, float]:
 
 
 def pixel_elevations(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Elevation of the lowest and of the highest corner of each pixel [rad, (rows, columns)]."""
+    """Return the elevations of the lowest and the highest corner of each pixel [rad, (rows, columns)]."""
     elevation = np.arctan2(corners[..., 2], np.hypot(corners[..., 0], corners[..., 1]))
     four = (elevation[:-1, :-1], elevation[:-1, 1:], elevation[1:, :-1], elevation[1:, 1:])
     return np.minimum(np.minimum(four[0], four[1]), np.minimum(four[2], four[3])), np.maximum(
@@ -241,23 +245,19 @@ def pixel_elevations(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 class SweepGrid(NamedTuple):
-    """Cells of the sweep's image in azimuth and the sine of elevation.
+    """Cells of the sweep's image in azimuth and the sine of elevation."""
 
-    The fields are azimuth of its middle and step of its columns [rad], their number, a flag for the full circle; row 0's upper edge, 1/row
-    step [rad], and the sines of all edges of rows.
-    """
-
-    middle: float
-    step: float
+    middle: float  #: Azimuth of the middle of the image [rad].
+    step: float  #: Width of a column [rad].
     columns: int
-    circle: bool
-    top: float
-    per_radian: float
-    edges: np.ndarray
+    circle: bool  #: True for a full circle, on which the first column follows the last.
+    top: float  #: Elevation of the upper edge of row 0 [rad].
+    per_radian: float  #: Rows per radian, the inverse of their step.
+    edges: np.ndarray  #: Sines of the elevations of all edges of rows (rows + 1,).
 
 
 def cells_of(camera: Camera) -> SweepGrid:
-    """Cells of an azimuth-elevation image."""
+    """Return the cells of an azimuth-elevation image."""
     edges = np.sin(np.clip(camera.top - np.arange(camera.rows + 1) * camera.row_step, -0.5 * np.pi, 0.5 * np.pi))
     circle = camera.width > 2.0 * np.pi - 1e-9
     return SweepGrid(camera.azimuth, camera.column_step, camera.columns, bool(circle), camera.top, 1.0 / camera.row_step, edges)
@@ -276,7 +276,8 @@ class Quads(NamedTuple):
 
 
 def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: SweepGrid, azimuth_of_image: float) -> Quads:
-    """Quadrilaterals of some pixels (flat indices); columns ascend continuously for half a circle to both sides of the image's azimuth."""
+    """Return quadrilaterals of some pixels (flat indices); columns are continuous within a half circle about ``azimuth_of_image``."""
+    # wrapped in three steps: the image from the grid, the first corner from the image, the other corners from the first
     width = corners.shape[1]
     row, column = np.divmod(pixels, width - 1)
     first = row * width + column
@@ -291,7 +292,7 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: SweepGrid, azim
 
 
 def inside(quadrilaterals: Quads, cells: SweepGrid) -> NDArray[np.bool_]:
-    """True for each quadrilateral that the cells cover [(pixels,)]."""
+    """Return True for each quadrilateral that the cells cover (pixels,)."""
     rows = (quadrilaterals.sine.max(axis=1) <= cells.edges[0]) & (quadrilaterals.sine.min(axis=1) >= cells.edges[-1])
     if cells.circle:
         return np.asarray(rows)
@@ -318,7 +319,7 @@ def cut(poly: np.ndarray, n: int, axis: int, bound: float, sign: float, out: np.
 
 @kernel
 def area(poly: np.ndarray, n: int) -> float:
-    """Area of a polygon."""
+    """Return the area of a polygon of ``n`` corners [square of its unit], counted from its first corner."""
     twice = 0.0
     for i in range(n):
         j = i + 1 if i + 1 < n else 0
@@ -328,10 +329,11 @@ def area(poly: np.ndarray, n: int) -> float:
 
 @njit
 def overlaps(column: np.ndarray, sine: np.ndarray, cells: SweepGrid, work: np.ndarray, index: np.ndarray, weight: np.ndarray) -> int:
-    """Find the cells (row times columns plus column) that a quadrilateral overlaps and their weights, which sum to 1. Return their number.
+    """Compute the cells (row times columns plus column) that a quadrilateral overlaps and their weights, and return their number.
 
-    ``work`` holds four polygons.
+    The weights add to 1. ``work`` holds four polygons.
     """
+    # corners are counted from a column and a sine inside the quadrilateral: small numbers lose fewer digits in the areas
     rows = cells.edges.shape[0] - 1
     quad, strip, cleft, left = work[0], work[1], work[2], work[3]
     base = math.floor(column.min())
@@ -342,6 +344,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: SweepGrid, work: np.nd
     row = min(max(top - 1, 0), rows - 1)
     count, total = 0, 0.0
     low = sine.min()
+    # edges descend, as row 0 is on top
     while row < rows and cells.edges[row] > low:
         n = cut(quad, 4, 1, cells.edges[row] - middle, -1.0, cleft)
         n = cut(cleft, n, 1, cells.edges[row + 1] - middle, 1.0, strip)
@@ -349,7 +352,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: SweepGrid, work: np.nd
             first, last = strip[0, 0], strip[0, 0]
             for i in range(1, n):
                 first, last = min(first, strip[i, 0]), max(last, strip[i, 0])
-            # area left of each column's right edge, less that left of the one before
+            # area to the left of each column's right edge, less the area to the left of the edge before
             before = 0.0
             for c in range(int(first), math.ceil(last)):
                 m = cut(strip, n, 0, c + 1.0, -1.0, left)
@@ -379,7 +382,7 @@ def fill_weights(
     weight: np.ndarray,
     part: tuple[int, int],
 ) -> None:
-    """Compute :func:`overlaps` of a part of the quadrilaterals; those of pixel ``p`` lie from ``start[p]`` on, ``count[p]`` of them."""
+    """Compute :func:`overlaps` of a part of the quadrilaterals; pixel ``p`` has ``count[p]`` cells and weights from ``start[p]`` on."""
     work = np.empty((4, CORNERS, 2))
     for p in range(part[0], part[1]):
         count[p] = overlaps(column[p], sine[p], cells, work, index[start[p] : start[p + 1]], weight[start[p] : start[p + 1]])
@@ -416,7 +419,7 @@ def resample_at_once(
     out: np.ndarray,
     part: tuple[int, int],
 ) -> None:
-    """Apply :func:`fill_weights` and :func:`apply_weights` without storing the weights; ``most`` cells are under a pixel at most."""
+    """Apply :func:`fill_weights` and :func:`apply_weights` without storing the weights; ``most``: largest number of cells under a pixel."""
     work = np.empty((4, CORNERS, 2))
     index, weight = np.empty(most, np.int32), np.empty(most, np.float32)
     for p in range(part[0], part[1]):
@@ -432,11 +435,11 @@ def resample_at_once(
 class Resampling:
     """Weights of the sweep's cells in a camera's pixels.
 
-    Of the n-th of ``pixels`` (flat indices) they lie from ``start[n]`` on in ``weight``, ``count[n]`` of them, with the cells in ``index``.
+    The n-th pixel has ``count[n]`` weights from ``start[n]`` on.
     """
 
-    pixels: NDArray[np.int64]
+    pixels: NDArray[np.int64]  #: Flat indices of the pixels.
     start: NDArray[np.int64]
     count: NDArray[np.int32]
-    index: NDArray[np.int32]
+    index: NDArray[np.int32]  #: Flat indices of the cells.
     weight: NDArray[np.float32]

@@ -1,4 +1,4 @@
-"""Pose of a moving sensor: position and attitude interpolated between keyframes."""
+"""Pose of a moving sensor: position and attitude, interpolated between the keyframes of a track."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Track:
 
     @classmethod
     def standing(cls, height: float, attitude: Attitude) -> Track:
-        """Track of a sensor that does not move, above the sea's origin."""
+        """Return the track of a sensor that does not move, above the sea's origin."""
         return cls(np.zeros(1), np.array([[0.0, 0.0, height, attitude.azimuth, attitude.elevation, attitude.roll]]))
 
     @classmethod
@@ -62,7 +62,7 @@ class Track:
         """
         table = np.stack([np.asarray(columns[name], dtype=np.float64) for name in COLUMNS], axis=1)
         if table.shape[0] < 2:
-            raise DomainError(f"{table.shape[0]} keyframe{'s' * (table.shape[0] != 1)}; give two or more, or a sensor that stands still")
+            raise DomainError(f"{table.shape[0]} keyframe{'s' * (table.shape[0] != 1)}; give two or more, or a sensor that does not move")
         bad = np.argwhere(~np.isfinite(table))
         if bad.size:
             row, column = bad[0]
@@ -85,12 +85,14 @@ class Track:
                 raise DomainError(
                     f"{names[row]} to {names[row + 1]}: {COLUMNS[column]} turns by 180 deg, which can go either way; add a keyframe between"
                 )
+            # the short way round
             table[1:, column] = table[0, column] + np.cumsum(turn)
+        # after unwrapping: a turn across north is no jump
         _require_no_jump(table, step, names)
         return cls(table[:, 0].copy(), table[:, 1:].copy())
 
     def at(self, time: float) -> Pose:
-        """Pose at a time [s]; a standing sensor has the same at all times.
+        """Return the pose at a time [s]; a fixed sensor has one pose at all times.
 
         Raises
         ------
@@ -104,12 +106,12 @@ class Track:
         slack = 1e-9 * max(abs(first), abs(last), 1.0)
         if not first - slack <= time <= last + slack:
             text = f"time = {time:g} s is outside the platform's keyframes, which span {first:g} to {last:g} s"
-            raise DomainError(f"{text}; add keyframes or ask for fewer frames")
+            raise DomainError(f"{text}; add keyframes or request fewer frames")
         return _pose(np.array([np.interp(time, self.time, column) for column in self.values.T]))
 
     @property
     def known(self) -> tuple[float, float]:
-        """First and last time at which it is known [s]."""
+        """First and last time at which the pose is known [s]; infinite for a fixed sensor."""
         return (float(self.time[0]), float(self.time[-1])) if self.time.size > 1 else (-np.inf, np.inf)
 
     @property
@@ -128,7 +130,7 @@ class Track:
         return bool(np.ptp(self.values[:, 3:], axis=0).max() > 0.0)
 
     def reach(self) -> tuple[tuple[float, float], ...]:
-        """Least and greatest azimuth, elevation and roll [rad], azimuth and roll unwrapped."""
+        """Return least and greatest azimuth, elevation and roll [rad], azimuth and roll unwrapped."""
         return tuple((float(angles.min()), float(angles.max())) for angles in self.values[:, 3:].T)
 
     @property
@@ -137,11 +139,27 @@ class Track:
         return self.time.size > 1
 
     def attitudes(self, parts: int = 8) -> list[Attitude]:
-        """Attitudes along the track, ``parts`` in each gap between keyframes."""
+        """Return attitudes along the track, ``parts`` in each gap between keyframes."""
         if not self.turns:
             return [_pose(self.values[0]).attitude]
         times = np.unique(np.concatenate([np.linspace(a, b, parts + 1) for a, b in zip(self.time[:-1], self.time[1:], strict=True)]))
         return [self.at(float(t)).attitude for t in times]
+
+
+def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
+    """Return positions [m] and attitudes [deg] of a sensor at times [s, (times,)], each (times,).
+
+    They have the names of output variables (:data:`seaglint.base.schema.VARIABLES`).
+    """
+    sampled = [track.at(float(t)) for t in times]
+    return {
+        "sensor_east": np.array([p.east for p in sampled]),
+        "sensor_north": np.array([p.north for p in sampled]),
+        "sensor_height": np.array([p.height for p in sampled]),
+        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in sampled]),
+        "sensor_elevation": np.degrees([p.attitude.elevation for p in sampled]),
+        "sensor_roll": np.degrees([p.attitude.roll for p in sampled]),
+    }
 
 
 def _pose(values: FloatArray) -> Pose:

@@ -1,13 +1,13 @@
 """Sweep: walk outward along each azimuth, track the highest elevation so far, and shade what rises above it.
 
-Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, found at the middle and
-linear towards its neighbours, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its
-own horizon, and any width of panorama.
+Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, evaluated at the middle
+and linear towards its neighbours, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation. It
+has a separate horizon, and panoramas may have any width.
 
-Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a quarter of a shortest
-wave, and so on up to a limit. From there on the sea is sampled, not averaged, across a column.
+Across a column, lines split as the column widens: one line near the sensor, two where the column is wider than a quarter of a shortest
+wave, and so on up to a limit. Beyond it the sea is sampled, not averaged, across a column.
 
-Cuts divide a column's image by distance from the sensor: every piece goes to the whole image and to that of its interval.
+Cuts divide the image of a column by distance from the sensor: every piece is added to the whole image and to the image of its interval.
 """
 
 from __future__ import annotations
@@ -34,58 +34,46 @@ from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, 
 NEGLIGIBLE_SUN = 3e-4  #: Share of a facet's thermal radiance below which its sunlight is not tested for shadows.
 
 
-WIDE_COLUMN = math.radians(0.5)  #: Least width of a column [rad] whose lines have tables of their own: the aureole is ten degrees wide.
+WIDE_COLUMN = math.radians(0.5)  #: Least width of a column [rad] with separate tables for each line: the aureole is ten degrees wide.
 
 
 class Rows(NamedTuple):
-    """Rows of the image: geometry, sky and Sun.
+    """Rows of the image: geometry, sky and Sun."""
 
-    The fields are elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the sky in those that
-    touch it and in one more, and the Sun.
-    """
-
-    top: float
-    per_radian: float
+    top: float  #: Elevation of the upper edge of row 0 [rad].
+    per_radian: float  #: Rows per radian, the inverse of their step.
     number: int
-    bottom_tangent: float
-    top_tangent: float
-    sky: SkyAbove
+    bottom_tangent: float  #: Tangent of the elevation of the image's lower edge.
+    top_tangent: float  #: Tangent of the elevation of the image's upper edge.
+    sky: SkyAbove  #: Sky in the rows that touch it, and in one more.
     sun: SunInSky = NO_SUN
 
 
 class Swept(NamedTuple):
-    """Data that columns read; no length depends on the instant.
+    """Data that columns read; no length depends on the instant."""
 
-    The fields are samples, rows, the Sun at the sensor's foot and the change of its light with its elevation, facets, sparkles, and the
-    limits for merging pieces.
-    """
-
-    walk: Walk
+    walk: Walk  #: Samples along every line.
     rows: Rows
-    sunlight: Sunlight
-    strength: SunTable
-    levels: FacetLevels
+    sunlight: Sunlight  #: The Sun at the sensor's foot.
+    strength: SunTable  #: Change of sunlight with the elevation of the Sun.
+    levels: FacetLevels  #: Facets at every level of detail.
     sparkle: Sparkle
     merging: Merging
 
 
 class Line(NamedTuple):
-    """Line of sight of a column in one stage: its level of detail, its course and the course to the Sun over the sea, and its tables.
+    """Line of sight of a column in one stage of the walk."""
 
-    These are the tables of its facets (:func:`~seaglint.facet.thermal.thermal_along`, :func:`~seaglint.facet.solar_disc.disc_line`), the
-    radiance of its path (:func:`~seaglint.facet.sky.path_along`), and its share and the width of the column [rad].
-    """
-
-    level: int
-    course: SurfaceLine
-    sunward: SurfaceLine
+    level: int  #: Level of detail.
+    course: SurfaceLine  #: Course over the sea.
+    sunward: SurfaceLine  #: Course over the sea to the Sun.
     sight: Sight
-    thermal: ThermalLine
-    emitted: ThermalLine
-    disc: DiscLine
-    path: np.ndarray
-    weight: float
-    width: float
+    thermal: ThermalLine  #: Thermal radiance of the facets (:func:`~seaglint.facet.thermal.thermal_along`).
+    emitted: ThermalLine  #: Emission of the facets alone.
+    disc: DiscLine  #: Mirrored Sun (:func:`~seaglint.facet.solar_disc.disc_line`).
+    path: np.ndarray  #: Radiance of the path (:func:`~seaglint.facet.sky.path_along`) [W m-2 sr-1].
+    weight: float  #: Share of the line in the column [1].
+    width: float  #: Width of the column [rad].
 
 
 @kernel
@@ -99,7 +87,8 @@ def add_rows(
 ) -> None:
     """Add a piece to the rows between the elevations ``edges = (low, high)``, in proportion to the overlap.
 
-    ``image`` (channels, rows); ``light`` (channels,): the piece's mean; ``lean``: how total, Sun, emission and path change per radian.
+    ``image`` (channels, rows); ``light`` (channels,): means over the piece; ``lean``: derivatives of total, Sun, emission and path per
+    radian.
     """
     low, high = edges
     upper = max((rows.top - high) * rows.per_radian, 0.0)
@@ -124,14 +113,13 @@ def add_rows(
 
 
 @kernel
-def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after: float, width: float) -> float:
-    """Derivative of a radiance over elevation [per rad] at piece ``j``, from its neighbours.
+def leaning(light: np.ndarray, j: int, k: int, before: float, centre: float, after: float, width: float) -> float:
+    """Return the derivative of a radiance over elevation [per rad] at piece ``j``, from its neighbours.
 
-    The centres are ``before, here, after``; a missing neighbour's is its own.
-
-    Its ends stay within what separates it from its neighbours, and above 0.
+    ``before, here, after``: elevations of the centres of the neighbours and of the piece; a missing neighbour has the centre of the piece.
+    The radiance at the ends of the piece differs from its mean by no more than the mean differs from its neighbours, and is above 0.
     """
-    fall, rise = light[j, k] - light[j - 1 if before != here else j, k], light[j + 1 if after != here else j, k] - light[j, k]
+    fall, rise = light[j, k] - light[j - 1 if before != centre else j, k], light[j + 1 if after != centre else j, k] - light[j, k]
     if before == after:
         return 0.0
     most = 2.0 * min(max(abs(fall), abs(rise)), light[j, k]) / width
@@ -140,7 +128,8 @@ def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after
 
 @kernel
 def distance(eye: float, z: float, r: float) -> float:
-    """Slant distance from the sensor, ``eye`` [m] above the mean sea, to a point ``z`` [m] above it at an arc ``r`` [m]."""
+    """Return the slant distance from the sensor, ``eye`` [m] above the mean sea, to a point ``z`` [m] above it at an arc ``r`` [m]."""
+    # law of cosines with 1 - cos as the square of a half angle: no loss of digits for short arcs
     half = math.sin(0.5 * r / EFFECTIVE_EARTH_RADIUS)
     across = 4.0 * (EFFECTIVE_EARTH_RADIUS + eye) * (EFFECTIVE_EARTH_RADIUS + z) * half * half
     return math.sqrt((eye - z) * (eye - z) + across)
@@ -150,7 +139,7 @@ def distance(eye: float, z: float, r: float) -> float:
 def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pieces: Pieces, j: int, below: float) -> None:
     """Compute the light of a piece, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``.
 
-    ``lit`` has the Sun there.
+    ``lit`` has the Sun at the piece.
     """
     walk, light, sun = swept.walk, pieces.light, lit.sunlight
     i, above, r = (pieces.begin[j] + pieces.sample[j]) >> 1, pieces.extent[j, 1], pieces.arc[j]
@@ -160,7 +149,7 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
         return
     p, f = i // walk.every, (i % walk.every) / walk.every
     slope, spread = (pieces.slope[j, 0], pieces.slope[j, 1]), (pieces.spread[j, 0], pieces.spread[j, 1], pieces.spread[j, 2])
-    # the grazing angle is the depression less the arc's angle
+    # the grazing angle is the depression less the angle of the arc; at the nadir the tangent is infinite, hence the bound
     tangent = 0.5 * (max(below, -1e3) + above)
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     cosine_arc, reach, _ = bend(r)
@@ -205,32 +194,32 @@ def shade_line(
 ) -> None:
     """Add the radiance of a line's ``count`` visible pieces, times its weight, to the rows of ``images[0]`` (channels, rows).
 
-    ``lowest``: tangent at the lower edge of the first piece. With ``images[1:]`` every piece is added to that of its interval too: piece
-    by piece as many as there are ``cuts`` [m] nearer than it.
+    ``lowest``: tangent at the lower edge of the first piece. With ``images[1:]`` every piece is also added to the image of its interval:
+    the number of the interval is the number of ``cuts`` [m] nearer than the piece.
     """
     sample, begin, extent, light = pieces.sample, pieces.begin, pieces.extent, pieces.light
     below, known = lowest, -1
     sun = optics.sunlight
     for j in range(count):
-        # over the samples between two nodes of the path the Sun stands still: the vertical turns by some 1e-6 rad
+        # between two nodes of the path the Sun is taken as fixed: the vertical turns by some 1e-6 rad
         if sample[j] // swept.walk.every != known:
             known = sample[j] // swept.walk.every
             sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, pieces.arc[j])
         shade_piece(swept, surface, FacetOptics(sun, optics.roughness, optics.tables), line, pieces, j, below)
         below = extent[j, 1]
-    # Radiance changes linearly over a piece; beside a gap it is that of the neighbour on the other side.
+    # radiance is linear over a piece; next to a hidden gap only the neighbour on the other side gives the slope
     low = elevation(lowest)
     high = elevation(extent[0, 1]) if count > 0 else low
-    before = here = 0.5 * (low + high)
+    before = centre = 0.5 * (low + high)
     emitted = path = 0.0
     for j in range(count):
         beyond = elevation(extent[j + 1, 1]) if j + 1 < count else high
-        after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else here
+        after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else centre
         width = max(high - low, 1e-15)
         if light.shape[1] > FEWEST:
-            emitted = leaning(light, j, EMITTED, before, here, after, width)
-            path = leaning(light, j, PATH, before, here, after, width)
-        lean = (leaning(light, j, TOTAL, before, here, after, width), leaning(light, j, SUN, before, here, after, width), emitted, path)
+            emitted = leaning(light, j, EMITTED, before, centre, after, width)
+            path = leaning(light, j, PATH, before, centre, after, width)
+        lean = (leaning(light, j, TOTAL, before, centre, after, width), leaning(light, j, SUN, before, centre, after, width), emitted, path)
         add_rows(images[0], swept.rows, (low, high), line.weight, light[j], lean)
         if images.shape[0] > 1:
             interval = 0
@@ -238,7 +227,7 @@ def shade_line(
                 interval += 1
             add_rows(images[1 + interval], swept.rows, (low, high), line.weight, light[j], lean)
         low, high = high, beyond
-        before, here = (here, after) if after != here else (0.5 * (low + high), 0.5 * (low + high))
+        before, centre = (centre, after) if after != centre else (0.5 * (low + high), 0.5 * (low + high))
 
 
 @kernel
@@ -268,7 +257,7 @@ def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, im
 
 @njit
 def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarray) -> None:
-    """Fill columns without sea; as :func:`sweep_columns`."""
+    """Fill columns without sea; arguments as of :func:`sweep_columns`."""
     below = np.full(1, rows.bottom_tangent)
     for column in range(azimuths.shape[0]):
         images[column] = 0.0
@@ -279,7 +268,7 @@ def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarr
 
 @njit
 def _repeated(values: np.ndarray, times: int) -> np.ndarray:
-    """Return each value a number of times; Numba takes a second to compile NumPy's ``repeat``."""
+    """Repeat each value a number of times; Numba takes a second to compile NumPy's ``repeat``."""
     out = np.empty(times * values.shape[0])
     for i in range(out.shape[0]):
         out[i] = values[i // times]
@@ -293,7 +282,7 @@ def sweep_columns(
     """Fill ``images[first:end]`` for ``part = (first, end)``: columns at ``azimuths`` of a ``width`` [rad].
 
     ``images`` (columns, 1 or 2 + cuts, channels, rows): the whole, and the interval before each of the ``cuts`` (columns, cuts) [m] and
-    beyond the last. Columns do not depend on each other; :func:`seaglint.base.jit.in_threads` shares them out.
+    beyond the last. Columns do not depend on each other; :func:`seaglint.base.jit.in_threads` divides them among threads.
     """
     walk, rows = swept.walk, swept.rows
     farthest = walk.range_m[walk.range_m.shape[0] - 1] / EARTH_RADIUS
@@ -311,7 +300,7 @@ def sweep_columns(
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north, (0.0, 0.0))
             arcs = (walk.range_m[first], walk.range_m[end - 1])
             limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
-            # lines of a narrow column share the tables of its middle: their azimuths differ by less than its width
+            # lines of a narrow column share the tables at its middle: their azimuths differ by less than its width
             middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
             thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
             disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
@@ -339,7 +328,7 @@ def sweep_columns(
                 while i < end:
                     horizon = (tangents[j], rows.top_tangent)
                     count, i, tangent = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
-                    # apart from the walk, so that the look-ups of one piece can overlap with those of the next
+                    # separate from the walk, so that readings of one piece can overlap with readings of the next
                     read_slopes(surface, line.course, walk.range_m, pieces, count, strip)
                     count = merge(pieces, count, tangents[j], optics.roughness, limits)
                     shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)

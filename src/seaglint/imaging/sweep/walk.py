@@ -1,15 +1,15 @@
-"""Walk outward along a line of sight: positions of samples, and pieces of sea that rise above the skyline.
+"""Walk outward along a line of sight: positions of samples, visible pieces of sea, and merging of pieces of nearly equal slope.
 
 Detail falls with range: where a column has grown wider than half the waves of a level's last octave (:mod:`seaglint.sea.wave_field`),
-that octave goes to the facets and steps grow. Most samples are hidden at grazing views: strips of them are passed over where the largest
-heights of the lattices (:mod:`seaglint.imaging.wave_surface`) stay below the line of sight, and the image is that of the full walk.
+that octave goes to the facets and steps grow. At grazing views most samples are hidden: strips of them are skipped where the largest
+heights of the lattices (:mod:`seaglint.imaging.wave_surface`) stay below the line of sight. The image is equal to the image of the full
+walk.
 
-Visible pieces of a line of sight, and neighbours of nearly equal slope merged to be shaded as one.
-
-The walk finds a piece at every sample that rises above the horizon. Far away and with short waves many of them share a row of the image,
-and neighbours differ by little beside the slopes that their facets carry. A merged piece has the mean slope of its parts, each weighted
-with the elevation that it fills, and their covariance about it. That covariance is added to the facets' own, and their share that is seen
-and lit is averaged over it (:func:`seaglint.facet.facet_sunlight.merged_share`): the mean of all parts, to second order in the slopes.
+The walk yields a piece at every sample that rises above the horizon. Far away and with short waves many of them share a row of the image,
+and neighbours differ by little compared with the slopes of their facets; such pieces are merged and shaded as one. A merged piece has the
+mean slope of its parts, each weighted with the elevation that it fills, and their covariance about the mean. That covariance is added to
+the covariance of the facets, and the visible and lit share of facets is averaged over it
+(:func:`seaglint.facet.facet_sunlight.merged_share`): the mean of all parts, to second order in the slopes.
 """
 
 from __future__ import annotations
@@ -38,10 +38,13 @@ CALM_PARTS = 4  #: Number of pieces per pixel row where no waves are resolved.
 class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and the quantities that depend on them alone.
 
-    ``range_m``: the arcs; ``eye``: height of the sensor [m]. A height ``z`` is seen at the tangent ``rise z - fall``, to first order in
-    ``z`` over the Earth's radius. ``path`` stands at every ``every``-th sample, from the first to one past the last; linear between.
-    ``stage[s] = (first sample, level of detail, how often every line parts in two at its beginning)``, and the number of samples in a
-    last row. ``shadow[l]``: step [m] and steepest rise of shadow rays at every level; a step of 0 where waves cast none.
+    - ``range_m``: the arcs; ``eye``: height of the sensor [m].
+    - ``rise`` [1/m], ``fall`` [1]: a height ``z`` has the tangent of elevation ``rise z - fall``, to first order in ``z`` over the Earth's
+      radius.
+    - ``path``: at every ``every``-th sample, from the first to one past the last; linear between.
+    - ``stage[s]``: first sample, level of detail, and number of times that every line splits in two at its beginning; a last row has the
+      number of samples.
+    - ``shadow[l]``: step [m] and steepest rise of shadow rays at every level; a step of 0 where waves cast no shadow.
     """
 
     range_m: np.ndarray
@@ -56,9 +59,11 @@ class Walk(NamedTuple):
 
 @njit
 def graded_ranges(first: float, last: float, begins: np.ndarray, steps: np.ndarray, height: float, row_step: float) -> np.ndarray:
-    """Arcs from ``first`` to ``last`` in steps of at most ``steps[l]``, from ``begins[l]`` on, and of :data:`RANGE_PARTS` of a pixel row's
-    ground [m].
+    """Return arcs from ``first`` to ``last`` [m] in steps of at most ``steps[l]``, from ``begins[l]`` on.
+
+    Steps are also at most :data:`RANGE_PARTS` of the ground in a pixel row.
     """
+    # the first pass counts the arcs, the second one stores them
     size = 1
     for fill in range(2):
         out = np.empty(size)
@@ -77,11 +82,11 @@ def graded_ranges(first: float, last: float, begins: np.ndarray, steps: np.ndarr
 
 
 def sea_limits(camera: Camera, crest: float) -> tuple[float, float] | None:
-    """Arcs between which a sea of crests up to ``crest`` [m] can appear in the image; None where it cannot."""
+    """Return the arcs between which a sea of crests up to ``crest`` [m] can appear in the image [m]; None where it cannot."""
     arcs = np.concatenate([[0.0], np.geomspace(1e-3 * camera.height, horizon_range(camera.height) + horizon_range(max(crest, 1e-6)), 4000)])
     psi = arcs / EFFECTIVE_EARTH_RADIUS
     reach, drop = EFFECTIVE_EARTH_RADIUS * np.sin(psi), camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2
-    # height of the lower edge's line of sight: below a crest from the first range on
+    # height of the line of sight of the lower edge: below a crest from the first range on
     below = np.flatnonzero(reach * np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)) + drop < crest)
     if below.size == 0:
         return None
@@ -92,7 +97,7 @@ def sea_limits(camera: Camera, crest: float) -> tuple[float, float] | None:
 
 
 def calm_ranges(camera: Camera) -> FloatArray:
-    """Arcs at equal steps of elevation, dense at the horizon, for a sea without resolved waves [m]."""
+    """Return arcs at equal steps of elevation, dense at the horizon, for a sea without resolved waves [m]."""
     horizon = horizon_depression(camera.height)
     lowest = min(-camera.bottom + camera.row_step, 0.5 * np.pi)
     if lowest <= horizon:
@@ -101,6 +106,7 @@ def calm_ranges(camera: Camera) -> FloatArray:
     parts = int(np.ceil((lowest - highest) / camera.row_step)) * CALM_PARTS
     share = np.linspace(1.0, 0.0, parts + 1)
     if highest == horizon:
+        # arcs grow without bound per elevation near the horizon: the last step is divided, the parts falling to 0 as squares
         share = np.concatenate([share[:-1], share[-2] * np.linspace(1.0, 0.0, 12)[1:] ** 2])
     depression = highest + (lowest - highest) * share
     arcs = surface_range(camera.height, depression)
@@ -109,10 +115,10 @@ def calm_ranges(camera: Camera) -> FloatArray:
 
 
 def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[np.int64]:
-    """Row numbers of :attr:`Walk.stage` for samples at ``arcs`` [m].
+    """Return the rows :attr:`Walk.stage` for samples at ``arcs`` [m].
 
-    Level ``l`` begins at the arc ``begins[l]``; at each of ``parts`` the lines of a column part in two. They never join again, as each
-    has its own horizon.
+    Level ``l`` begins at the arc ``begins[l]``; at each of ``parts`` the lines of a column split in two. They never join again, as each
+    line has its own horizon.
     """
     level = np.searchsorted(begins, arcs, side="right") - 1
     parted = np.searchsorted(parts, arcs, side="right")
@@ -122,10 +128,7 @@ def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[n
 
 
 def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray]:
-    """Arrays :attr:`Walk.rise` [1/m] and :attr:`Walk.fall` [1] of samples at ``arcs`` [m].
-
-    The sensor is ``height`` above the mean sea [m].
-    """
+    """Return :attr:`Walk.rise` [1/m] and :attr:`Walk.fall` [1] of samples at ``arcs`` [m], seen from ``height`` [m] above the mean sea."""
     psi = arcs / EFFECTIVE_EARTH_RADIUS
     # straight below the sensor the tangent is infinite: it is evaluated a nanometre aside
     reach = np.maximum(EFFECTIVE_EARTH_RADIUS * np.sin(psi), 1e-9)
@@ -135,7 +138,7 @@ def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray
 
 @kernel
 def bend(range_m: float) -> tuple[float, float, float]:
-    """Cosine of an arc's angle on the effective sphere, ``R' sin`` of it and ``R' (1 - cos)`` [m].
+    """Return the cosine of an arc's angle on the effective sphere, ``R' sin`` of the angle and ``R' (1 - cos)`` [m].
 
     Series to the third term: within 1e-10 of the arc up to 500 km.
     """
@@ -147,7 +150,7 @@ def bend(range_m: float) -> tuple[float, float, float]:
 
 @kernel
 def elevation(tangent: float) -> float:
-    """Elevation from its tangent: arc tangent, by a series within 1e-12 where it is small."""
+    """Return an elevation from its tangent [rad]: the arc tangent, by a series within 1e-12 where it is small."""
     if abs(tangent) > 0.1:
         return math.atan(tangent)
     t = tangent * tangent
@@ -156,13 +159,13 @@ def elevation(tangent: float) -> float:
 
 @kernel
 def in_view(walk: Walk, strip: Strip, first: int, count: int, crest: float, tangent: float) -> bool:
-    """True where a height of the strip, raised by ``crest`` [m], stands above the line of sight of this tangent."""
-    # unsigned, as an address that could be negative is looked at once more
-    seen, at = np.int64(0), np.uint64(first)
+    """Return True where a height of the strip, raised by ``crest`` [m], is above the line of sight of this tangent."""
+    # unsigned, as in :func:`~seaglint.imaging.wave_surface.address`
+    visible, at = np.int64(0), np.uint64(first)
     for n in range(count):
         k = np.uint64(n)
-        seen += walk.rise[at + k] * (strip.height[k] + crest) - walk.fall[at + k] > tangent
-    return bool(seen > 0)
+        visible += walk.rise[at + k] * (strip.height[k] + crest) - walk.fall[at + k] > tangent
+    return bool(visible > 0)
 
 
 @kernel
@@ -179,9 +182,9 @@ def walk_line(
 ) -> tuple[int, int, float]:
     """Find the visible pieces of one line over the samples ``part = (first, end)``, or as many as the buffers hold.
 
-    ``horizon``: tangents of the highest elevation seen before and of the image's upper edge. Piece ``j`` ends at the sample ``sample[j]``;
-    its length is ``piece[j, 0]`` [m] and the tangent at its upper edge ``piece[j, 1]``; its lower edge is the upper one of the piece
-    before. Returns the number of pieces, the sample to go on with (or ``end``) and the last tangent.
+    ``horizon``: tangents of the highest visible elevation so far and of the image's upper edge. Piece ``j`` ends at the sample
+    ``sample[j]``; its length is ``piece[j, 0]`` [m] and the tangent at its upper edge ``piece[j, 1]``; its lower edge is the upper edge of
+    the piece before. Returns the number of pieces, the number of the next sample (or ``end``) and the last tangent.
     """
     i, end = part
     tangent, top = horizon
@@ -190,7 +193,7 @@ def walk_line(
         count = min(STRIP, end - i)
         strip.height[:] = 0.0
         j = 0
-        # first with the highest crest of all: beyond the horizon almost no sample has to be read
+        # before the first lattice the bound is the highest crest of all: beyond the horizon almost no sample has to be read
         while j < tiles and in_view(walk, strip, i, count, surface.crest[level, j], tangent):
             add_heights(surface, line, j, walk.range_m, i, count, strip)
             j += 1
@@ -201,7 +204,7 @@ def walk_line(
                     continue
                 length = 0.0
                 if k > 0:
-                    # between two samples the sea may come into view
+                    # the sea comes into view between two samples where its height, linear between them, meets the line of sight
                     before = strip.height[k - 1 - i] if k > i else height(surface, line, 0, tiles, walk.range_m[k - 1])
                     above = walk.range_m[k] * (risen - tangent)
                     below = walk.range_m[k - 1] * max(tangent - walk.rise[k - 1] * before + walk.fall[k - 1], 0.0)
@@ -215,7 +218,7 @@ def walk_line(
     return number, (i if tangent < top else end), tangent
 
 
-BUFFER = 1024  #: Number of visible pieces found before they are shaded; 150 kB stay in the processor's cache.
+BUFFER = 1024  #: Number of visible pieces that are collected before they are shaded; 150 kB stay in the processor's cache.
 
 
 class Pieces(NamedTuple):
@@ -235,20 +238,17 @@ class Pieces(NamedTuple):
 
 
 class Merging(NamedTuple):
-    """Limits for merging neighbours: slope variance, elevation and tangent.
+    """Limits for merging neighbouring pieces: slope variance, elevation and tangent."""
 
-    The fields are their slope variance over that of their facets, cells of elevation per radian that they share (so that they do not depend
-    on where a view begins), and at every level of detail the tangent of elevation up to which they are merged.
-    """
-
-    spread: float
+    spread: float  #: Largest slope variance of merged pieces over the slope variance of their facets [1].
+    #: Cells of elevation per radian; merged pieces share one, so that merging does not depend on where a view begins.
     cells: float
-    highest: np.ndarray
+    highest: np.ndarray  #: Tangent of elevation up to which pieces are merged, at every level of detail (levels,).
 
 
 @njit
 def new_pieces(channels: int) -> Pieces:
-    """Buffers for :data:`BUFFER` pieces."""
+    """Return buffers for :data:`BUFFER` pieces."""
     return Pieces(
         np.empty(BUFFER, np.int64),
         np.empty(BUFFER, np.int64),
@@ -262,10 +262,10 @@ def new_pieces(channels: int) -> Pieces:
 
 @kernel
 def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces: Pieces, count: int, strip: Strip) -> None:
-    """Read the middles of the first ``count`` pieces and the slopes there, as :func:`~seaglint.imaging.wave_surface.slopes` to 2e-5 of a
-    cell.
+    """Compute the middles of the first ``count`` pieces and the slopes there, equal to :func:`~seaglint.imaging.wave_surface.slopes` to
+    2e-5 of a cell.
 
-    Strip by strip, within the range of positions in one.
+    Pieces are read strip by strip, each within the range of positions of a strip.
     """
     v, u = strip.fraction
     for n in range(count):
@@ -275,27 +275,28 @@ def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces
     finest = 1e-9
     for i in range(line.part.shape[0]):
         finest = max(finest, abs(line.step[i, 0, 0]) + abs(line.step[i, 0, 1]))
+    # a quarter of the longest strip: readings count from a place up to a stretch before the first one
     stretch = 0.25 * LONGEST_STRIP / finest
     first = 0
     while first < count:
         # counted from fixed places, so that roundings do not depend on where a view begins
-        begin, some = stretch * math.floor(pieces.arc[first] / stretch), min(STRIP, count - first)
-        while some > 1 and pieces.arc[first + some - 1] >= begin + stretch:
-            some -= 1
-        for n in range(some):
+        begin, number = stretch * math.floor(pieces.arc[first] / stretch), min(STRIP, count - first)
+        while number > 1 and pieces.arc[first + number - 1] >= begin + stretch:
+            number -= 1
+        for n in range(number):
             strip.arc[np.uint64(n)] = pieces.arc[np.uint64(first + n)] - begin
         for i in range(line.part.shape[0]):
             done = 0
-            while done < some:
-                done = address(line, i, begin, (done, some), strip)
+            while done < number:
+                done = address(line, i, begin, (done, number), strip)
             origin, row = np.uint64(line.part[i, 2]), np.uint64(line.part[i, 1] + 3)
             c, s = np.float32(line.turn[i, 0]), np.float32(line.turn[i, 1])
-            for n in range(some):
+            for n in range(number):
                 k, j = np.uint64(n), np.uint64(first + n)
                 along, across = gradient(surface.lattice, origin + np.uint64(strip.cell[k]), row, u[k], v[k])
                 pieces.slope[j, 0] += c * along - s * across
                 pieces.slope[j, 1] += s * along + c * across
-        first += some
+        first += number
 
 
 @kernel
@@ -304,12 +305,13 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
 
     The first, which the view's edge may cut, stays alone.
 
-    ``lowest``: tangent at the lower edge of the first; ``limits``: those of :class:`Merging` at a level, and the elevation of a cell's
-    edge [rad].
+    ``lowest``: tangent at the lower edge of the first; ``limits``: the fields of :class:`Merging` at a level, and the elevation of the edge
+    of a cell [rad].
     """
+    # the test below is trace(inverse(facets) spread) <= limits[0], times the determinant: no division in the loop
     det = rough.east_east * rough.north_north - rough.east_north * rough.east_north
-    most = limits[0] * det if rough.east_east + rough.north_north > 0.0 else -1.0  # mirrors stay apart
-    left, n, below = 0, 0, lowest
+    limit = limits[0] * det if rough.east_east + rough.north_north > 0.0 else -1.0  # mirrors stay apart
+    merged, n, below = 0, 0, lowest
     while n < count:
         j = np.uint64(n)
         begin, sample, top, length = pieces.sample[j], pieces.sample[j], pieces.extent[j, 1], pieces.extent[j, 0]
@@ -321,28 +323,28 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
         arc = pieces.arc[j] * weight
         cell = math.floor((limits[3] - elevation(top)) * limits[1])
         n += 1
-        while n < count and left > 0:
+        while n < count and merged > 0:
             k = np.uint64(n)
             above = pieces.extent[k, 1]
             if pieces.sample[k] != sample + 1 or above > limits[2] or math.floor((limits[3] - elevation(above)) * limits[1]) != cell:
                 break
             w, e, f = above - top, pieces.slope[k, 0] - east, pieces.slope[k, 1] - north
             share = 1.0 / (weight + w)
-            more = (sums[0] + w * e, sums[1] + w * f, sums[2] + w * e * e, sums[3] + w * e * f, sums[4] + w * f * f)
-            middle = (more[0] * share, more[1] * share)
-            ee, en = more[2] * share - middle[0] * middle[0], more[3] * share - middle[0] * middle[1]
-            nn = more[4] * share - middle[1] * middle[1]
-            if rough.north_north * ee - 2.0 * rough.east_north * en + rough.east_east * nn > most:
+            new_sums = (sums[0] + w * e, sums[1] + w * f, sums[2] + w * e * e, sums[3] + w * e * f, sums[4] + w * f * f)
+            new_mean = (new_sums[0] * share, new_sums[1] * share)
+            ee, en = new_sums[2] * share - new_mean[0] * new_mean[0], new_sums[3] * share - new_mean[0] * new_mean[1]
+            nn = new_sums[4] * share - new_mean[1] * new_mean[1]
+            if rough.north_north * ee - 2.0 * rough.east_north * en + rough.east_east * nn > limit:
                 break
-            sums, mean, spread = more, middle, (ee, en, nn)
+            sums, mean, spread = new_sums, new_mean, (ee, en, nn)
             arc, weight, length = arc + w * pieces.arc[k], weight + w, length + pieces.extent[k, 0]
             sample, top = pieces.sample[k], above
             n += 1
-        at = np.uint64(left)
+        at = np.uint64(merged)
         pieces.arc[at] = arc / weight if sample > begin else pieces.arc[j]
         pieces.begin[at], pieces.sample[at] = begin, sample
         pieces.extent[at, 0], pieces.extent[at, 1] = length, top
         pieces.slope[at, 0], pieces.slope[at, 1] = east + mean[0], north + mean[1]
         pieces.spread[at, 0], pieces.spread[at, 1], pieces.spread[at, 2] = spread
-        left, below = left + 1, top
-    return left
+        merged, below = merged + 1, top
+    return merged

@@ -1,1 +1,1 @@
-"""Objects in the image: their position, what hides them, their radiance, and their ground truth."""
+"""Objects in the image: position, occlusion, radiance, composition with the sea, and ground truth."""

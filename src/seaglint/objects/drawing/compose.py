@@ -1,19 +1,18 @@
-r"""Composition of bodies with the image of the sea, by coverage; pixels without a body keep their bytes.
+r"""Composition of bodies with the image of the sea by coverage, their shadows on the glint, and bodies through refracting air.
 
-Shadows of bodies on the glint: facets mirror no Sun where a body stands between the mean sea and the Sun.
+Pixels without a body keep their bytes.
 
-The shadow is the body laid on the mean sea along the Sun's rays: a vertex :math:`p` goes to :math:`p - t s`, where the line to the
-Sun :math:`s` leaves the sphere,
+**Shadows.** Facets mirror no Sun where a body is between the mean sea and the Sun. The shadow is the projection of the body on the mean
+sea along the Sun's rays: a vertex :math:`p` moves to :math:`p - t s`, where the line to the Sun :math:`s` leaves the sphere,
 
 .. math:: t = \frac{c}{q\cdot s + \sqrt{(q\cdot s)^2 - c}}, \qquad c = |q|^2 - R'^2, \qquad q = p + (0, 0, R' + h)
 
-and what is under water to the surface above it. Its share of a pixel is found as that of a body; the pixel's mirrored Sun is less by it.
-The Sun is a point for this, and waves do not bend the shadow's edge.
+and a vertex under water moves to the surface above it. The covered share of a pixel is computed as for a body; the mirrored Sun of the
+pixel is reduced by this share. The Sun is a point here, and waves do not bend the edge of the shadow.
 
-Bodies through air that bends the lines of sight: each is drawn with standard refraction, its rows shifted for its own distance.
-
-A part is shifted as a whole for the arc of its middle. In a mirage rows of it are seen several times, upright and inverted. What the sea
-hides is told by the rays; waves hide as in the standard picture, for bodies nearer than :data:`WAVES_WITHIN` of its horizon.
+**Refraction.** In air that bends the lines of sight a part is drawn with standard refraction, and its rows are shifted for the arc of its
+middle. In a mirage some rows appear several times, upright and inverted. Rays that meet the sea decide which rows it hides; waves hide as
+in the standard picture, for bodies nearer than :data:`WAVES_WITHIN` of its horizon.
 """
 
 from __future__ import annotations
@@ -29,10 +28,10 @@ from scipy.sparse import csr_array
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_range
-from seaglint.imaging.camera.imager import Attitude
+from seaglint.imaging.camera.imager import Attitude, pixels_of
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.imaging.refraction import RefractedScene, pixels_of
+from seaglint.imaging.refraction import RefractedScene
 from seaglint.objects.body import PointSource
 from seaglint.objects.drawing.draw import Drawer, DrawnBodies, PixelPatch, Stage, solid_angles
 from seaglint.objects.drawing.eye import Stand, TangentPlane, grid_over
@@ -42,12 +41,12 @@ from seaglint.objects.drawing.prepared_bodies import Mesh, Placed
 from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, DRY, EMITTED, MIRRORED, PATH, SEEN, SUMS, SUN, WHOLE
 from seaglint.optics.blackbody import planck_wavenumber
 
-#: Least share of a body outside the picture: what its parts sum to in windows of the picture and in whole differs by less.
+#: Least share of a body outside the picture: sums over windows of the picture and over the whole body differ by less.
 LEAST_CUT: Final = 2e-3
 
 LEAST_COVER: Final = 1e-12  #: Least share of a pixel that a visible body covers.
 
-#: Planes of a body that enter each layer, beside the sea's plane times the share that it leaves.
+#: Planes of a body that enter each layer, added to the sea's plane times the share that the body leaves free.
 _ADDED: Final = {
     "radiance": (PATH, EMITTED, MIRRORED, SUN),
     "path_radiance": (PATH,),
@@ -60,19 +59,15 @@ _ADDED: Final = {
 
 @dataclass(frozen=True, eq=False)
 class BodyShare:
-    """Coverage and radiance of one body in some pixels, radiance times coverage, both over the sea's image there.
+    """Coverage and radiance of one body in some pixels; all arrays but the first two are (rows, columns)."""
 
-    ``image``: radiance of the sea's image in these pixels; ``pixel``: their solid angle [sr]; ``least``: coverage above which the body
-    touches a pixel.
-    """
-
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    cover: FloatArray
-    radiance: FloatArray
-    image: FloatArray
-    pixel: FloatArray
-    least: float = LEAST_COVER
+    rows: NDArray[np.int64]  #: Rows of the pixels (rows,).
+    columns: NDArray[np.int64]  #: Columns of the pixels (columns,).
+    cover: FloatArray  #: Share of the pixel that the body covers [1].
+    radiance: FloatArray  #: Radiance of the body times its coverage [W m-2 sr-1].
+    image: FloatArray  #: Radiance of the sea's image in these pixels [W m-2 sr-1].
+    pixel: FloatArray  #: Solid angle of the pixels [sr].
+    least: float = LEAST_COVER  #: Coverage above which the body touches a pixel [1].
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,24 +75,21 @@ class BodySight:
     """One body in the image, summed over its parts."""
 
     name: str  #: Name of the body.
-    #: ``distance``, ``azimuth``, ``elevation``: To its origin [m], [rad].
-    distance: float
-    azimuth: float
-    elevation: float
-    whole: float = 0.0  #: Solid angle in all, under water too [sr].
-    #: ``seen``, ``across``, ``down``: Solid angle in view [sr]; the same times the place in the image [sr pixels].
-    seen: float = 0.0
-    across: float = 0.0
-    down: float = 0.0
-    shares: tuple[BodyShare, ...] = field(default=())  #: Its pixels.
-    dry: float = 0.0  #: Solid angle of what is above its waterline, in the picture or not [sr]; of points their number.
-    #: ``inside``, ``dry_seen``: What of ``dry`` is in the image, and what of this is in view [sr].
-    inside: float = 0.0
-    dry_seen: float = 0.0
+    distance: float  #: Distance to its origin [m].
+    azimuth: float  #: Azimuth of its origin [rad].
+    elevation: float  #: Elevation of its origin [rad].
+    whole: float = 0.0  #: Solid angle in all, the part under water included [sr].
+    seen: float = 0.0  #: Solid angle in view [sr].
+    across: float = 0.0  #: Solid angle in view times column [sr pixels].
+    down: float = 0.0  #: Solid angle in view times row [sr pixels].
+    shares: tuple[BodyShare, ...] = field(default=())  #: Pixels of the body.
+    dry: float = 0.0  #: Solid angle above the waterline, in the picture or not [sr]; for points their number.
+    inside: float = 0.0  #: Solid angle above the waterline in the picture, hidden or not [sr].
+    dry_seen: float = 0.0  #: Solid angle above the waterline in the picture and in view [sr].
 
     @property
     def truncated(self) -> float:
-        """Share of what is above the waterline that is outside the picture [1]; NaN where nothing is above it."""
+        """Share of the body above the waterline that is outside the picture [1]; NaN for a body under water."""
         if self.dry <= 0.0:
             return math.nan
         outside = 1.0 - self.inside / self.dry
@@ -105,7 +97,7 @@ class BodySight:
 
     @property
     def occluded(self) -> float:
-        """Share of what is above the waterline and in the picture that something hides [1]; NaN where nothing is there."""
+        """Hidden share of the body above the waterline and in the picture [1]; NaN for a body without such a part."""
         return min(max(1.0 - self.dry_seen / self.inside, 0.0), 1.0) if self.inside > 0.0 else math.nan
 
 
@@ -121,12 +113,12 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
     picture : DrawnBodies
         Contributions of the bodies to the image.
     light : Surroundings
-        The view's.
+        Light about bodies in the view.
 
     Returns
     -------
     Layers, tuple of BodySight
-        Image, and one for every body.
+        Image, and the sight of every body.
     """
     if not picture.patches:
         return layers, sights(picture, [], [], stage.window.circle, light)
@@ -142,11 +134,13 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
             if name not in out:
                 continue
             own = patch.planes[list(planes)].sum(axis=0) if planes else np.zeros(share.cover.shape)
+            # a point has no planes: its radiance goes where emission goes
             if patch.clear > 0.0 and EMITTED in planes:
                 own = own + share.radiance
-            was = np.asarray(layers[name][where], np.float64)
+            sea_value = np.asarray(layers[name][where], np.float64)
             touched = (share.cover > LEAST_COVER) | (own != 0.0)
-            new = np.asarray(out[name][where], np.float64) + own - share.cover * was
+            # coverage of the unchanged sea is subtracted, so that the order of bodies does not matter
+            new = np.asarray(out[name][where], np.float64) + own - share.cover * sea_value
             out[name][where] = np.where(touched, np.maximum(new, 0.0), out[name][where]).astype(np.float32)
     _distances(layers, stage, picture.patches, out)
     if {"slope", "glint_share"} & set(out):
@@ -155,7 +149,7 @@ def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surround
 
 
 def _pixels(stage: Stage) -> FloatArray:
-    """Solid angles of the pixels to draw [sr, (rows, columns)]."""
+    """Return the solid angles of the pixels to draw [sr, (rows, columns)]."""
     across, down = np.arange(*stage.columns) + 0.5, np.arange(*stage.rows)[:, None] + 0.5
     return stage.imager.solid_angle(stage.pose.attitude, across, down)
 
@@ -170,16 +164,16 @@ def _share(patch: PixelPatch, stage: Stage, sea: FloatArray, pixel: FloatArray, 
 
 
 def point_light(patch: PixelPatch, solid: FloatArray | float, behind: float, light: Surroundings) -> tuple[Any, Any]:
-    """Radiance that a point adds to a pixel of a solid angle [sr] before a radiance behind it, as counted and as power [W m-2 sr-1]."""
+    """Return the radiance that a point adds to a pixel of a solid angle [sr] over a background, counted and as power [W m-2 sr-1]."""
     power, counted = point_intensity(patch, behind, light)
     share = patch.clear / (patch.placed.distance**2 * solid)
     return counted * share, power * share
 
 
 def point_intensity(patch: PixelPatch, behind: float, light: Surroundings) -> tuple[float, float]:
-    """Radiant intensity of a point above its background, before the path, and the same as it is counted behind the air [W sr-1].
+    """Return the radiant intensity of a point above its background, before the path, as power and as counted behind the air [W sr-1].
 
-    ``behind``: radiance of the image there [W m-2 sr-1]. An intensity without a temperature counts as the spectrum does for which the
+    ``behind``: radiance of the image at the point [W m-2 sr-1]. An intensity without a temperature is counted as the spectrum for which the
     sensor's chain converts.
     """
     point = patch.placed.part.kind
@@ -198,7 +192,7 @@ def point_intensity(patch: PixelPatch, behind: float, light: Surroundings) -> tu
 
 
 def _counting(light: Surroundings, air: FloatArray, spectrum: FloatArray) -> float:
-    """Ratio of what is counted to what arrives of a spectrum through the air [1]."""
+    """Return the ratio of counted to arriving light of a spectrum through the air [1]; 1 without light."""
     arrives = float(air @ spectrum)
     return float((air * light.counted) @ spectrum) / arrives if arrives != 0.0 else 1.0
 
@@ -208,22 +202,22 @@ def _planck(light: Surroundings, kelvin: float) -> FloatArray:
 
 
 def _distances(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
-    """Mean distance over the sea and bodies that a pixel sees [m]."""
+    """Compute the mean distance over visible sea and bodies in each pixel [m] into ``out["range"]``."""
     if "range" not in out:
         return
     for patch in patches:
         where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
-        was = np.asarray(out["range"][where], np.float64)
-        there = np.asarray(layers["coverage"][where], np.float64) if "coverage" in layers else np.isfinite(was).astype(np.float64)
+        sea_range = np.asarray(out["range"][where], np.float64)
+        sea_share = np.asarray(layers["coverage"][where], np.float64) if "coverage" in layers else np.isfinite(sea_range).astype(np.float64)
         cover = patch.planes[COVER]
-        share = np.where(np.isfinite(was), there * (1.0 - cover), 0.0)
+        share = np.where(np.isfinite(sea_range), sea_share * (1.0 - cover), 0.0)
         total = share + cover
-        new = (share * np.nan_to_num(was) + patch.planes[DISTANCE]) / np.maximum(total, LEAST_SEEN)
-        out["range"][where] = np.where(cover > LEAST_COVER, new, was).astype(np.float32)
+        new = (share * np.nan_to_num(sea_range) + patch.planes[DISTANCE]) / np.maximum(total, LEAST_SEEN)
+        out["range"][where] = np.where(cover > LEAST_COVER, new, sea_range).astype(np.float32)
 
 
 def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
-    """Layers derived from the others: share of glint with bodies; slope is NaN where bodies hide the sea."""
+    """Compute the layers derived from others into ``out``: share of glint with bodies; slope is NaN where bodies hide the sea."""
     left = np.ones(layers.radiance.shape)
     for patch in patches:
         where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
@@ -239,30 +233,30 @@ def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: d
 def sights(
     picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare], circle: int, light: Surroundings
 ) -> tuple[BodySight, ...]:
-    """Sight of each body, from the patches of its parts and the shares of each.
+    """Return the sight of each body, from the patches of its parts and their shares.
 
     Parameters
     ----------
     picture : DrawnBodies
-        The bodies and where they stand.
+        The bodies and their places.
     patches : list of PixelPatch
-        Of their parts in view; of these alone sums and distances are read.
+        Patches of the parts in view; sums and distances come from these alone.
     shares : list of BodyShare
-        For each patch.
+        One for each patch.
     circle : int
-        Columns of a full circle in the pixels of the sums, 0 where there is none.
+        Columns of a full circle in the pixels of the sums, 0 for an image that is no full circle.
     light : Surroundings
-        The view's.
+        Light about bodies in the view.
     """
     out = []
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
-        sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(SUMS))
+        sums = sum((_in_first_turn(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(SUMS))
         points = [patch for patch, _ in own if patch.clear > 0.0]
         drawn = {id(patch.placed): (float(patch.sums[WHOLE]), float(patch.sums[DRY])) for patch, _ in own}
         parts = [one for one in picture.placed if one.part.body == number]
         extended = [one for one in parts if one.radius > 0.0]
-        # one between two samples of its grid is measured on its own
+        # a part between two samples of its grid has no sum: its solid angle is measured separately
         angles = [
             pair if (pair := drawn.get(id(one), (0.0, 0.0)))[0] > 0.0 else solid_angles(one, parts, light.cover_of) for one in extended
         ]
@@ -272,6 +266,7 @@ def sights(
         if points and seen == 0.0:  # points alone: their mean place, of no solid angle
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
         elif points:
+            # points beside solids: the place is the centroid of the solids alone
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
         shares_of = tuple(share for _, share in own)
         above = dry if extended else float(len(parts))
@@ -279,8 +274,8 @@ def sights(
     return tuple(out)
 
 
-def _beside(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
-    """Sums of a part with its columns counted from those of the first part; on a panorama they may differ by full circles."""
+def _in_first_turn(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
+    """Return the sums of a part with its columns counted as in the first part; on a panorama they may differ by full circles."""
     if circle == 0 or sums[SEEN] == 0.0 or first[SEEN] == 0.0:
         return sums
     turns = round((sums[ACROSS] / sums[SEEN] - first[ACROSS] / first[SEEN]) / circle)
@@ -304,9 +299,9 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     stage : Stage
         Camera, pose and pixels.
     placed : sequence of Placed
-        Parts of all bodies; gas and points cast none.
+        Parts of all bodies; gas and points cast no shadow.
     light : Surroundings
-        The view's.
+        Light about bodies in the view.
 
     Returns
     -------
@@ -318,10 +313,11 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     dark = np.zeros(layers.radiance.shape)
     for one in placed:
         if isinstance(one.part.kind, Mesh):
-            _add(dark, stage, laid(one, light.sun, stage.pose.height))
+            _add(dark, stage, projected_on_sea(one, light.sun, stage.pose.height))
     touched = (dark > LEAST_COVER) & (layers.glint_radiance > 0.0)
     if not touched.any():
         return layers
+    # shadows of several bodies may overlap
     share = np.minimum(dark, 1.0)
     if "coverage" in layers:  # only the sea is shadowed
         share = np.minimum(dark / np.maximum(layers["coverage"], LEAST_COVER), 1.0)
@@ -334,8 +330,8 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     return Layers(out)
 
 
-def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
-    """Part projected on the mean sea along the Sun's rays; None where the rays pass over the sea."""
+def projected_on_sea(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
+    """Return a part projected on the mean sea along the Sun's rays; None where the rays pass over the sea."""
     p, radius = one.surface, EFFECTIVE_EARTH_RADIUS
     above = eye + p[:, 2]
     c = p[:, 0] ** 2 + p[:, 1] ** 2 + above * (2.0 * radius + above)
@@ -378,13 +374,13 @@ def _add(dark: FloatArray, stage: Stage, flat: Placed | None) -> None:
         np.add.at(dark, where, hit[inner] / (some.cells[0] * some.cells[1]))
 
 
-MARGIN: Final = 0.015  #: Angle by which bodies are drawn beyond the rows of the sea [rad]: their rows are shifted by another amount.
+MARGIN: Final = 0.015  #: Angle beyond the rows of the sea within which bodies are drawn [rad]: their rows are shifted by another amount.
 
 WAVES_WITHIN: Final = 0.8  #: Share of the arc of the standard horizon within which waves hide bodies.
 
 
 def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time: float) -> DrawnBodies:
-    """Contributions of the bodies to a refracted image at a time [s]."""
+    """Return the contributions of the bodies to a refracted image at a time [s]."""
     shift = scene.shift
     standard = shift.wider(MARGIN)
     attitude = Attitude(stage.pose.attitude.azimuth, standard.elevation)
@@ -399,10 +395,13 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
     patches: list[PixelPatch] = []
     for patch in picture.patches:
         near, far = patch.placed.span[0].arc
+        # one shift for a whole part, of the arc of its middle
         arc, waves = 0.5 * (near + far), near <= straight.sea_hides
         if patch.placed.radius == 0.0:
             elevation = standard.top - float(patch.sums[DOWN]) * standard.row_step
-            shown, images = ([one for one in shift.images(arc, elevation, into_sea=how) if _inside(stage, one[0])] for how in (True, waves))
+            shown, images = (
+                [one for one in shift.images(arc, elevation, into_sea=into_water) if _inside(stage, one[0])] for into_water in (True, waves)
+            )
             if patch.clear > 0.0 and images:
                 patches += [_image(patch, *one) for one in images]
             elif shown:  # in the picture, and hidden
@@ -410,6 +409,7 @@ def refracted_picture(drawer: Drawer, stage: Stage, scene: RefractedScene, time:
                 patches.append(replace(patch, rows=row, lines=np.array([[1.0], [0.0]]), clear=0.0))
         else:
             mixed = shift.objects(arc, standard, into_sea=waves)
+            # rays into the sea see all rows of the part: they show how much the sea hides
             unhidden = mixed[0] if waves else shift.objects(arc, standard, into_sea=True)[0]
             patches += _shifted(patch, mixed, unhidden, stage)
     return DrawnBodies(picture.bodies, picture.stands, tuple(patches), picture.placed)
@@ -420,14 +420,14 @@ def _inside(stage: Stage, row: float) -> bool:
 
 
 def _image(patch: PixelPatch, row: float, magnification: float) -> PixelPatch:
-    """Image of a point source in a row [pixels], as much brighter as it is larger."""
+    """Return the image of a point source in a row [pixels]; its brightness grows with the magnification."""
     sums: FloatArray = patch.sums.copy()
     sums[DOWN] = row
     return replace(patch, rows=np.array([math.floor(row)]), sums=sums, clear=patch.clear * magnification)
 
 
 def _shifted(patch: PixelPatch, mixed: tuple[csr_array, csr_array], unhidden: csr_array, stage: Stage) -> list[PixelPatch]:
-    """Patch with its rows shifted; none where no ray comes near it. ``unhidden``: shares of rows where the sea hides nothing."""
+    """Return a patch with its rows shifted; no patch if no ray comes near it. ``unhidden``: shares of rows without the sea in front."""
     shares, places, unhidden = (matrix[:, patch.rows] for matrix in (*mixed, unhidden))
     lines = _lines(patch.lines, shares, unhidden)
     rows = np.arange(*stage.rows)
@@ -448,14 +448,14 @@ def _shifted(patch: PixelPatch, mixed: tuple[csr_array, csr_array], unhidden: cs
 
 
 def _lines(lines: FloatArray, shares: csr_array, unhidden: csr_array) -> FloatArray:
-    """Lines of a patch by the rows of the picture, each row of the standard picture shared out among its images in them [sr, (2, rows)]."""
+    """Return the lines of a patch by rows of the picture: a row of the standard picture is divided among its images [sr, (2, rows)]."""
     total = np.asarray(unhidden.sum(axis=0)).ravel()
-    each = lines / np.where(total > 0.0, total, np.inf)
-    out = np.stack([unhidden @ each[0], shares @ each[1]])
-    met = np.flatnonzero(total)
-    if met.size:
-        # rows between images that no ray meets are in the picture, and hidden
-        dark = np.arange(met[0], met[-1])[total[met[0] : met[-1]] == 0.0]
+    per_share = lines / np.where(total > 0.0, total, np.inf)
+    out = np.stack([unhidden @ per_share[0], shares @ per_share[1]])
+    rows_met = np.flatnonzero(total)
+    if rows_met.size:
+        # rows that no ray meets, between rows that rays meet, are in the picture and hidden: they go to the image of the row above
+        dark = np.arange(rows_met[0], rows_met[-1])[total[rows_met[0] : rows_met[-1]] == 0.0]
         for row in dark:
-            out[0, unhidden[:, [met[met < row][-1]]].nonzero()[0][0]] += lines[0, row]
+            out[0, unhidden[:, [rows_met[rows_met < row][-1]]].nonzero()[0][0]] += lines[0, row]
     return out

@@ -1,8 +1,8 @@
 """Sea in front of a body: its height along the lines of sight to the body, and what it hides.
 
-Along a few azimuths the resolved waves are walked, all of them at any distance, from where a crest could first touch the lowest line of
-sight to behind the body. At every place of the body the greatest elevation of the sea before it and the sea's own height are
-then known. Without resolved waves the mean sea hides what is under it and what is behind its horizon.
+The walk follows a few azimuths over all resolved waves, at any distance, from the first arc at which a crest could touch the lowest line of
+sight to behind the body. For every place of the body it yields the greatest elevation of the sea in front and the height of the sea.
+Without resolved waves the mean sea hides places below its surface and beyond its horizon.
 """
 
 from __future__ import annotations
@@ -22,38 +22,31 @@ _LOWEST = -1e9
 
 
 class Crests(NamedTuple):
-    """Sea along azimuth lines: greatest tangent of elevation up to each arc, and height there [m], (lines, arcs).
+    """Sea along azimuth lines; without lines the mean sea."""
 
-    The lines are given by ``azimuth`` of the first [rad] and lines per radian, with the arcs [m] of its samples. Without lines there is the
-    mean sea: ``horizon``, its arc [m] and tangent. ``top``: greatest height [m] and tangent of all; what stands above both is in view.
-    """
-
-    azimuth: float
-    per_radian: float
-    arc: np.ndarray
-    tangent: np.ndarray
-    height: np.ndarray
-    horizon: tuple[float, float]
-    top: tuple[float, float]
+    azimuth: float  #: Azimuth of the first line [rad].
+    per_radian: float  #: Lines per radian.
+    arc: np.ndarray  #: Arcs of the samples of every line [m, (arcs,)].
+    tangent: np.ndarray  #: Greatest tangent of elevation of the sea up to each arc [1, (lines, arcs)].
+    height: np.ndarray  #: Height of the sea at each arc [m, (lines, arcs)].
+    horizon: tuple[float, float]  #: Arc [m] and tangent of elevation of the mean sea's horizon.
+    top: tuple[float, float]  #: Greatest height [m] and tangent of all samples; a point above both is in view.
 
 
 def calm(eye: float) -> Crests:
-    """Crests of the mean sea seen from a height [m]."""
+    """Return the crests of the mean sea seen from a height [m]."""
     none = np.zeros((0, 0))
     horizon = (horizon_range(eye), -math.tan(horizon_depression(eye)))
     return Crests(0.0, 0.0, np.zeros(0), none, none, horizon, (0.0, horizon[1]))
 
 
 class Span(NamedTuple):
-    """Extent of a body in azimuth, arc and elevation.
+    """Extent of a body in azimuth, arc and elevation."""
 
-    The fields are azimuths of its left and right [rad], arcs of its near and far end [m], its least and greatest tangent of elevation.
-    """
-
-    azimuth: tuple[float, float]
-    arc: tuple[float, float]
-    lowest: float
-    highest: float
+    azimuth: tuple[float, float]  #: Azimuths of its left and right end [rad].
+    arc: tuple[float, float]  #: Arcs of its near and far end [m].
+    lowest: float  #: Least tangent of elevation.
+    highest: float  #: Greatest tangent of elevation.
 
 
 @njit
@@ -75,6 +68,7 @@ def walk_crests(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuth
             while at < end:
                 count = min(STRIP, end - at)
                 strip.height[:] = 0.0
+                # strips before the body are left out where no crest can raise the skyline; strips at the body need their heights
                 needed = at + count > keep
                 j, seen = 0, True
                 while j < tiles and seen:
@@ -96,10 +90,11 @@ def walk_crests(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuth
 
 @kernel
 def in_sight(crest: Crests, azimuth: float, arc: float, height: float, tangent: float) -> bool:
-    """True if the sea does not hide a point, given by azimuth [rad], arc [m], height above the mean sea [m] and tangent of elevation."""
+    """Return True if the sea does not hide a point of an azimuth [rad], arc [m], height above the mean sea [m] and tangent of elevation."""
     lines, arcs = crest.tangent.shape
     if lines == 0:
         return bool(height >= 0.0 and (arc <= crest.horizon[0] or tangent >= crest.horizon[1]))
+    # linear between two lines and two arcs, of the heights first: they suffice for a point under water
     x = min(max((azimuth - crest.azimuth) * crest.per_radian, 0.0), lines - 1.0)
     i = min(int(x), lines - 2)
     low, high = 0, arcs - 1
@@ -112,8 +107,10 @@ def in_sight(crest: Crests, azimuth: float, arc: float, height: float, tangent: 
     f, g = x - i, min(max((arc - crest.arc[low]) / (crest.arc[low + 1] - crest.arc[low]), 0.0), 1.0)
     a = (1.0 - g) * crest.height[i, low] + g * crest.height[i, low + 1]
     b = (1.0 - g) * crest.height[i + 1, low] + g * crest.height[i + 1, low + 1]
+    # under water
     if height < a + f * (b - a):
         return False
+    # no crest in front reaches a steep line of sight
     if tangent < -STEEP:
         return True
     a = (1.0 - g) * crest.tangent[i, low] + g * crest.tangent[i, low + 1]

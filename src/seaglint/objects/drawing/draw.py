@@ -1,6 +1,7 @@
-"""Solid angles of whole parts of bodies, wherever they are in a picture, and of what is above their waterline.
+"""Drawing of bodies: each part is sampled on a separate grid and hidden by sea and bodies in front; solid angles of whole parts.
 
-Drawing of objects over the image of the sea: each sampled on its own grid, hidden by what is in front, composed by coverage.
+:class:`Stage` has a camera at an instant, :class:`Drawer` draws bodies on it. :func:`solid_angles` measures parts without a camera, inside
+the picture or not.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from seaglint.objects.drawing.eye import FEWEST_CELLS, Grid, Lens, Stand, Tangen
 from seaglint.objects.drawing.launch_bodies import NOTHING, clear_to_point, part_planes, sampled_solid, sea_before, shadow_map
 from seaglint.objects.drawing.light import Arriving, Corners, Counting, Surroundings
 from seaglint.objects.drawing.prepared_bodies import DrawnPart, Mesh, Placed, parts_of, placed
-from seaglint.objects.drawing.raster import LIFT, Faces, SunMap
+from seaglint.objects.drawing.raster import LIFT, TURN_OF_COLUMNS, TURN_OF_ROWS, Faces, SunMap
 from seaglint.objects.drawing.sample_sums import (
     ACROSS,
     COUNTED,
@@ -47,11 +48,11 @@ from seaglint.objects.drawing.sample_sums import (
 )
 from seaglint.optics.blackbody import planck_wavenumber
 
-CELLS: Final = 128  #: Samples along a side of a part: solid angles within some 0.2 %.
+CELLS: Final = 128  #: Number of samples along a side of a part: solid angles within some 0.2 %.
 
 
 def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
-    """Faces of a part on a plane; the points alone where it is no mesh."""
+    """Return the faces of a part on a plane; without triangles for plumes and points."""
     if isinstance(kind, Mesh):
         return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
     none = np.zeros((0, 3), np.int32)
@@ -63,16 +64,16 @@ Cover = Callable[[Mesh | GasPlume | PointSource], FloatArray]
 
 
 def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[float, float]:
-    """Solid angles of a part without occlusion [sr]: in all, and above the waterline; of a plume those of its absorption.
+    """Return solid angles of a part without occlusion [sr], in all and above the waterline; for a plume times its absorption.
 
     Parameters
     ----------
     one : Placed
         The part.
     every : iterable of Placed
-        Parts of which those of the same body hide what is above the waterline.
+        Parts of all bodies; parts of the same body hide ``one`` above the waterline.
     cover : callable
-        What plumes absorb of the light behind them.
+        Absorbed share of the light behind a plume along its chords [1, (chords,)].
     """
     if one.radius == 0.0:
         return 0.0, 0.0
@@ -82,12 +83,14 @@ def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[fl
         return 0.0, 0.0
     low, high = point[ahead, :2].min(axis=0), point[ahead, :2].max(axis=0)
     step = np.maximum(high - low, 1e-12) / CELLS
+    # places of the samples as in raster.sample_place: a thin part is hit in proportion to its width
     i = np.arange(CELLS)
-    x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
-    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
+    x = low[0] + step[0] * (i[None] + np.mod(0.5 + TURN_OF_ROWS * i[:, None], 1.0))
+    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + TURN_OF_COLUMNS * i[None], 1.0))
     own = [other for other in every if other is not one and other.part.body == one.part.body and other.radius > 0.0]
     direction = np.stack([x, y, np.ones_like(x)], axis=-1) @ plane.axes
     length = np.linalg.norm(direction, axis=-1)
+    # an area of the tangent plane has a solid angle smaller by the cube of the length of its direction
     cell = length**-3 * step[0] * step[1]
     near = np.zeros_like(x)
     if isinstance(one.part.kind, Mesh):
@@ -110,22 +113,23 @@ def solid_angles(one: Placed, every: Iterable[Placed], cover: Cover) -> tuple[fl
 
 
 def _on_plane(one: Placed, plane: TangentPlane) -> tuple[FloatArray, np.ndarray]:
-    """Tangents of a part's points and one over their depth, 0 behind, and a flag for those ahead."""
-    seen = one.surface @ plane.axes.T
-    ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
-    depth = np.where(ahead, seen[:, 2], 1.0)
-    return np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1), ahead
+    """Return tangents of a part's points and one over their depth, 0 behind the sensor, and flags of points in front of it."""
+    in_axes = one.surface @ plane.axes.T
+    ahead = in_axes[:, 2] > 1e-3 * np.sqrt((in_axes**2).sum(axis=1))
+    depth = np.where(ahead, in_axes[:, 2], 1.0)
+    return np.stack([in_axes[:, 0] / depth, in_axes[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1), ahead
 
 
 def _faces(one: Placed, plane: TangentPlane, low: FloatArray, top: float, step: FloatArray) -> Faces:
-    """Faces of a part with the samples as pixels; rows count downwards."""
+    """Return the faces of a part with the samples as pixels; rows count downwards."""
     point, _ = _on_plane(one, plane)
     image = np.stack([point[:, 0] - low[0], top - point[:, 1]], axis=1) / step
     return faces_of(one.part.kind, point, image, 1e-9)
 
 
 def _opacity(plume: Placed, direction: FloatArray, last: FloatArray | float, cover: Cover) -> FloatArray:
-    """Share of the light behind a plume that it absorbs along directions up to ``last`` times their length [1]."""
+    """Return the share of the light behind a plume that it absorbs along directions up to ``last`` times their length [1]."""
+    # :func:`seaglint.objects.drawing.raster.chord` for arrays of directions that are no unit vectors
     gas = plume.gas
     along = direction @ gas[3:12].reshape(3, 3).T
     square, part = (along**2).sum(axis=-1), along @ gas[:3]
@@ -137,12 +141,12 @@ def _opacity(plume: Placed, direction: FloatArray, last: FloatArray | float, cov
 
 
 def _middle(gas: FloatArray, direction: FloatArray) -> FloatArray:
-    """Multiple of directions at which they are nearest to a plume's middle, in units of its semi-axes."""
+    """Return the multiple of directions at which they are nearest to a plume's middle, measured in its semi-axes."""
     along = direction @ gas[3:12].reshape(3, 3).T
     return np.asarray(along @ gas[:3] / (along**2).sum(axis=-1))
 
 
-#: Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones.
+#: Number of cells along a side of a body's shadow map: for a body with at most :data:`_FEW` samples along a side, and for a larger one.
 SHADOW_CELLS: Final = (128, 256)
 
 _FEW: Final = 192
@@ -150,29 +154,28 @@ _FEW: Final = 192
 _FACES_SUN: Final = 1e-3  #: Least reflectance of a surface for which its shadow map is computed.
 
 _POLE: Final = math.radians(88.0)
-_KEPT: Final = 4
+_CACHED: Final = 4
 
 
 @dataclass(frozen=True, eq=False)
 class PixelPatch:
     """Contribution of a part to some pixels."""
 
-    placed: Placed  #: The part where it stands.
-    #: ``rows``, ``columns``: Pixels of the image.
-    rows: np.ndarray
-    columns: np.ndarray
-    planes: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.PLANES` of them [(planes, rows, columns)].
+    placed: Placed  #: The part at its place.
+    rows: np.ndarray  #: Rows of the pixels in the image (rows,).
+    columns: np.ndarray  #: Columns of the pixels in the image (columns,).
+    planes: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.PLANES` of the pixels (planes, rows, columns).
     sums: FloatArray  #: :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
-    #: What is above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; of a point 1
-    #: or 0.
+    #: Solid angle above the waterline in each row, in the picture and in view, ``sums[[DRY_INSIDE, DRY_SEEN]]`` [sr, (2, rows)]; 1 or 0 for
+    #: a point.
     lines: FloatArray
-    clear: float = 0.0  #: Transmittance of the path to a point that is in view [1]; 0 for all else.
-    #: Transmittance of the air to a point times the band's weights [cm-1, (n,)]; empty for all else.
+    clear: float = 0.0  #: Transmittance of the path to a point in view [1]; 0 for other parts.
+    #: Transmittance of the air to a point times the band's weights [cm-1, (n,)]; empty for other parts.
     air: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def counted(self) -> FloatArray:
-        """Radiance as it is counted times the share of the pixel, of a solid or a plume [W m-2 sr-1, (rows, columns)]."""
+        """Counted radiance times the share of the pixel, of a solid or a plume [W m-2 sr-1, (rows, columns)]."""
         return np.asarray(self.planes[COUNTED])
 
 
@@ -194,12 +197,11 @@ class Stage:
     pose: Pose  #: Place and attitude of the sensor.
     view: SeaView  #: Sea, air and Sun.
     sea: tuple[Levels, Surface] | None  #: The resolved waves of the instant; without them the sea is flat.
-    #: ``columns``, ``rows``: Pixels that are drawn, first and end.
-    columns: tuple[int, int]
-    rows: tuple[int, int]
-    sea_hides: float = math.inf  #: Arc beyond which the sea hides nothing of a body but what is under it [m].
+    columns: tuple[int, int]  #: First and end column of the pixels that are drawn.
+    rows: tuple[int, int]  #: First and end row of the pixels that are drawn.
+    sea_hides: float = math.inf  #: Arc beyond which the sea hides only the part of a body below the water [m].
     cells: int = FEWEST_CELLS  #: Least number of samples along the side of a pixel.
-    frame: tuple[int, int, int, int] | None = None  #: First and end column and row of the picture, where pixels beyond it are drawn too.
+    frame: tuple[int, int, int, int] | None = None  #: First and end column and row of the picture, if pixels beyond it are drawn too.
 
     @cached_property
     def lens(self) -> Lens:
@@ -213,7 +215,7 @@ class Stage:
         return Window(self.columns, self.rows, circle, self.frame or (*self.columns, *self.rows))
 
     def crests(self, one: Placed) -> Crests:
-        """Sea in front of a part."""
+        """Return the sea in front of a part."""
         if one.span[0].arc[0] > self.sea_hides:
             return calm(self.pose.height)._replace(horizon=(math.inf, 0.0))
         if self.sea is None:
@@ -221,18 +223,18 @@ class Stage:
         return sea_before(*self.sea, self.pose.height, one.span[0])
 
     def faces(self, one: Placed, plane: TangentPlane, about: Placed) -> Faces:
-        """Triangles or points of a part on a plane and in the image, with continuous columns about those of another."""
+        """Return the triangles or points of a part on a plane and in the image, with columns next to the columns of part ``about``."""
         middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
         point, image = project(one.surface, plane.axes, self.lens, middle)
         return faces_of(one.part.kind, point, image, self._bend(one))
 
     def size_of(self, one: Placed) -> float:
-        """Longer side of a part in the image [pixels]; 1 where none of it is in front of the camera."""
+        """Return the longer side of a part in the image [pixels]; 1 for a part that is wholly behind the camera."""
         box = self.box(self.faces(one, TangentPlane.to(one.place), one))
         return 1.0 if box is None else max(box[1] - box[0], box[3] - box[2])
 
     def _bend(self, one: Placed) -> float:
-        """Largest curvature of the sides of a part in the image, as a share of their size."""
+        """Return the largest curvature of the sides of a part in the image, as a share of their size [1]."""
         if self.lens.plane:
             return 1e-9
         level = one.place @ self.lens.turn
@@ -242,13 +244,13 @@ class Stage:
         return 1e-9 + 2.0 * one.angle * (0.25 * math.tan(steepest) + 0.5 * one.angle)
 
     def box(self, faces: Faces) -> tuple[float, float, float, float] | None:
-        """Left, right, top and bottom of a part in the image [pixels]; None where none of it is in front of the camera."""
-        seen = faces.point[:, 2] > 0.0
-        if not seen.any():
+        """Return left, right, top and bottom of a part in the image [pixels]; None for a part that is wholly behind the camera."""
+        in_front = faces.point[:, 2] > 0.0
+        if not in_front.any():
             return None
-        across, down = (faces.image[:, k] if seen.all() else faces.image[seen, k] for k in (0, 1))
+        across, down = (faces.image[:, k] if in_front.all() else faces.image[in_front, k] for k in (0, 1))
         low, high = np.array([across.min(), down.min()]), np.array([across.max(), down.max()])
-        if faces.bend >= 1.0:  # over the pole of the image's own angles
+        if faces.bend >= 1.0:  # over the pole of the image's angles
             return 0.0, float(self.imager.columns), 0.0, float(self.imager.rows)
         margin = faces.bend * (high - low).max() + 1e-9
         return float(low[0] - margin), float(high[0] + margin), float(low[1] - margin), float(high[1] + margin)
@@ -270,30 +272,30 @@ class Drawer:
 
     @classmethod
     def of(cls, bodies: tuple[Body, ...], counted: Counting | None = None) -> Drawer:
-        """Prepare everything that does not change in time, for a detector that counts photons; without ``counted`` one of energy."""
+        """Prepare everything that does not change in time, for a detector that counts photons; without ``counted`` for one of energy."""
         return cls(bodies, parts_of(bodies), counted)
 
     def moved(self, bodies: tuple[Body, ...]) -> Drawer:
-        """Return the drawer of the same bodies at other places, in the light that is already computed."""
+        """Return the drawer of these bodies at other places, with the light that is already computed."""
         return replace(self, bodies=bodies, _parts=parts_of(bodies))
 
     def light(self, view: SeaView) -> Surroundings:
-        """Light about bodies in a view; the latest ones are cached."""
+        """Return the light about bodies in a view; the latest lights are cached."""
         if view not in self._light:
             self._light[view] = Surroundings.of(view, self.counted)
         self._light.move_to_end(view)
         cached = self._light[view]
-        while len(self._light) > _KEPT:
+        while len(self._light) > _CACHED:
             self._light.popitem(last=False)
         return cached
 
     def picture(self, stage: Stage, time: float) -> DrawnBodies:
-        """Contributions of the bodies to the image at a time [s].
+        """Return the contributions of the bodies to the image at a time [s].
 
         Raises
         ------
         DomainError
-            The sensor is inside a body, or a body is where the air is not known.
+            The sensor is inside a body, or a body is outside the range of the air.
         """
         stands, every = self.placed(stage.pose, time)
         selected = [(stage, one) for one in every if near(stage, one)]
@@ -301,7 +303,7 @@ class Drawer:
         return DrawnBodies(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
 
     def placed(self, pose: Pose, time: float) -> tuple[tuple[Stand, ...], tuple[Placed, ...]]:
-        """Places of the bodies, and of their parts, for a sensor at a pose at a time [s].
+        """Return the places of the bodies, and of their parts, for a sensor at a pose at a time [s].
 
         Raises
         ------
@@ -314,12 +316,12 @@ class Drawer:
     def patches(
         self, selected: Sequence[tuple[Stage, Placed]], every: Sequence[tuple[Placed, ...]], light: Surroundings
     ) -> list[PixelPatch | None]:
-        """Contribution of each of some parts to the pixels of a stage of its own, hidden by ``every`` part of its instant.
+        """Return the contribution of each selected part to the pixels of its stage, hidden by ``every`` part of its instant.
 
         Raises
         ------
         DomainError
-            A body is where the air is not known.
+            A body is outside the range of the air.
         """
         corners = [_corners(one) for _, one in selected]
         try:
@@ -333,13 +335,13 @@ class Drawer:
             return _drawn(*selected[n], every[n], arriving[n], (light, covers))
 
         with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
-            # the first alone: it compiles, if need be, in one thread
+            # the first part alone: kernels that are not yet compiled are compiled in one thread
             first = [draw(0)] if selected else []
             return first + list(pool.map(draw, range(1, len(selected))))
 
 
 def near(stage: Stage, one: Placed) -> bool:
-    """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
+    """Return True if a part may be in the pixels to draw: its sphere meets the cone about them."""
     imager, attitude = stage.imager, stage.pose.attitude
     (left, right), (top, bottom) = stage.columns, stage.rows
     border = np.linspace(0.0, 1.0, 17)
@@ -347,13 +349,14 @@ def near(stage: Stage, one: Placed) -> bool:
     down = np.concatenate([np.full(17, float(top)), np.full(17, float(bottom))] + [top + (bottom - top) * border] * 2)
     middle = imager.directions(attitude, 0.5 * (left + right), 0.5 * (top + bottom))
     cosine = float((imager.directions(attitude, across, down) @ middle).min())
+    # 10 % of margin for the border between its points; a cone of more than 1.2 rad counts as all directions
     half = 1.1 * math.acos(min(max(cosine, -1.0), 1.0)) + 1e-6
     away = math.acos(min(max(float(one.place @ middle) / max(one.distance, 1e-9), -1.0), 1.0))
     return half > 1.2 or away <= half + one.angle
 
 
 def _source(one: Placed) -> FloatArray | GasPlume:
-    """Temperatures [K] of a part's surface, none of a point, or the plume that it is."""
+    """Return the temperatures [K] of a solid's surface, the plume itself, or no temperatures for a point."""
     kind = one.part.kind
     if isinstance(kind, Mesh):
         return kind.temperatures
@@ -366,7 +369,7 @@ def _corners(one: Placed) -> Corners:
 
 
 def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
-    """Parts whose spheres meet the line of sight to a part and are not wholly behind it."""
+    """Return the parts that may hide a part: their spheres overlap in direction, and they are not wholly behind it."""
     out = []
     for other in every:
         if other is one or other.radius == 0.0 or other.distance - other.radius > one.distance + one.radius:
@@ -378,10 +381,10 @@ def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
 
 
 def _drawn(
-    stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, about: tuple[Surroundings, dict[int, FloatArray]]
+    stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, around_bodies: tuple[Surroundings, dict[int, FloatArray]]
 ) -> PixelPatch | None:
-    """Draw one part on its own grid of samples, among plumes with covers by their identity; None where it contributes nothing."""
-    light, known = about
+    """Draw one part on a separate grid of samples, among plumes with covers by their identity; None for a part without contribution."""
+    light, cover_by_part = around_bodies
     plane = TangentPlane.to(one.place)
     faces = stage.faces(one, plane, one)
     box = stage.box(faces)
@@ -390,11 +393,11 @@ def _drawn(
     inside = _clipped(box, stage.window)
     if inside is None:
         return None
-    # those of the same body come first: they hide, but are no reason to call it hidden
+    # parts of the same body come first: they hide samples, but do not count as occlusion of the body
     others = sorted(_overlapping(one, every), key=lambda other: other.part.body != one.part.body)
-    plumes = [other for other in others if id(other.part) in known]  # others hide no pixel that is drawn
+    plumes = [other for other in others if id(other.part) in cover_by_part]  # other plumes are outside the pixels to draw
     gases = np.array([other.gas for other in plumes]).reshape(-1, 13)
-    covers = np.array([known[id(other.part)] for other in plumes]).reshape(-1, CHORDS)
+    covers = np.array([cover_by_part[id(other.part)] for other in plumes]).reshape(-1, CHORDS)
     solids = [stage.faces(other, plane, one) for other in others if isinstance(other.part.kind, Mesh)]
     own = sum(isinstance(other.part.kind, Mesh) and other.part.body == one.part.body for other in others)
     around = (stage.pose.height, stage.crests(one), NOTHING, gases, covers, plane.axes, one.heading, one.water, NOTHING)
@@ -411,7 +414,7 @@ def _drawn(
 
 
 def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[float, float, float, float] | None:
-    """Part of a box inside the window; of a panorama all columns, so that a body across its seam stays whole."""
+    """Return the part of a box inside the window; for a panorama all columns, so that a body across its seam stays whole."""
     left, right, top, bottom = box
     if window.circle == 0:
         left, right = max(left, float(window.columns[0])), min(right, float(window.columns[1]))
@@ -422,19 +425,26 @@ def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[fl
 
 
 def _body(one: Placed) -> SensorMesh | FloatArray:
-    """Solid or gas of a part, as kernels read it."""
+    """Return the solid or gas of a part in the form that kernels read."""
     kind = one.part.kind
     return SensorMesh(one.surface, kind.corners, kind.code, kind.emissivity) if isinstance(kind, Mesh) else one.gas
 
 
 def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: tuple[FloatArray, FloatArray]) -> PixelPatch | None:
-    """Patch of the pixels to draw, from the pixels of the grid; ``sums``: of all samples, and of each row."""
+    """Return the patch of the pixels to draw, from the pixels of the grid; ``sums``: of all samples, and of each row."""
     rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
     if stage.window.circle:
         columns = columns % stage.window.circle
-    keep = (rows >= stage.rows[0]) & (rows < stage.rows[1])
-    also = (columns >= stage.columns[0]) & (columns < stage.columns[1])
-    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums[0], sums[1][[DRY_INSIDE, DRY_SEEN]][:, keep])
+    inside_rows = (rows >= stage.rows[0]) & (rows < stage.rows[1])
+    inside_columns = (columns >= stage.columns[0]) & (columns < stage.columns[1])
+    return PixelPatch(
+        one,
+        rows[inside_rows],
+        columns[inside_columns],
+        planes[:, inside_rows][:, :, inside_columns],
+        sums[0],
+        sums[1][[DRY_INSIDE, DRY_SEEN]][:, inside_rows],
+    )
 
 
 def _point(
@@ -444,14 +454,14 @@ def _point(
     box: tuple[float, float, float, float],
     arriving: Arriving,
 ) -> PixelPatch | None:
-    """Draw a point source: its visibility and the transmittance of its path; None where it is not in the pixels to draw."""
+    """Draw a point source: its visibility and the transmittance of its path; None for a point outside the pixels to draw."""
     scene, solids = around
     kind = one.part.kind
     assert isinstance(kind, PointSource)  # only points have no extent
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
-    over = stage.view.in_band
-    spectrum = np.ones(over.weights.size) if kind.temperature is None else planck_wavenumber(over.wavenumber_cm, kind.temperature)
-    through = float(arriving.clear @ spectrum / (over.weights @ spectrum))
+    band = stage.view.in_band
+    spectrum = np.ones(band.weights.size) if kind.temperature is None else planck_wavenumber(band.wavenumber_cm, kind.temperature)
+    through = float(arriving.clear @ spectrum / (band.weights @ spectrum))
     clear = clear_to_point(scene, solids, one.distance) * through
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
     if not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
@@ -466,7 +476,7 @@ def _point(
 
 
 def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
-    """Shadow map of a body on itself; without cells where nothing would be lit."""
+    """Return the shadow map of a body on itself; without cells for a body that reflects no sunlight."""
     sun = light.sun
     kind = one.part.kind
     none = SunMap(sun, np.zeros((2, 3)), np.zeros(4), np.zeros((0, 0)), 0.0)

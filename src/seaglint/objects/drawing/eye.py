@@ -1,12 +1,12 @@
-r"""Position of a body for a sensor: axes at the sensor, and the plane on which its picture is sampled.
+r"""Position of a body for a sensor: axes at the sensor, the plane and the image on which the body is sampled, and the grid of samples.
 
-The sea is a sphere of the effective Earth radius :math:`R'`. A body whose origin stands ``z`` above the mean sea at an arc ``r`` from the
-sensor's foot is, in the sensor's axes (east, north, up),
+The sea is a sphere of the effective Earth radius :math:`R'`. A body with its origin ``z`` above the mean sea at an arc ``r`` from the
+sensor's foot has, in the sensor's axes (east, north, up), the place
 
 .. math:: p = ((R'+z)\sin\psi\;a,\;(R'+z)\cos\psi - R' - h), \qquad \psi = r/R'
 
-with the horizontal unit vector ``a`` of its azimuth; its own up leans by :math:`\psi`, so that ships go hull down as the sea does.
-A body is rigid: its axes are those at its origin.
+with the horizontal unit vector ``a`` of its azimuth; the body's vertical is inclined by :math:`\psi`, so that the hull of a far ship is
+below the horizon. A body is rigid: all of it has the axes at its origin.
 """
 
 from __future__ import annotations
@@ -26,19 +26,17 @@ from seaglint.objects.body import Placement
 
 
 class Stand(NamedTuple):
-    """Body at an instant in the sensor's axes: place of its origin [m], rotation from its axes to these, and its waterline.
+    """Body at an instant in the sensor's axes."""
 
-    ``water``: upward unit normal of the plane of the waterline and the plane's offset along it [m], (4,); points above the waterline have
-    a greater one.
-    """
-
-    place: FloatArray
-    turn: FloatArray
+    place: FloatArray  #: Place of its origin [m, (3,)].
+    turn: FloatArray  #: Rotation from the body's axes to the sensor's (3, 3).
+    #: Upward unit normal of the plane of the waterline and the plane's offset along it [m], (4,); points above the waterline have a greater
+    #: offset.
     water: FloatArray
 
 
 def stand(placement: Placement, pose: Pose) -> Stand:
-    """Place and rotation of a body in the axes (east, north, up) of a sensor."""
+    """Return place and rotation of a body in the axes (east, north, up) of a sensor."""
     east, north = placement.position[0] - pose.east, placement.position[1] - pose.north
     height, arc = float(placement.position[2]), math.hypot(east, north)
     s, c = (east / arc, north / arc) if arc > 0.0 else (0.0, 1.0)
@@ -46,6 +44,7 @@ def stand(placement: Placement, pose: Pose) -> Stand:
     sine, drop = math.sin(psi), 2.0 * math.sin(0.5 * psi) ** 2
     radius = EFFECTIVE_EARTH_RADIUS + height
     place = np.array([radius * sine * s, radius * sine * c, height - pose.height - radius * drop])
+    # axes at the body's place: away from the sensor, inclined by psi, and across
     ahead, aside = np.array([(1.0 - drop) * s, (1.0 - drop) * c, -sine]), np.array([c, -s, 0.0])
     axes = np.stack([s * ahead + c * aside, c * ahead - s * aside, np.array([sine * s, sine * c, 1.0 - drop])], axis=1)
     if placement.water is None:  # the mean sea under the origin; over a body it is a plane
@@ -57,16 +56,16 @@ def stand(placement: Placement, pose: Pose) -> Stand:
 
 @dataclass(frozen=True, eq=False)
 class TangentPlane:
-    """Plane across the line of sight to a body: points are their tangents to the right and up, and one over the depth [1/m].
+    """Plane across the line of sight to a body: points are given by their tangents to the right and up, and one over the depth [1/m].
 
-    Straight edges are straight there, whatever the camera.
+    Straight edges are straight on the plane, for any camera.
     """
 
     axes: FloatArray  #: Unit vectors to the right, up and to the body (rows), in the sensor's axes.
 
     @classmethod
     def to(cls, place: FloatArray) -> TangentPlane:
-        """Plane across the direction of a place [m]."""
+        """Return the plane across the direction of a place [m]."""
         ahead = place / np.linalg.norm(place)
         level = math.hypot(ahead[0], ahead[1])
         right = np.array([ahead[1], -ahead[0], 0.0]) / level if level > 1e-12 else np.array([1.0, 0.0, 0.0])
@@ -84,13 +83,15 @@ class Lens(NamedTuple):
 
 
 def lens(imager: Imager, attitude: Attitude) -> Lens:
-    """Lens of a camera: columns and rows become angles, or tangents of a plane image, as ``first + step x``."""
+    """Return the lens of a camera: columns and rows become angles, or tangents of a plane image, as ``first + step x``."""
     axes = attitude.axes
     if imager.projection == "pinhole":
         wide, high = 2.0 * math.tan(0.5 * imager.width), 2.0 * math.tan(0.5 * imager.height_angle)
+        # (right, into the image, up): the form (a u, a v, b) of a lens
         turn = np.ascontiguousarray(axes[[0, 2, 1]].T)
         steps = (wide / imager.columns, -high / imager.rows)
         return Lens(turn, True, (-0.5 * wide, steps[0]), (0.5 * high, steps[1]), -steps[0] * steps[1])
+    # angles are of the unrolled camera; only the roll turns them
     turn = np.eye(3) if attitude.roll == 0.0 else (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes).T
     steps = (imager.width / imager.columns, -imager.height_angle / imager.rows)
     first = (attitude.azimuth - 0.5 * imager.width, attitude.elevation + 0.5 * imager.height_angle)
@@ -99,9 +100,9 @@ def lens(imager: Imager, attitude: Attitude) -> Lens:
 
 @kernel
 def image_point(lens: Lens, direction: tuple[float, float, float], about: float) -> tuple[float, float, bool]:
-    """Column and row of a direction [pixels], the inverse of :class:`Lens`, and a flag for directions in front of the camera.
+    """Return column and row of a direction [pixels], the inverse of :class:`Lens`, and a flag for directions in front of the camera.
 
-    Of the columns that differ by a full circle it is the one nearest to ``about``.
+    Of columns that differ by a full circle the result is the nearest to ``about``.
     """
     t, (x, y, z) = lens.turn, direction
     u, v, w = t[0, 0] * x + t[1, 0] * y + t[2, 0] * z, t[0, 1] * x + t[1, 1] * y + t[2, 1] * z, t[0, 2] * x + t[1, 2] * y + t[2, 2] * z
@@ -111,6 +112,7 @@ def image_point(lens: Lens, direction: tuple[float, float, float], about: float)
         return (u / v - lens.across[0]) / lens.across[1], (w / v - lens.down[0]) / lens.down[1], True
     column = (math.atan2(u, v) - lens.across[0]) / lens.across[1]
     circle = 2.0 * math.pi / lens.across[1]
+    # whole turns, so that a body across the seam of a panorama has continuous columns
     column += circle * math.floor((about - column) / circle + 0.5)
     return column, (math.atan2(w, math.sqrt(u * u + v * v)) - lens.down[0]) / lens.down[1], True
 
@@ -133,14 +135,11 @@ def project(surface: np.ndarray, axes: np.ndarray, lens: Lens, about: float) -> 
 
 
 class Grid(NamedTuple):
-    """Cells over part of an image with one sample each: a whole number of cells to a pixel along either side.
+    """Cells over part of an image with one sample each: a whole number of cells to a pixel along either side."""
 
-    ``first``: column and row of the first pixel; ``pixels``: how many each way; ``cells``: cells in a pixel, each way.
-    """
-
-    first: tuple[int, int]
-    pixels: tuple[int, int]
-    cells: tuple[int, int]
+    first: tuple[int, int]  #: Column and row of the first pixel.
+    pixels: tuple[int, int]  #: Number of columns and rows.
+    cells: tuple[int, int]  #: Number of cells in a pixel, across and down.
     begin: tuple[int, int]  #: First cell along each side, counted from the image's corner.
     size: tuple[int, int]  #: Number of cells along each side.
 
@@ -153,9 +152,10 @@ MOST_CELLS = 1 << 20  #: Largest number of cells in memory; larger grids are dra
 
 
 def grid_over(box: tuple[float, float, float, float], fewest: int = FEWEST_CELLS) -> Grid:
-    """Grid of cells over a box (left, right, top, bottom) [pixels], at least ``fewest`` along a pixel's side."""
+    """Return a grid of cells over a box (left, right, top, bottom) [pixels], at least ``fewest`` along a pixel's side."""
     cells, begin, size, first, pixels = [], [], [], [], []
     for low, high in ((box[0], box[1]), (box[2], box[3])):
+        # small bodies have more cells to a pixel, large ones no fewer than ``fewest``
         n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), fewest)
         a, b = math.floor(low * n), math.ceil(high * n)
         b = max(b, a + 1)
@@ -168,7 +168,7 @@ def grid_over(box: tuple[float, float, float, float], fewest: int = FEWEST_CELLS
 
 
 def strips(grid: Grid) -> list[Grid]:
-    """Parts of a grid of whole rows of pixels with at most :data:`MOST_CELLS` cells, or a row's."""
+    """Return parts of a grid of whole rows of pixels, each with at most :data:`MOST_CELLS` cells or one row."""
     if grid.size[0] * grid.size[1] <= MOST_CELLS:
         return [grid]
     n = grid.cells[1]

@@ -1,4 +1,4 @@
-"""Paths of bodies over the image during an exposure: of bodies that move, seen by a camera that moves and turns."""
+"""Paths of bodies over the image during an exposure, for moving bodies and a camera that moves and turns."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from seaglint.objects.body import GasPlume, Motion, PointSource
 from seaglint.objects.drawing.eye import image_point, lens, project, stand
 from seaglint.objects.drawing.prepared_bodies import DrawnPart, Mesh
 
-NEAR: Final = 2e-3  #: Distance from its interpolation within which a path is taken as known [pixels].
+NEAR: Final = 2e-3  #: Largest error of the interpolation of a path [pixels].
 
-BEHIND: Final = -1e5  #: Columns and rows below this stand for places behind the camera [pixels].
+BEHIND: Final = -1e5  #: Columns and rows below this mean places behind the camera [pixels].
 
 MOST_NODES: Final = 65  #: Largest number of instants at which a path is evaluated.
 
-SHORT: Final = 1e-3  #: Time over which the speed of a body is found where an exposure is shorter [s].
+SHORT: Final = 1e-3  #: Least time over which the speed of a body is evaluated, also for shorter exposures [s].
 
 RIGID: Final = 0.05  #: Change of a body's shape in the image up to which it counts as rigid during an exposure [pixels].
 
@@ -40,14 +40,14 @@ class View:
     track: Track
 
     def pose(self, time: float) -> Pose:
-        """Pose at a time [s]; at the nearest that is known."""
+        """Return the pose at a time [s], or at the nearest time of the track."""
         first, last = self.track.known
         return self.track.at(min(max(time, first), last))
 
     def known(self, motion: Motion) -> tuple[float, float]:
-        """First and last time at which both camera and body are known [s]."""
-        mine, its = self.track.known, motion.known
-        return max(mine[0], its[0]), min(mine[1], its[1])
+        """Return the first and last time at which the poses of both camera and body are known [s]."""
+        camera, body = self.track.known, motion.known
+        return max(camera[0], body[0]), min(camera[1], body[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,16 +67,17 @@ class ImagePath:
         view : View
             Camera.
         motion : Motion
-            Of the body.
+            Motion of the body.
         middle : ndarray, (3,)
             Place in the body's axes [m].
         times : (float, float)
-            First and last time [s]. What lies before the first or behind the last keyframe is extrapolated.
+            First and last time [s]. The path before the first and after the last keyframe is extrapolated.
         about : float
-            Column next to which columns of a full circle are taken [pixels].
+            Column; of columns that differ by a full circle, the path has the nearest to it [pixels].
         """
         first, last = view.known(motion)
         length = times[1] - times[0]
+        # the interval is moved within the known times, not cut, where possible
         begin = max(min(times[0], last - length), first)
         end = min(begin + length, last)
         if end <= begin:
@@ -85,7 +86,7 @@ class ImagePath:
         front = (-math.inf, math.inf)
         sampled = np.linspace(begin, end, 33)
         ahead = np.array([place_in_image(view, motion, middle, float(t), about)[0] > BEHIND for t in sampled])
-        if not ahead.all():  # the way in front of the camera alone, the longest if it comes again
+        if not ahead.all():  # only the path in front of the camera; if it is there several times, the longest piece
             runs = np.flatnonzero(np.diff(np.concatenate([[0], ahead.astype(int), [0]]))).reshape(-1, 2)
             if not runs.size:
                 return cls(lambda t: np.full(np.shape(t), 10.0 * BEHIND), lambda t: np.full(np.shape(t), 10.0 * BEHIND))
@@ -93,17 +94,18 @@ class ImagePath:
             begin, end = float(sampled[runs[k, 0]]), float(sampled[runs[k, 1] - 1])
             front = (begin, max(end, begin + 1e-9))
             end = front[1]
+        # nodes of a doubled number include the nodes before: the path is known when they agree with its polynomial
         count = 3
         nodes, places = _evaluated(view, motion, middle, (begin, end), count, about)
         while True:
-            finer, found = _evaluated(view, motion, middle, (begin, end), 2 * count - 1, about)
+            finer, finer_places = _evaluated(view, motion, middle, (begin, end), 2 * count - 1, about)
             guess = np.stack([_through(nodes, places[:, k])(finer) for k in (0, 1)], axis=1)
-            count, nodes, places = 2 * count - 1, finer, found
-            if float(np.abs(guess - found).max()) < NEAR or count >= MOST_NODES:
+            count, nodes, places = 2 * count - 1, finer, finer_places
+            if float(np.abs(guess - finer_places).max()) < NEAR or count >= MOST_NODES:
                 return cls(_through(nodes, places[:, 0]), _through(nodes, places[:, 1]), front)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """Columns and rows at times [pixels, (2, n)]; below :data:`BEHIND` behind the camera."""
+        """Return columns and rows at times [pixels, (2, n)]; below :data:`BEHIND` behind the camera."""
         places = np.stack([np.asarray(self._columns(times), np.float64), np.asarray(self._rows(times), np.float64)])
         places[:, (times < self._front[0]) | (times > self._front[1])] = 10.0 * BEHIND
         return places
@@ -112,7 +114,8 @@ class ImagePath:
 def _through(nodes: FloatArray, values: FloatArray) -> Callable[[FloatArray], FloatArray]:
     """Return the polynomial through values at Chebyshev's extremal nodes.
 
-    Weights are stated (alternating, halved at the ends): SciPy's own depend in the last digit on a random order of the nodes.
+    Its weights are given here (alternating, halved at the ends): the weights that SciPy computes depend in the last digit on a random order
+    of the nodes.
     """
     weights = (-1.0) ** np.arange(nodes.size)
     weights[[0, -1]] *= 0.5
@@ -123,13 +126,13 @@ def _through(nodes: FloatArray, values: FloatArray) -> Callable[[FloatArray], Fl
 def _evaluated(
     view: View, motion: Motion, middle: FloatArray, times: tuple[float, float], count: int, about: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Chebyshev's extremal nodes between two times [s], and the places there [pixels, (nodes, 2)]."""
+    """Return Chebyshev's extremal nodes between two times [s, (nodes,)], and the places at them [pixels, (nodes, 2)]."""
     nodes = 0.5 * (times[0] + times[1]) - 0.5 * (times[1] - times[0]) * np.cos(np.pi * np.arange(count) / (count - 1))
     return nodes, np.array([place_in_image(view, motion, middle, float(t), about) for t in nodes])
 
 
 def place_in_image(view: View, motion: Motion, middle: FloatArray, time: float, about: float) -> tuple[float, float]:
-    """Column and row of a place of a body (in its axes) at a time [pixels]; far outside where it is behind the camera."""
+    """Return column and row of a place of a body (in its axes) at a time [pixels]; far outside the image for a place behind the camera."""
     pose = view.pose(time)
     at = stand(motion.at(time), pose)
     column, row, seen = image_point(lens(view.imager, pose.attitude), tuple(at.place + at.turn @ middle), about)
@@ -137,21 +140,22 @@ def place_in_image(view: View, motion: Motion, middle: FloatArray, time: float, 
 
 
 def middle_of(part: DrawnPart) -> FloatArray:
-    """Middle of a part in its body's axes [m]."""
+    """Return the middle of a part in its body's axes [m, (3,)]."""
     if isinstance(part.kind, Mesh):
         return part.kind.middle
     return np.asarray(part.kind.centre, np.float64) if isinstance(part.kind, GasPlume) else np.zeros(3)
 
 
 def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, float], about: float) -> int:
-    """Number of shapes with which a part is drawn between two times [s]: one where it only shifts in the image.
+    """Return the number of shapes with which a part is drawn between two times [s]: one for a part that only shifts in the image.
 
-    Its corners are compared with what a shift of its middle makes of them; shapes are as many as keep the difference below
-    :data:`RIGID`, and of a point the change of its distance below :data:`NEARER`.
+    The corners of the part are compared with corners that shift as its middle does. The number of shapes limits the difference to
+    :data:`RIGID`, and for a point the change of its distance to :data:`NEARER`.
     """
     first, last = view.known(motion)
     if isinstance(part.kind, PointSource):
         ends = (min(max(time, first), last) for time in times)
+        # a point has no shape: only its distance, and so its light, changes
         far = [float(np.linalg.norm(stand(motion.at(time), view.pose(time)).place)) for time in ends]
         return int(min(max(math.ceil(abs(far[1] - far[0]) / (NEARER * max(min(far), 1e-3))), 1), MOST_STAGES))
     if isinstance(part.kind, Mesh):
@@ -159,6 +163,7 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
     else:
         centre, half = np.asarray(part.kind.centre), np.asarray(part.kind.semi_axes)
         low, high = centre - half, centre + half
+    # the corners of the bounding box move at least as much as the body
     corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
     points = np.concatenate([middle_of(part)[None], corners])
     shapes = []
@@ -174,27 +179,29 @@ def stages(view: View, motion: Motion, part: DrawnPart, times: tuple[float, floa
 
 @dataclass(frozen=True, eq=False)
 class Streak:
-    """Way of a body in the image during an exposure."""
+    """Path of a body in the image during an exposure."""
 
     middle: FloatArray  #: Mean column and row [pixels; pixel centres are whole numbers, (2,)].
     ends: FloatArray  #: First and last column and row [pixels, (2, 2)].
-    length: float  #: Length of the way [pixels].
+    length: float  #: Length of the path [pixels].
     velocity: FloatArray  #: Speed along columns and rows at the middle of the exposure [pixels s-1, (2,)].
 
     @classmethod
     def of(cls, path: ImagePath, begin: float, end: float) -> Streak | None:
-        """Streak along a path from a time to another [s]; None where the body is behind the camera."""
+        """Return the streak along a path from a time to another [s]; None where the body is behind the camera."""
         places = path.at(np.linspace(begin, end, 33))
         time, step = 0.5 * (begin + end), max(0.5 * (end - begin), SHORT)
         pair = path.at(np.array([time - step, time + step]))
         if not (places > BEHIND).all() or not (pair > BEHIND).all():
             return None
+        # 33 places: the length of a curve, not of its chord
         length = float(np.hypot(*np.diff(places, axis=1)).sum())
+        # image points count from the corner, labels from the centre of the first pixel
         return cls(places.mean(axis=1) - 0.5, places[:, [0, -1]].T - 0.5, length, (pair[:, 1] - pair[:, 0]) / (2.0 * step))
 
 
 def path_about(view: View, motion: Motion, part: DrawnPart, time: float, spare: float) -> ImagePath:
-    """Path of a part from ``spare`` before a time to as long after it [s]."""
+    """Return the path of a part from ``spare`` [s] before a time to ``spare`` after it."""
     first, last = view.known(motion)
     middle = middle_of(part)
     about = place_in_image(view, motion, middle, min(max(time, first), last), 0.5 * view.imager.columns)[0]
@@ -202,5 +209,5 @@ def path_about(view: View, motion: Motion, part: DrawnPart, time: float, spare: 
 
 
 def finer(imager: Imager, times: int) -> Imager:
-    """Return the camera with its pixels cut ``times`` x ``times``."""
+    """Return the camera with each pixel divided into ``times`` x ``times``."""
     return replace(imager, columns=imager.columns * times, rows=imager.rows * times)

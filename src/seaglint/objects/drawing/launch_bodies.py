@@ -1,6 +1,7 @@
-"""Launches of the kernels that draw bodies into a frame: here alone their arrays are allocated and they are run.
+"""Launches of the kernels that draw bodies into a frame: allocation of their arrays and their runs.
 
-As :mod:`seaglint.imaging.launch` for the sea. Parts of bodies are drawn in threads by :mod:`seaglint.objects.drawing.draw`.
+The module is for bodies what :mod:`seaglint.imaging.launch` is for the sea. :mod:`seaglint.objects.drawing.draw` calls it in threads, one
+for each part of a body.
 """
 
 from __future__ import annotations
@@ -31,13 +32,13 @@ from seaglint.objects.drawing.sample_sums import (
     shade_solid,
 )
 
-LINES_PER_WAVE = 4.0  #: Number of azimuth lines across the shortest wave that the picture has at a body.
+LINES_PER_WAVE = 4.0  #: Number of azimuth lines across the shortest wave in the picture at a body.
 
 MOST_LINES = 256  #: Largest number of azimuth lines of a body.
 
 ARCS_ACROSS = 24  #: Least number of arcs over the depth of a body.
 
-MOST_ARCS = 60_000  #: Largest number of arcs of a line: 15 km in steps of a quarter of a metre. Longer ways take longer steps.
+MOST_ARCS = 60_000  #: Largest number of arcs of a line: 15 km in steps of a quarter of a metre. Longer lines have longer steps.
 
 NOTHING: Final = np.zeros((0, 0))  #: Depths of other bodies before they are computed.
 
@@ -53,7 +54,7 @@ def part_planes(
     arriving: Arriving,
     shadow: SunMap,
 ) -> tuple[FloatArray, FloatArray]:
-    """Draw one part on its own grid of samples.
+    """Draw one part on a separate grid of samples.
 
     Parameters
     ----------
@@ -62,38 +63,38 @@ def part_planes(
     camera : (Lens, Window)
         Conversion of image points, and the pixels to draw.
     faces : (Faces, sequence of Faces, sequence of Faces)
-        Its faces, those of the solids that may stand before it, and of these the body's own.
+        Faces of the part, of the solids that may be in front of it, and of the solids among these that belong to the same body.
     body : SensorMesh or ndarray
         Solid, or gas as in :func:`~seaglint.objects.drawing.raster.chord`.
     around : BodySurroundings
-        Surroundings; the depths of other bodies are computed here.
+        Surroundings; this function computes the depths of other bodies.
     arriving, shadow : Arriving, SunMap
         Light at the sensor, and the body's shadow on itself.
 
     Returns
     -------
     planes, sums : ndarray
-        :data:`~seaglint.objects.drawing.sample_sums.PLANES` of the grid's pixels [(planes, rows, columns)], and
-        :data:`~seaglint.objects.drawing.sample_sums.SUMS` of their rows [(sums, rows)].
+        :data:`~seaglint.objects.drawing.sample_sums.PLANES` of the grid's pixels (planes, rows, columns), and
+        :data:`~seaglint.objects.drawing.sample_sums.SUMS` of their rows (sums, rows).
     """
     lens, window = camera
     planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros((SUMS, grid.pixels[1]))
-    for some in strips(grid):
-        samples = lay_samples(some, lens, around.axes)
-        meet(faces[0], some, samples)
-        outline(faces[0], lens, around.axes, some, samples)
-        scene = around._replace(others=_depths(samples, some, faces[1]), own=_depths(samples, some, faces[2]) if faces[2] else NOTHING)
-        rows = slice(some.first[1] - grid.first[1], some.first[1] - grid.first[1] + some.pixels[1])
+    for strip in strips(grid):
+        samples = lay_samples(strip, lens, around.axes)
+        meet(faces[0], strip, samples)
+        outline(faces[0], lens, around.axes, strip, samples)
+        scene = around._replace(others=_depths(samples, strip, faces[1]), own=_depths(samples, strip, faces[2]) if faces[2] else NOTHING)
+        rows = slice(strip.first[1] - grid.first[1], strip.first[1] - grid.first[1] + strip.pixels[1])
         out = (planes[:, rows], sums[:, rows])
         if isinstance(body, SensorMesh):
-            shade_solid(some, lens, window, samples, body, scene, arriving, shadow, out)
+            shade_solid(strip, lens, window, samples, body, scene, arriving, shadow, out)
         else:
-            shade_gas(some, lens, window, samples, body, scene, arriving, out)
+            shade_gas(strip, lens, window, samples, body, scene, arriving, out)
     return planes, sums
 
 
 def _depths(samples: Samples, grid: Grid, solids: Sequence[Faces]) -> FloatArray:
-    """Inverse depths of other bodies at the samples."""
+    """Return the inverse depths of other bodies at the samples [1/m, (rows, columns)]; 0 without a body."""
     near = np.zeros_like(samples.near)
     if solids:
         triangle = np.full(near.shape, -1, np.int32)
@@ -103,10 +104,10 @@ def _depths(samples: Samples, grid: Grid, solids: Sequence[Faces]) -> FloatArray
 
 
 def clear_to_point(around: BodySurroundings, solids: Sequence[Faces], distance: float) -> float:
-    """Transmittance to a point in the middle of the plane at a distance [m], through sea, solids and gases, before the air [1]."""
+    """Return the transmittance [1] to a point in the middle of the plane at a distance [m], through sea, solids and gases, without air."""
     x, y, near = np.zeros((3, 1, 1))
     samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
-    # every triangle is tested in the one direction
+    # image points of 0 put every triangle into the one cell: each is tested in the direction of the point
     ahead = [faces._replace(image=np.zeros_like(faces.image)) for faces in solids]
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
     return float(clear_to(around._replace(others=_depths(samples, grid, ahead)), distance))
@@ -114,32 +115,32 @@ def clear_to_point(around: BodySurroundings, solids: Sequence[Faces], distance: 
 
 def hit_cells(grid: Grid, lens: Lens, axes: FloatArray, faces: Faces) -> Iterator[tuple[Grid, np.ndarray]]:
     """Iterate over strips of a grid, with the cells whose samples a part covers (rows, columns)."""
-    for some in strips(grid):
-        samples = lay_samples(some, lens, axes)
-        meet(faces, some, samples)
-        yield some, samples.triangle >= 0
+    for strip in strips(grid):
+        samples = lay_samples(strip, lens, axes)
+        meet(faces, strip, samples)
+        yield strip, samples.triangle >= 0
 
 
 def sampled_solid(faces: Faces, x: FloatArray, y: FloatArray, cell: tuple[float, float]) -> tuple[float, Samples]:
-    """Solid angle of a solid [sr] from samples at tangents ``x`` and ``y``, ``cell`` apart, and these."""
+    """Return the solid angle of a solid [sr] from samples at tangents ``x`` and ``y``, ``cell`` apart, and the samples."""
     samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
     return float(whole_solid_angle(faces, _OWN_PLANE, samples, cell)), samples
 
 
 def shadow_map(vertex: FloatArray, corner: np.ndarray, axes: tuple[FloatArray, FloatArray], cells: int, lift: float) -> SunMap:
-    """Shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.raster.sun_map`."""
+    """Return the shadow map of a body on itself; arguments as of :func:`~seaglint.objects.drawing.raster.sun_map`."""
     result: SunMap = sun_map(vertex, corner, axes, cells, lift)
     return result
 
 
 def sea_before(levels: Levels, surface: Surface, eye: float, span: Span) -> Crests:
-    """Compute the sea before and under a body, from a sensor ``eye`` above the mean sea [m]."""
+    """Compute the sea in front of a body and under it, for a sensor ``eye`` [m] above the mean sea."""
     mean = calm(eye)
     if surface.part.shape[0] == 0:
         return mean
     top = float(surface.crest[0].max())
     near, far = max(span.arc[0], 0.0), span.arc[1]
-    # all waves of the sea, also where pixels are too wide to show the shortest: a few centimetres decide about a low object
+    # all waves of the sea, also where pixels are too wide to resolve the shortest: a few centimetres decide whether a low object is hidden
     step = float(levels.steps[0]) if levels.steps[0] > 0.0 else 0.25 * float(levels.shortest[0])
     first = _first_arc(eye, span.lowest, near, top)
     ahead = np.arange(first, near, max(step, (near - first) / MOST_ARCS))
@@ -148,6 +149,7 @@ def sea_before(levels: Levels, surface: Surface, eye: float, span: Span) -> Cres
     keep = ahead.size
     left, right = span.azimuth
     wide = (right - left) * max(far, 1e-3)
+    # across the body the sea is as fine as in the picture
     coarse = float(levels.shortest[int(np.searchsorted(levels.begins, near, side="right")) - 1])
     lines = min(max(math.ceil(wide * LINES_PER_WAVE / coarse) + 1, 3), MOST_LINES)
     azimuths = np.linspace(left, right, lines)
@@ -160,7 +162,7 @@ def sea_before(levels: Levels, surface: Surface, eye: float, span: Span) -> Cres
 
 
 def _first_arc(eye: float, lowest: float, near: float, crest: float) -> float:
-    """First arc at which a crest can reach the line of sight of tangent ``lowest``."""
+    """Return the first arc at which a crest can reach the line of sight of tangent ``lowest`` [m]."""
     if lowest < -STEEP:
         return near
     arcs: FloatArray = np.linspace(0.0, near, 400)

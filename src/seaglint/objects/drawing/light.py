@@ -1,15 +1,15 @@
 r"""Radiance of a body's surface at the sensor: spectra of the light about the body, and their sums over the band along its paths.
 
-A facet of temperature T, emissivity e and normal n, in diffuse light of the radiance L around it and under the Sun where it is lit, sends
+A facet of temperature T, emissivity e and normal n, in diffuse light of the radiance L around it and under the Sun if lit, has the radiance
 
 .. math:: L = e B(T) + (1-e) \left[\frac{1}{\pi} \int_{n \cdot r > 0} L(r)\, n \cdot r\, dr + \frac{E}{\pi} \cos i \right]
 
-and the sensor receives ``tau L + L_path`` of the path to the facet's own range and height, integrated per wavenumber. Above the horizontal
-L is the sky over the sea, thermal and scattered sunlight; below it the mean sea without glint, as seen from close above. Both are those at
+and the sensor receives ``tau L + L_path`` of the path to the range and height of the facet, integrated per wavenumber. Above the horizontal
+L is the sky over the sea, thermal and scattered sunlight; below it L is the mean sea without glint, from close above. Both are evaluated at
 the sensor's foot, at the height of the sea.
 
-Each sum is made twice: of the radiance, and of the radiance as a detector counts it, each wavenumber times its electrons per joule over
-those of the spectrum for which the sensor's chain converts. No sub-bands are needed for it: the sums run over wavenumbers anyway.
+Each sum is evaluated twice: of the radiance, and of the counted radiance, in which each wavenumber is weighted by its electrons per joule
+over the electrons per joule of the spectrum for which the sensor's chain converts. This needs no sub-bands, as sums run over wavenumbers.
 """
 
 from __future__ import annotations
@@ -37,47 +37,40 @@ from seaglint.optics.blackbody import planck_wavenumber
 #: Normals at which light is tabulated: even in the cosine of the angle from the zenith, and in azimuth from the Sun from 0 to pi.
 NORMALS: Final = (13, 9)
 
-_ELEVATIONS: Final = 24
-#: Directions of the light about a body: elevations above and below the horizontal, and azimuths from the Sun on one side.
-_AROUND: Final = 48
+_ELEVATIONS: Final = 24  #: Number of elevations of the light about a body, above and below the horizontal each.
+_AROUND: Final = 48  #: Number of azimuths of the light about a body, on one side of the Sun.
 
-LOWEST_LINE: Final = -50.0  #: Greatest depth of the line of sight below the sea [m]; paths to points that lie deeper end higher up instead.
+LOWEST_LINE: Final = -50.0  #: Greatest depth of a line of sight below the sea [m]; paths to points on deeper lines end higher up.
 
 
-#: Electrons per joule at wavenumbers [cm-1, (n,)] over those of the spectrum for which the sensor's chain converts [1, (n,)].
+#: Electrons per joule at wavenumbers [cm-1, (n,)] relative to the spectrum for which the sensor's chain converts [1, (n,)].
 Counting = Callable[[FloatArray], FloatArray]
 
 
 class Arriving(NamedTuple):
-    """Sums over the band at four corners of a body's range and height [W m-2 sr-1].
+    """Sums over the band at four corners p of a body's range and height [W m-2 sr-1].
 
-    The field ``corner`` holds arc and height of the first, each followed by its inverse extent. The first axis of the others, q, has the
-    radiance, and the radiance as it is counted.
-
-    Of corner p: ``emitted[q, p, k]`` of a blackbody at the body's k-th temperature, or of a plume along its k-th chord
-    (:func:`~seaglint.objects.combustion_gas.chord_shares`), ``mirrored[q, p, m, a]`` of light diffusely reflected by a white facet
-    of the m-th and a-th of :data:`NORMALS`, ``sun[q, p]`` of the Sun at normal incidence on it, ``path[q, p]`` of the path.
-
-    ``cover[k]``: share of the light behind it that a plume absorbs along its k-th chord [1]; empty for other bodies. ``clear``:
-    transmittance to the first corner times the band's weights [cm-1, (n,)].
+    The axis q has two entries: radiance and counted radiance.
     """
 
-    corner: np.ndarray
+    corner: np.ndarray  #: Arc and height of the first corner [m], each followed by one over its extent [1/m]. Shape (4,).
+    #: Light of a blackbody at the body's k-th temperature, or of a plume along its k-th chord
+    #: (:func:`~seaglint.objects.combustion_gas.chord_shares`). Axes (q, p, k).
     emitted: np.ndarray
-    mirrored: np.ndarray
-    sun: np.ndarray
-    path: np.ndarray
-    cover: np.ndarray
-    clear: np.ndarray
+    mirrored: np.ndarray  #: Diffuse light reflected by a white facet of the m-th and a-th of :data:`NORMALS`. Axes (q, p, m, a).
+    sun: np.ndarray  #: Sunlight reflected by a white facet at normal incidence. Axes (q, p).
+    path: np.ndarray  #: Light of the path. Axes (q, p).
+    cover: np.ndarray  #: Share of the light behind a plume that it absorbs along its k-th chord [1, (k,)]; empty for other bodies.
+    clear: np.ndarray  #: Transmittance to the first corner times the band's weights [cm-1, (n,)].
 
 
 class Corners(NamedTuple):
-    """Arcs [m] and heights [m] of a body's near and far, low and high end, azimuth and elevation of its line of sight [rad]."""
+    """Extent of a body in arc and height, and its line of sight."""
 
-    arc: tuple[float, float]
-    height: tuple[float, float]
-    azimuth: float
-    elevation: float
+    arc: tuple[float, float]  #: Arcs of its near and far end [m].
+    height: tuple[float, float]  #: Heights of its low and high end [m].
+    azimuth: float  #: Azimuth of the line of sight [rad].
+    elevation: float  #: Elevation of the line of sight [rad].
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +79,11 @@ class Surroundings:
 
     view: SeaView  #: Sea, air and Sun.
     diffuse: FloatArray  #: Mean radiance over the hemisphere of a normal [W m-2 sr-1 per cm-1, (m, a, n)], normals as :data:`NORMALS`.
-    counted: FloatArray  #: Weight of each wavenumber of the view's band in what is counted [1, (n,)]; 1 for a detector of energy.
+    counted: FloatArray  #: Weight of each wavenumber of the view's band in the counted radiance [1, (n,)]; 1 for a detector of energy.
 
     @classmethod
     def of(cls, view: SeaView, counted: Counting | None = None) -> Surroundings:
-        """Surroundings for a view's sky and mean sea, and a detector that counts photons; without ``counted`` one of energy."""
+        """Return the surroundings of a view's sky and mean sea for a detector of photons; without ``counted`` for one of energy."""
         grid = view.in_band.grid
         x, w = np.polynomial.legendre.leggauss(_ELEVATIONS)
         # crowded at the horizontal, where the sky is brightest and the sea darkens
@@ -120,28 +113,28 @@ class Surroundings:
 
     @property
     def shines(self) -> bool:
-        """True if the Sun's centre is above the horizontal and its light arrives."""
+        """True if the Sun's centre is above the horizontal and the band has sunlight."""
         return bool(self.view.solar_zenith < 0.5 * np.pi and self.view.irradiance.any())
 
     @cached_property
     def _sea(self) -> FloatArray:
-        """Blackbody at the sea's temperature [W m-2 sr-1 per cm-1, (n,)]."""
+        """Radiance of a blackbody at the sea's temperature [W m-2 sr-1 per cm-1, (n,)]."""
         return planck_wavenumber(self.view.in_band.wavenumber_cm, self.view.sea_temperature)
 
     @cached_property
     def sea_counted(self) -> float:
-        """Radiance as it is counted over radiance, for a blackbody at the sea's temperature [1]."""
+        """Counted radiance over radiance, for a blackbody at the sea's temperature [1]."""
         sea = self.view.in_band.weights * self._sea
         return float(sea @ self.counted / sea.sum())
 
     def arriving(self, places: list[Corners], sources: Sequence[FloatArray | GasPlume]) -> list[Arriving]:
-        """Sums over the band for bodies at some places: surfaces at some temperatures [K, (k,)], or plumes."""
+        """Return the sums over the band for bodies at some places: surfaces at temperatures [K, (k,)], or plumes."""
         if not places:
             return []
         eye, view = self.view.sensor_height, self.view
         arcs = np.array([[p.arc[0], p.arc[1], p.arc[0], p.arc[1]] for p in places])
         heights = np.array([[p.height[0], p.height[0], p.height[1], p.height[1]] for p in places])
-        heights = np.maximum(np.maximum(heights, 0.0), _lowest_seen(eye, arcs))
+        heights = np.maximum(np.maximum(heights, 0.0), _lowest_visible(eye, arcs))
         tau = np.clip(view.atmosphere.transmittance(eye, arcs, heights)[..., view.in_band.grid], 0.0, 1.0) * view.in_band.weights
         kinds = np.stack([np.ones_like(self.counted), self.counted])[:, None]
         path = view.atmosphere.path_radiance(eye, arcs, heights)[..., view.in_band.grid] * view.in_band.weights
@@ -149,9 +142,9 @@ class Surroundings:
         scattered = self._scattered(arcs, heights, places)
         out = []
         for i, (place, source) in enumerate(zip(places, sources, strict=True)):
-            seen = tau[i] * kinds
+            through_air = tau[i] * kinds
             sun = (sunlight[i] * kinds).sum(axis=-1)
-            # sunlight scattered into the path is known in the band alone: it has the spectrum of the light that arrives from the Sun
+            # sunlight scattered into the path is known as a sum over the band: its assumed spectrum is that of arriving sunlight
             as_counted = np.divide(sun, sun[0], out=np.ones_like(sun), where=sun[0] > 0.0)
             lengths = (place.arc[1] - place.arc[0], place.height[1] - place.height[0])
             corner = np.array(
@@ -162,45 +155,47 @@ class Surroundings:
                     1.0 / lengths[1] if lengths[1] > 0.0 else 0.0,
                 ]
             )
-            emitted, cover = self._plume(source, seen) if isinstance(source, GasPlume) else (self._blackbodies(source, seen), np.zeros(0))
-            mirrored = np.ascontiguousarray(np.tensordot(seen, self.diffuse, axes=(2, 2)))
+            emitted, cover = (
+                self._plume(source, through_air) if isinstance(source, GasPlume) else (self._blackbodies(source, through_air), np.zeros(0))
+            )
+            mirrored = np.ascontiguousarray(np.tensordot(through_air, self.diffuse, axes=(2, 2)))
             along = (path[i] * kinds).sum(axis=-1) + scattered[i] * as_counted
             out.append(Arriving(corner, np.ascontiguousarray(emitted), mirrored, sun, along, cover, tau[i, 0].copy()))
         return out
 
-    def _blackbodies(self, kelvin: FloatArray, seen: FloatArray) -> FloatArray:
-        """Blackbodies at some temperatures [K, (k,)] through the air [W m-2 sr-1, (2, corners, k)]."""
-        return np.asarray(seen @ planck_wavenumber(self.view.in_band.wavenumber_cm, kelvin[:, None]).T)
+    def _blackbodies(self, kelvin: FloatArray, through_air: FloatArray) -> FloatArray:
+        """Return the light of blackbodies at temperatures [K, (k,)] through the air [W m-2 sr-1, (2, corners, k)]."""
+        return np.asarray(through_air @ planck_wavenumber(self.view.in_band.wavenumber_cm, kelvin[:, None]).T)
 
-    def _plume(self, plume: GasPlume, seen: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Emission of a plume through the air along its chords [W m-2 sr-1, (2, corners, k)], and the share of the light behind [1, (k,)].
+    def _plume(self, plume: GasPlume, through_air: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the emission of a plume through the air along its chords [W m-2 sr-1, (2, corners, k)], and the absorbed share [1, (k,)].
 
-        The light behind is taken as a blackbody at the sea's temperature through the same air: most of it is, and air emits as much as it
-        absorbs. The share is one for both kinds of light and all corners; where theirs differ, the emission has the difference, so that a
-        plume of the sea's temperature is not seen.
+        The share is of the light behind the plume, approximated by a blackbody at the sea's temperature through the same air: most of it is
+        such light, and air emits as much as it absorbs. One share serves both kinds of light and all corners; the emission contains the
+        difference to their exact shares, so that a plume at the sea's temperature is invisible.
         """
         absorbed = plume_emissivity(plume, self.view.in_band.wavenumber_cm).T
-        behind = seen * self._sea
+        behind = through_air * self._sea
         mean = behind[0].mean(axis=0)
-        # where nothing comes through the air at all, the plain mean
+        # in opaque air the band's weights alone
         weights = mean if mean.any() else self.view.in_band.weights
         cover = weights @ absorbed / weights.sum()
-        emitted = (seen * planck_wavenumber(self.view.in_band.wavenumber_cm, plume.temperature)) @ absorbed
+        emitted = (through_air * planck_wavenumber(self.view.in_band.wavenumber_cm, plume.temperature)) @ absorbed
         return emitted + behind.sum(axis=-1)[..., None] * cover - behind @ absorbed, np.ascontiguousarray(cover)
 
     def bare_cover(self, plume: GasPlume) -> FloatArray:
-        """Share that a plume absorbs of the sea's blackbody radiance along its chords, without air [1, (k,)]."""
+        """Return the share of the sea's blackbody radiance that a plume absorbs along its chords, without air [1, (k,)]."""
         weights = self.view.in_band.weights * self._sea
         return np.asarray(plume_emissivity(plume, self.view.in_band.wavenumber_cm) @ weights / weights.sum())
 
     def cover_of(self, part: GasPlume | object) -> FloatArray:
-        """Share of the light behind a plume that it absorbs along its chords, before the air [1, (k,)]; empty for all else."""
+        """Return the share of the light behind a plume that it absorbs along its chords, without air [1, (k,)]; empty for other parts."""
         return self.bare_cover(part) if isinstance(part, GasPlume) else np.zeros(0)
 
     def _scattered(self, arcs: FloatArray, heights: FloatArray, places: list[Corners]) -> FloatArray:
-        """Sunlight scattered into the paths [W m-2 sr-1, (places, corners)].
+        """Return the sunlight scattered into the paths [W m-2 sr-1, (places, corners)].
 
-        That of a path to the sea of the same length, seen in the direction of the body.
+        It is approximated by a path to the sea of equal length, in the direction of the body.
         """
         view = self.view
         table = view.scattered.path
@@ -213,25 +208,25 @@ class Surroundings:
         azimuth = np.array([p.azimuth for p in places])[:, None] - view.solar_azimuth
         elevation = np.array([p.elevation for p in places])[:, None]
         radiance = scattered_path(at_sea, elevation, azimuth, table)
-        # shorter than the sensor is high, there is no path to the sea: in proportion to the length
+        # no path to the sea is shorter than the height of the sensor: shorter paths scatter in proportion to their length
         return np.asarray(view.sun_distance_factor * radiance * np.minimum(slant / eye, 1.0))
 
     def kelvin(self, radiance: float) -> float:
-        """Apparent temperature [K] of a band radiance [W m-2 sr-1]."""
+        """Return the apparent temperature [K] of a band radiance [W m-2 sr-1]."""
         return float(apparent_temperature(np.array([radiance]), self.view.band, self.view.atmosphere.wavenumber_cm)[0])
 
 
 def _azimuths() -> tuple[FloatArray, FloatArray]:
-    """Azimuths from the Sun on one side [rad], denser near it, and their weights for both sides."""
+    """Return azimuths from the Sun on one side [rad], denser near it, and their weights for both sides [rad]."""
     x, w = np.polynomial.legendre.leggauss(_AROUND)
     u, crowd = 0.5 * (1.0 + x), 4.0
     return np.pi * np.sinh(crowd * u) / np.sinh(crowd), w * np.pi * crowd * np.cosh(crowd * u) / np.sinh(crowd)
 
 
 def _hemispheres(up: FloatArray, azimuth: FloatArray, solid: FloatArray, light: FloatArray) -> FloatArray:
-    """Means over hemispheres of the normals [X, (m, a, n)] of light [X, (elevations, azimuths, n)] with solid angles [sr].
+    """Return means over hemispheres of the normals [X, (m, a, n)] of light [X, (elevations, azimuths, n)] with solid angles [sr].
 
-    Azimuths stand for both sides of the Sun; weights are made to add to 1.
+    Each azimuth represents both sides of the Sun; weights are normalised to a sum of 1.
     """
     cosines, turns = np.linspace(-1.0, 1.0, NORMALS[0]), np.linspace(0.0, np.pi, NORMALS[1])
     level = np.sqrt(1.0 - up**2)[:, None]
@@ -239,14 +234,14 @@ def _hemispheres(up: FloatArray, azimuth: FloatArray, solid: FloatArray, light: 
     for m, c in enumerate(cosines):
         s = math.sqrt(max(1.0 - c * c, 0.0))
         for a, turn in enumerate(turns):
-            seen = sum(np.maximum(c * up[:, None] + s * level * np.cos(azimuth - side * turn), 0.0) for side in (1.0, -1.0))
-            weight = solid * seen
+            cosine = sum(np.maximum(c * up[:, None] + s * level * np.cos(azimuth - side * turn), 0.0) for side in (1.0, -1.0))
+            weight = solid * cosine
             out[m, a] = np.tensordot(weight / weight.sum(), light, axes=2)
     return out
 
 
-def _lowest_seen(eye: float, arcs: FloatArray) -> FloatArray:
-    """Height of points at arcs [m] whose line to the sensor passes :data:`LOWEST_LINE` below the sea; 0 before that sea's horizon."""
+def _lowest_visible(eye: float, arcs: FloatArray) -> FloatArray:
+    """Return the height of points at arcs [m] with a line to the sensor that touches the depth :data:`LOWEST_LINE`; 0 for nearer points."""
     radius = EFFECTIVE_EARTH_RADIUS + LOWEST_LINE
     beyond = arcs / EFFECTIVE_EARTH_RADIUS - math.acos(radius / (EFFECTIVE_EARTH_RADIUS + eye))
     return np.asarray(np.where(beyond > 0.0, radius / np.cos(np.maximum(beyond, 0.0)) - EFFECTIVE_EARTH_RADIUS, 0.0))

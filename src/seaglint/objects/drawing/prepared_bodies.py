@@ -18,6 +18,7 @@ from seaglint.objects.body import Body, GasPlume, PointSource, Solid
 from seaglint.objects.combustion_gas import longest_chord
 from seaglint.objects.drawing.crests import Span
 from seaglint.objects.drawing.eye import Stand
+from seaglint.objects.mesh_checks import encloses_origin
 from seaglint.objects.solids import merged
 
 #: Largest number of temperatures of a body that are evaluated one by one; more are interpolated linearly in a table of 257.
@@ -28,30 +29,28 @@ _TABLED: Final = 257
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Mesh of all solids of a body, in its axes [m]; ``code`` is the index of a vertex's temperature in ``temperatures`` [K].
+    """Mesh of all solids of a body, in its axes."""
 
-    ``ends``: vertices of its edges (edges, 2); ``sides``: edges of the triangles (triangles, 3), from 1, negative where they run backwards.
-    """
-
-    vertices: FloatArray
-    corners: NDArray[np.int32]
-    code: FloatArray
-    emissivity: FloatArray
-    temperatures: FloatArray
-    middle: FloatArray
-    radius: float
-    ends: NDArray[np.int32]
-    sides: NDArray[np.int32]
+    vertices: FloatArray  #: Vertices [m, (vertices, 3)].
+    corners: NDArray[np.int32]  #: Numbers of the vertices of each triangle (triangles, 3).
+    code: FloatArray  #: Index, with a fraction, of the temperature of each vertex in ``temperatures`` (vertices,).
+    emissivity: FloatArray  #: Emissivity of each vertex [1, (vertices,)].
+    temperatures: FloatArray  #: Temperatures for which radiances are evaluated [K, (k,)].
+    middle: FloatArray  #: Centre of the bounding box [m, (3,)].
+    radius: float  #: Radius of the sphere about the middle that contains the mesh [m].
+    ends: NDArray[np.int32]  #: Vertices of the edges (edges, 2).
+    sides: NDArray[np.int32]  #: Edges of the triangles, counted from 1, negative where they run backwards (triangles, 3).
 
     @classmethod
     def of(cls, solids: list[Solid]) -> Mesh:
-        """Mesh of several solids."""
+        """Return the mesh of several solids."""
         first = np.concatenate([[0], np.cumsum([s.vertices.shape[0] for s in solids])[:-1]])
         vertices = np.ascontiguousarray(np.concatenate([s.vertices for s in solids]), dtype=np.float64)
         corners = np.concatenate([s.triangles + n for s, n in zip(solids, first, strict=True)]).astype(np.int32)
         kelvin = np.concatenate([np.asarray(s.temperature, np.float64) for s in solids])
         temperatures, inverse = np.unique(kelvin, return_inverse=True)
         code: FloatArray = np.asarray(inverse, np.float64)
+        # many temperatures, as in a file with one for each vertex, become an even table
         if temperatures.size > MOST_TEMPERATURES:
             temperatures = np.linspace(temperatures[0], temperatures[-1], _TABLED)
             code = (kelvin - temperatures[0]) / (temperatures[1] - temperatures[0])
@@ -62,10 +61,11 @@ class Mesh:
 
 
 def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Edges of triangles, and the edge numbers of each triangle (:class:`Mesh`)."""
+    """Return the edges of triangles, and the edge numbers of each triangle (:attr:`Mesh.ends`, :attr:`Mesh.sides`)."""
     same = merged(vertices)[corners]
     start, end = same, np.roll(same, -1, axis=1)
     count = len(vertices)
+    # an edge has one number for both triangles, whichever direction they run along it
     keys, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
     ends = np.stack(np.divmod(keys, count), axis=1).astype(np.int32)
     return ends, np.where(start < end, which.reshape(same.shape) + 1, -(which.reshape(same.shape) + 1)).astype(np.int32)
@@ -73,7 +73,7 @@ def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np
 
 @dataclass(frozen=True, eq=False)
 class DrawnPart:
-    """Part of a body to draw, with the number of the body."""
+    """Part of a body to draw, with number and name of the body."""
 
     body: int
     name: str
@@ -81,7 +81,7 @@ class DrawnPart:
 
 
 def parts_of(bodies: tuple[Body, ...]) -> tuple[DrawnPart, ...]:
-    """Parts of all bodies."""
+    """Return the parts of all bodies; the solids of a body are one part."""
     out: list[DrawnPart] = []
     for number, body in enumerate(bodies):
         solids = [part for part in body.parts if isinstance(part, Solid)]
@@ -93,15 +93,15 @@ def parts_of(bodies: tuple[Body, ...]) -> tuple[DrawnPart, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A part at an instant, in the sensor's axes [m]."""
+    """Part of a body at an instant, in the sensor's axes [m]."""
 
     part: DrawnPart  #: Part of the body.
-    place: FloatArray  #: Its middle.
-    radius: float  #: Radius of a sphere about it that encloses it [m].
+    place: FloatArray  #: Middle of the part [m, (3,)].
+    radius: float  #: Radius of a sphere about the middle that encloses the part [m].
     surface: FloatArray  #: Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
-    gas: FloatArray  #: Data of a plume, as :func:`~seaglint.objects.drawing.raster.chord` takes it.
+    gas: FloatArray  #: Numbers of a plume for :func:`~seaglint.objects.drawing.raster.chord`; empty for other parts.
     eye: float  #: Height of the sensor above the mean sea [m].
-    water: FloatArray  #: Plane of the body's waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`. Shape (4,).
+    water: FloatArray  #: Plane of the body's waterline (:attr:`seaglint.objects.drawing.eye.Stand.water`). Shape (4,).
 
     @property
     def distance(self) -> float:
@@ -135,6 +135,7 @@ class Placed:
         low, high = _extent(self.surface, self.eye, (s, c))
         turn, near = (low[0], high[0]), low[1]
         if math.hypot(self.place[0], self.place[1]) <= self.radius:  # over or under the sensor
+            # all azimuths, from the sensor's foot on
             turn, near = (-math.pi, math.pi), 0.0
         ends = (middle + turn[0], middle + turn[1])
         return Span(ends, (near, high[1]), low[2], high[2]), (low[3], high[3])
@@ -142,7 +143,7 @@ class Placed:
 
 @njit
 def _extent(surface: FloatArray, eye: float, heading: tuple[float, float]) -> tuple[list[float], list[float]]:
-    """Least and greatest azimuth from a heading (its sine and cosine) [rad], arc [m], tangent of elevation and height [m] of points."""
+    """Return least and greatest azimuth from a heading (sine, cosine) [rad], arc [m], tangent of elevation and height [m] of points."""
     s, c = heading
     low, high = [math.inf] * 4, [-math.inf] * 4
     for n in range(surface.shape[0]):
@@ -169,40 +170,31 @@ _BALL: Final = np.array(
 
 
 def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
-    """Part of a body at its place, seen from a height [m].
+    """Return a part of a body at its place, seen from a height [m].
 
     Raises
     ------
     DomainError
-        The sensor is inside it.
+        The sensor is inside the part.
     """
     none = np.zeros(0)
     if isinstance(part.kind, Mesh):
         middle = stand.place + stand.turn @ part.kind.middle
         surface = part.kind.vertices @ stand.turn.T + stand.place
         out = Placed(part, middle, part.kind.radius, surface, none, eye, stand.water)
-        if out.distance < out.radius and _holds_sensor(surface, part.kind.corners):
+        if out.distance < out.radius and encloses_origin((surface, part.kind.corners)):
             raise DomainError(
                 f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
             )
         return out
     if isinstance(part.kind, GasPlume):
         axes, middle = np.asarray(part.kind.semi_axes), stand.place + stand.turn @ np.asarray(part.kind.centre)
-        # a little beyond the surface, so that what lies between the points is inside
+        # 3 % beyond the surface, so that the surface between the points is inside their hull
         surface = middle + 1.03 * (_BALL * axes) @ stand.turn.T
+        # rows convert a direction in the sensor's axes to units of the semi-axes
         to_unit = stand.turn.T / axes[:, None]
         gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [longest_chord(part.kind)]])
         if np.linalg.norm(gas[:3]) < 1.0:
             raise DomainError(f"objects '{part.name}': the sensor is inside its plume; move it, or the sensor")
         return Placed(part, middle, 1.03 * float(axes.max()), surface, gas, eye, stand.water)
     return Placed(part, stand.place, 0.0, stand.place[None], none, eye, stand.water)
-
-
-def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:
-    """True if the closed surface encloses the sensor: its solid angles add to a full sphere."""
-    size = np.linalg.norm(surface, axis=1)
-    a, b, c = (surface[corners[:, k]] for k in range(3))
-    p, q, r = (size[corners[:, k]] for k in range(3))
-    spat = np.einsum("ij,ij->i", a, np.cross(b, c))
-    below = p * q * r + np.einsum("ij,ij->i", a, b) * r + np.einsum("ij,ij->i", b, c) * p + np.einsum("ij,ij->i", c, a) * q
-    return bool(abs(2.0 * np.arctan2(spat, below).sum()) > 2.0 * np.pi)

@@ -1,13 +1,13 @@
-"""Rasterisation of bodies: samples of their picture, the nearest triangle at each, and the covered share of each cell.
+"""Rasterisation of bodies: samples of their picture, the nearest triangle at each, the covered share of each cell, and shadow maps.
 
-Samples are laid in image coordinates, so that pixels are covered exactly, and looked up on the plane across the line of sight
-(:class:`~seaglint.objects.drawing.eye.TangentPlane`), where triangles have straight sides and one over the depth is linear. Each cell has
-its sample at a place of its own (a lattice of two irrational turns): thin bodies at any angle are met as often as they are wide.
+Samples are even in image coordinates, so that pixels are covered exactly, and are evaluated on the plane across the line of sight
+(:class:`~seaglint.objects.drawing.eye.TangentPlane`), where triangles have straight sides and one over the depth is linear. The position of
+the sample differs from cell to cell (a lattice of two irrational turns): a thin body at any angle is hit in proportion to its width.
 
 Shares of cells come from the outline instead, without sampling noise: edges between a triangle that faces the sensor and one that does not
-wind once around every layer of the body that faces it. Where layers lie one behind the other in a cell the share is their sum, at most 1.
+wind once around every layer of the body that faces it. For layers one behind the other in a cell the share is their sum, at most 1.
 
-Shadow of a body on itself: a map of its surfaces that face away from the Sun.
+A map of the surfaces that face away from the Sun gives the shadow of a body on itself.
 """
 
 from __future__ import annotations
@@ -23,50 +23,42 @@ from seaglint.objects.drawing.eye import Grid, Lens, image_point
 TURN_OF_ROWS = 0.6180339887498949
 TURN_OF_COLUMNS = 0.7548776662466927  #: Steps of the sample positions from row to row and from column to column.
 
-LEAST_BEND = 0.02  #: Curvature of an edge in the image above which it is cut into pieces [cells].
+LEAST_BEND = 0.02  #: Curvature of an edge in the image above which it is divided into pieces [cells].
 
 MOST_PIECES = 64
 
 
 class Samples(NamedTuple):
-    """Samples of a grid (rows, columns): plane coordinates, and the nearest triangle at each.
+    """Samples of a grid (rows, columns): plane coordinates, and the nearest triangle at each."""
 
-    The fields are tangents to the right and up of the plane, one over the depth of the hit [1/m], 0 without one, its triangle, and the
-    share of the cell that the body covers.
-    """
-
-    x: np.ndarray
-    y: np.ndarray
-    near: np.ndarray
-    triangle: np.ndarray
-    share: np.ndarray
+    x: np.ndarray  #: Tangents to the right of the plane's centre.
+    y: np.ndarray  #: Tangents up from the plane's centre.
+    near: np.ndarray  #: One over the depth of the nearest triangle [1/m]; 0 without a triangle.
+    triangle: np.ndarray  #: Number of the nearest triangle; -1 without a triangle.
+    share: np.ndarray  #: Share of the cell that the body covers [1].
 
 
 class Faces(NamedTuple):
-    """Triangles on a plane: vertices as tangents and one over the depth (n, 3), and their image points (n, 2) [pixels].
+    """Triangles on a plane and in the image."""
 
-    Further fields are corners (m, 3), edges' ends and triangles' sides (:class:`~seaglint.objects.drawing.prepared_bodies.Mesh`), and the
-    share of its size by which a triangle's sides may bend in the image.
-    """
-
-    point: np.ndarray
-    image: np.ndarray
-    corner: np.ndarray
-    ends: np.ndarray
-    sides: np.ndarray
-    bend: float
+    point: np.ndarray  #: Vertices as tangents and one over the depth (n, 3).
+    image: np.ndarray  #: Image points of the vertices [pixels, (n, 2)].
+    corner: np.ndarray  #: Vertices of the triangles (m, 3).
+    ends: np.ndarray  #: Vertices of the edges (:attr:`seaglint.objects.drawing.prepared_bodies.Mesh.ends`).
+    sides: np.ndarray  #: Edges of the triangles (:attr:`seaglint.objects.drawing.prepared_bodies.Mesh.sides`).
+    bend: float  #: Share of its size by which a side of a triangle may be curved in the image [1].
 
 
 @kernel
 def sample_place(i: int, j: int) -> tuple[float, float]:
-    """Position of a cell's sample within it, each coordinate in 0..1."""
+    """Return the position of the sample within a cell, each coordinate in 0..1."""
     a, b = 0.5 + TURN_OF_ROWS * j, 0.5 + TURN_OF_COLUMNS * i
     return a - math.floor(a), b - math.floor(b)
 
 
 @njit
 def lay_samples(grid: Grid, lens: Lens, axes: np.ndarray) -> Samples:
-    """Samples of a grid on the plane of ``axes``, without hits."""
+    """Return the samples of a grid on the plane of ``axes``, without hits."""
     wide, high = grid.size
     x, y = np.empty((high, wide)), np.empty((high, wide))
     turn = np.zeros((3, 3))
@@ -87,7 +79,7 @@ def lay_samples(grid: Grid, lens: Lens, axes: np.ndarray) -> Samples:
             dx, dy = place[0] * step_x, place[1] * step_y
             if lens.plane:
                 u, v, p, q = column[i, 0] + dx, 1.0, 1.0, b + dy
-            else:  # a cell is small: to second order in its own angle
+            else:  # a cell is small: sines and cosines to second order in its angle
                 u, v = column[i, 0] * (1.0 - 0.5 * dx * dx) + column[i, 1] * dx, column[i, 1] * (1.0 - 0.5 * dx * dx) - column[i, 0] * dx
                 p, q = a * (1.0 - 0.5 * dy * dy) - b * dy, b * (1.0 - 0.5 * dy * dy) + a * dy
             u, v = p * u, p * v
@@ -102,14 +94,14 @@ def lay_samples(grid: Grid, lens: Lens, axes: np.ndarray) -> Samples:
 
 @kernel
 def cell_range(low: float, high: float, cells: int, begin: int, size: int) -> tuple[int, int]:
-    """Range of cells of a grid between two image points [pixels], as (first, end)."""
+    """Return the range of cells of a grid between two image points [pixels], as (first, end)."""
     a, b = math.floor(low * cells) - begin, math.floor(high * cells) + 1 - begin
     return int(max(a, 0)), int(min(b, size))
 
 
 @njit
 def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
-    """Find the nearest triangle that faces the sensor at each sample."""
+    """Store the nearest triangle that faces the sensor at each sample."""
     point, image = faces.point, faces.image
     for t in range(faces.corner.shape[0]):
         a, b, c = faces.corner[t, 0], faces.corner[t, 1], faces.corner[t, 2]
@@ -117,6 +109,7 @@ def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
             continue
         ax, ay, bx, by, cx, cy = point[a, 0], point[a, 1], point[b, 0], point[b, 1], point[c, 0], point[c, 1]
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        # counterclockwise triangles face the sensor
         if area <= 0.0:
             continue
         left, right = min(image[a, 0], image[b, 0], image[c, 0]), max(image[a, 0], image[b, 0], image[c, 0])
@@ -145,9 +138,10 @@ def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
 def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Samples) -> None:
     """Compute the shares of the cells that triangles cover, from their outline; after :func:`meet`.
 
-    What its own sample misses has the triangle and nearness of the edge that runs through. Where some of the triangles are not before the
-    camera, or over the pole of the image's angles, samples count in whole.
+    A covered cell with no hit at its sample gets triangle and depth of the edge through it. If some triangles are behind the camera, or
+    over the pole of the image's angles, a hit covers its whole cell.
     """
+    # a side that two triangles facing the sensor share is counted once in each sense and cancels: the outline remains
     high, wide = samples.share.shape
     count = np.zeros(faces.ends.shape[0], np.int32)
     owner = np.zeros(faces.ends.shape[0], np.int32)
@@ -205,17 +199,17 @@ def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Sam
 
 
 @njit
-def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, float], times: float, met: tuple[float, int]) -> None:
+def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, float], times: float, edge_hit: tuple[float, int]) -> None:
     """Add the area to the right of a descending line (x, y to x, y) [cells] to the changes of shares along rows.
 
-    ``met``: nearness and triangle for the cells on it whose samples met nothing.
+    ``edge_hit``: inverse depth and triangle for cells on the line without a hit.
     """
     high, wide = samples.share.shape
     x0, y0, x1, y1 = line
-    if y0 == y1:  # no cells to its right, but cells on it
+    if y0 == y1:  # a horizontal line has no area to its right, but cells on it
         j = math.floor(y0)
         if 0 <= j < high:
-            _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), met)
+            _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), edge_hit)
         return
     if y0 > y1:
         times, x0, y0, x1, y1 = -times, x1, y1, x0, y0
@@ -237,8 +231,8 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
         if b > wide:
             d, b = d * (wide - a) / (b - a), float(wide)
         i, last = int(a), min(math.ceil(b), wide)
-        _touch(samples, j, i, max(last, min(i + 1, wide)), met)
-        # the mean share of cell k to the right of the line is the integral of what has been crossed
+        _touch(samples, j, i, max(last, min(i + 1, wide)), edge_hit)
+        # the mean share of cell k to the right of the line is the difference of the integral at its two sides
         done = 0.0
         for k in range(i, last + 1):
             part = _crossed(k + 1.0, a, b) - _crossed(float(k), a, b)
@@ -247,16 +241,16 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
 
 
 @kernel
-def _touch(samples: Samples, j: int, first: int, end: int, met: tuple[float, int]) -> None:
-    """Give cells of a row without a hit an inverse depth and a triangle."""
+def _touch(samples: Samples, j: int, first: int, end: int, edge_hit: tuple[float, int]) -> None:
+    """Set inverse depth and triangle of cells of a row without a hit."""
     for i in range(first, end):
         if samples.near[j, i] <= 0.0:
-            samples.near[j, i], samples.triangle[j, i] = met
+            samples.near[j, i], samples.triangle[j, i] = edge_hit
 
 
 @kernel
 def _crossed(x: float, a: float, b: float) -> float:
-    """Integral up to x of the share of a line from a to b that is to the left."""
+    """Return the integral up to x of the share of a line from a to b that is to the left of x."""
     if x <= a:
         return 0.0
     if x >= b:
@@ -266,7 +260,7 @@ def _crossed(x: float, a: float, b: float) -> float:
 
 @kernel
 def in_semi_axes(gas: np.ndarray, direction: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Direction (unit, sensor's axes) in units of a plume's semi-axes, of :func:`chord` [1/m]."""
+    """Return a direction (unit, sensor's axes) in units of a plume's semi-axes [1/m]; ``gas`` as in :func:`chord`."""
     return (
         gas[3] * direction[0] + gas[4] * direction[1] + gas[5] * direction[2],
         gas[6] * direction[0] + gas[7] * direction[1] + gas[8] * direction[2],
@@ -276,10 +270,10 @@ def in_semi_axes(gas: np.ndarray, direction: tuple[float, float, float]) -> tupl
 
 @kernel
 def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, last: float) -> float:
-    """Length of a plume between two distances [m] along a direction (unit, sensor's axes), as a share of its longest [1].
+    """Return the length of a plume between two distances [m] along a direction (unit, sensor's axes), as a share of its longest chord [1].
 
-    ``gas``: its centre in units of its semi-axes, from the sensor (3), rows that turn a direction into these units (9), and its longest
-    chord [m]; with 0 in place of that, shares are of the longest chord in the direction.
+    ``gas``: 13 numbers: centre in units of the semi-axes, from the sensor (3), rows of the matrix that converts a direction to these units
+    (9), and the longest chord [m]; 0 in place of it makes shares relative to the longest chord in the direction.
     """
     ux, uy, uz = in_semi_axes(gas, direction)
     length = math.sqrt(ux * ux + uy * uy + uz * uz)
@@ -296,7 +290,7 @@ def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, 
 
 @njit
 def whole_solid_angle(faces: Faces, lens: Lens, samples: Samples, cell: tuple[float, float]) -> float:
-    """Solid angle [sr] of triangles from samples that lie ``cell`` apart on the plane itself, the image of ``lens``."""
+    """Return the solid angle [sr] of triangles from samples that are ``cell`` apart on the plane itself, the image of ``lens``."""
     total = 0.0
     high, wide = samples.x.shape
     grid = Grid((0, 0), (wide, high), (1, 1), (0, 0), (wide, high))
@@ -314,22 +308,21 @@ LIFT: Final = 1e-3
 
 
 class SunMap(NamedTuple):
-    """Shadow map: coordinates towards the Sun [m] of the surfaces that face away from it, on a grid across its light.
+    """Shadow map: coordinates towards the Sun of the surfaces that face away from it, on a grid across its light.
 
-    The fields are direction to the Sun (3), unit vectors across (2, 3), coordinates of the first cell and cells per metre (4), and
-    coordinates towards the Sun [m]. Without cells nothing is shaded.
+    A map without cells shades no point.
     """
 
-    sun: np.ndarray
-    across: np.ndarray
-    first: np.ndarray
-    nearest: np.ndarray
-    lift: float
+    sun: np.ndarray  #: Direction to the Sun (3,).
+    across: np.ndarray  #: Unit vectors across it (2, 3).
+    first: np.ndarray  #: Coordinates of the first cell [m] and cells per metre, each across and down (4,).
+    nearest: np.ndarray  #: Greatest coordinate towards the Sun in each cell [m, (rows, columns)].
+    lift: float  #: Least distance towards the Sun between a shading and a shaded point [m].
 
 
 @kernel
 def lit(shadow: SunMap, point: tuple[float, float, float]) -> bool:
-    """True if no part of the body is between a point and the Sun."""
+    """Return True if no part of the body is between a point and the Sun."""
     if shadow.nearest.shape[0] == 0:
         return True
     a, f = shadow.across, shadow.first
@@ -343,9 +336,10 @@ def lit(shadow: SunMap, point: tuple[float, float, float]) -> bool:
 
 @njit
 def sun_map(vertex: np.ndarray, corner: np.ndarray, axes: tuple[np.ndarray, np.ndarray], cells: int, lift: float) -> SunMap:
-    """Shadow map of triangles that face away from the Sun: a closed body shades itself by these, and no lit facet by itself.
+    """Return the shadow map of triangles that face away from the Sun: a closed body shades itself by these, and no lit facet shades itself.
 
-    ``axes``: direction to the Sun and unit vectors across it; ``cells``: along a side; ``lift``: how much nearer to the Sun shades [m].
+    ``axes``: direction to the Sun and unit vectors across it; ``cells``: number along a side; ``lift``: least distance of a shading surface
+    from a shaded point [m].
     """
     sun, across = axes
     wide = high = cells

@@ -1,4 +1,4 @@
-"""Shading of samples: their visibility, their radiance, and the sums in each pixel."""
+"""Shading of the samples of a body: their visibility, their radiance, and the sums in each pixel and row."""
 
 from __future__ import annotations
 
@@ -17,78 +17,64 @@ from seaglint.objects.drawing.raster import Samples, SunMap, chord, in_semi_axes
 
 COVER: Final = 0  #: Plane of the share of a pixel that a body covers [1].
 
-PATH: Final = 1
-EMITTED: Final = 2
-MIRRORED: Final = 3
-SUN: Final = 4  #: Planes of radiance times that share [W m-2 sr-1]: path, emission, reflected diffuse light and reflected Sun of the body.
+PATH: Final = 1  #: Plane of the radiance of the path times the share [W m-2 sr-1].
+EMITTED: Final = 2  #: Plane of the body's emission times the share [W m-2 sr-1].
+MIRRORED: Final = 3  #: Plane of the diffuse light that the body reflects, times the share [W m-2 sr-1].
+SUN: Final = 4  #: Plane of the sunlight that the body reflects, times the share [W m-2 sr-1].
 
-DISTANCE: Final = 5  #: Plane of the distance times that share [m].
+DISTANCE: Final = 5  #: Plane of the distance times the share [m].
 
-COUNTED: Final = 6  #: Plane of the whole radiance times that share, each wavenumber by how the detector counts it [W m-2 sr-1].
+COUNTED: Final = 6  #: Plane of the whole radiance times the share, each wavenumber weighted as the detector counts it [W m-2 sr-1].
 
-PLANES: Final = 7
+PLANES: Final = 7  #: Number of planes.
 
-WHOLE: Final = 0
-SEEN: Final = 1
-ACROSS: Final = 2
-DOWN: Final = 3  #: Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels].
+WHOLE: Final = 0  #: Sum of the solid angle of all samples [sr].
+SEEN: Final = 1  #: Sum of the solid angle of visible samples in the picture [sr].
+ACROSS: Final = 2  #: Sum of the visible solid angle times column [sr pixels].
+DOWN: Final = 3  #: Sum of the visible solid angle times row [sr pixels].
 
-DRY: Final = 4
-DRY_INSIDE: Final = 5
-#: Sums of the solid angle above the waterline that no part of the same body hides [sr]: in all, in the pixels to draw, and in view.
-DRY_SEEN: Final = 6
-SUMS: Final = 7
+DRY: Final = 4  #: Sum of the solid angle above the waterline that no part of the same body hides [sr].
+DRY_INSIDE: Final = 5  #: The part of :data:`DRY` in the picture [sr].
+DRY_SEEN: Final = 6  #: The part of :data:`DRY_INSIDE` that nothing hides [sr].
+SUMS: Final = 7  #: Number of sums.
 
 
 class SensorMesh(NamedTuple):
-    """Triangles of a body in the sensor's axes, with emissivity.
+    """Triangles of a body in the sensor's axes, with temperature and emissivity."""
 
-    The fields are vertices [m, (n, 3)], corners (m, 3), index of every vertex's temperature among those of
-    :class:`~seaglint.objects.drawing.light.Arriving`, and emissivity.
-    """
-
-    vertex: np.ndarray
-    corner: np.ndarray
-    kelvin: np.ndarray
-    emissivity: np.ndarray
+    vertex: np.ndarray  #: Vertices [m, (n, 3)].
+    corner: np.ndarray  #: Vertices of the triangles (m, 3).
+    kelvin: np.ndarray  #: Index of the temperature of each vertex in :attr:`seaglint.objects.drawing.light.Arriving.emitted` (n,).
+    emissivity: np.ndarray  #: Emissivity of each vertex [1, (n,)].
 
 
 class BodySurroundings(NamedTuple):
-    """Surroundings of a body: the sensor's height [m], the sea, other bodies, gases with what they take, axes and heading.
+    """Surroundings of a body: the sensor's height, the sea, other bodies and gases."""
 
-    Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`, each
-    with its row of covers as :class:`~seaglint.objects.drawing.light.Arriving` has them; the heading is the azimuth of the body's centre
-    [rad] with its sine and cosine. ``water``: plane of its waterline, as in :class:`~seaglint.objects.drawing.eye.Stand`; ``own``: depths
-    of its own solid at the samples of its gas, empty where it has none; ``own_gases``: number of its own gases, the first ones.
-    """
-
-    eye: float
-    crests: Crests
-    others: np.ndarray
-    gases: np.ndarray
-    covers: np.ndarray
-    axes: np.ndarray
-    heading: tuple[float, float, float]
-    water: np.ndarray
-    own: np.ndarray
-    own_gases: int
+    eye: float  #: Height of the sensor above the mean sea [m].
+    crests: Crests  #: Sea in front of the body.
+    others: np.ndarray  #: One over the depth of other solids at the samples [1/m, (rows, columns)]; 0 without a solid.
+    gases: np.ndarray  #: Plumes in front, as in :func:`~seaglint.objects.drawing.raster.chord` (gases, 13).
+    covers: np.ndarray  #: Absorbed share along the chords of each plume (:attr:`seaglint.objects.drawing.light.Arriving.cover`).
+    axes: np.ndarray  #: Axes of the tangent plane (3, 3).
+    heading: tuple[float, float, float]  #: Azimuth of the body's centre [rad], with its sine and cosine.
+    water: np.ndarray  #: Plane of the waterline (:attr:`seaglint.objects.drawing.eye.Stand.water`).
+    own: np.ndarray  #: One over the depth of solids of the same body at the samples of its gas [1/m]; empty for a body without solids.
+    own_gases: int  #: Number of plumes of the same body, the first in ``gases``.
 
 
 class Window(NamedTuple):
-    """Pixels to draw: first and end column, first and end row; columns in a full circle, 0 where there is none.
+    """Pixels to draw."""
 
-    ``frame``: first and end column and row of the picture, within these; what lies beyond is drawn for its blur alone.
-    """
-
-    columns: tuple[int, int]
-    rows: tuple[int, int]
-    circle: int
-    frame: tuple[int, int, int, int]
+    columns: tuple[int, int]  #: First and end column.
+    rows: tuple[int, int]  #: First and end row.
+    circle: int  #: Columns in a full circle, 0 for an image that is no full circle.
+    frame: tuple[int, int, int, int]  #: First and end column and row of the picture; pixels beyond it are drawn for their blur alone.
 
 
 @kernel
 def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool, bool]:
-    """Column and row of a cell's pixel, counted from the grid's first, and flags for pixels to draw and for those in the picture."""
+    """Return column and row of a cell's pixel, counted from the grid's first, and flags of pixels to draw and of pixels in the picture."""
     column, row = (grid.begin[0] + i) // grid.cells[0], (grid.begin[1] + j) // grid.cells[1]
     at = column % window.circle if window.circle > 0 else column
     drawn = window.columns[0] <= at < window.columns[1] and window.rows[0] <= row < window.rows[1]
@@ -98,7 +84,7 @@ def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool, 
 
 @kernel
 def _row_solid_angle(lens: Lens, grid: Grid, j: int) -> float:
-    """Solid angle of a cell in a row [sr], at its middle; for a plane image at the middle of the row."""
+    """Return the solid angle of a cell in a row [sr], at its middle; for a plane image at the middle of the row."""
     cell = lens.pixel / (grid.cells[0] * grid.cells[1])
     if lens.plane:
         return float(cell)
@@ -107,7 +93,7 @@ def _row_solid_angle(lens: Lens, grid: Grid, j: int) -> float:
 
 @kernel
 def _falling(lens: Lens, grid: Grid, j: int, i: int) -> float:
-    """Ratio of a cell's solid angle to that of its row, which decreases to the corners of a plane image."""
+    """Return the ratio of a cell's solid angle to :func:`_row_solid_angle` [1]; it decreases to the corners of a plane image."""
     if not lens.plane:
         return 1.0
     x = lens.across[0] + lens.across[1] * (grid.begin[0] + i + 0.5) / grid.cells[0]
@@ -118,14 +104,14 @@ def _falling(lens: Lens, grid: Grid, j: int, i: int) -> float:
 
 @kernel
 def place_of(x: float, y: float, depth: float, scene: BodySurroundings) -> tuple[float, float, float, float, float]:
-    """Point of a sample in the sensor's axes [m] from its tangents and depth, its arc and its height above the mean sea [m]."""
+    """Return the point of a sample in the sensor's axes [m] from its tangents and depth, its arc and its height above the mean sea [m]."""
     a = scene.axes
     east = depth * (x * a[0, 0] + y * a[1, 0] + a[2, 0])
     north = depth * (x * a[0, 1] + y * a[1, 1] + a[2, 1])
     up = depth * (x * a[0, 2] + y * a[1, 2] + a[2, 2])
     level = math.sqrt(east * east + north * north)
     over = EFFECTIVE_EARTH_RADIUS + scene.eye + up
-    # sqrt(level^2 + over^2) - R', with its digits
+    # sqrt(level^2 + over^2) - R' as a quotient: the difference of two radii would lose the digits of a height
     height = (level * level + (scene.eye + up) * (2.0 * EFFECTIVE_EARTH_RADIUS + scene.eye + up)) / (
         math.sqrt(level * level + over * over) + EFFECTIVE_EARTH_RADIUS
     )
@@ -135,7 +121,7 @@ def place_of(x: float, y: float, depth: float, scene: BodySurroundings) -> tuple
 
 @kernel
 def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, float]) -> bool:
-    """True if the sea does not hide a point."""
+    """Return True if the sea does not hide a point."""
     level = math.sqrt(at[0] * at[0] + at[1] * at[1])
     if at[4] > scene.crests.top[0] and at[2] > scene.crests.top[1] * level:
         return True
@@ -143,13 +129,15 @@ def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, floa
     turn = 0.0
     if scene.crests.tangent.shape[0] > 0:
         aside, ahead = at[0] * c - at[1] * s, at[0] * s + at[1] * c
+        # the azimuth from the body's centre, by a fast series: only small angles occur
         turn = elevation(aside / ahead) if ahead > 0.0 else math.atan2(aside, ahead)
     return in_sight(scene.crests, azimuth + turn, at[3], at[4], at[2] / max(level, 1e-9))
 
 
 @kernel
 def _chord_node(share: float, count: int) -> tuple[int, float]:
-    """Number of a tabulated chord, and how far a share of the longest chord lies towards the next [1]; even in the root of the share."""
+    """Return the number of the tabulated chord below a share of the longest chord, and the fraction towards the next [1]."""
+    # chords are even in the root of their share (:func:`seaglint.objects.combustion_gas.chord_shares`)
     x = math.sqrt(share) * (count - 1)
     k = min(int(x), count - 2)
     return k, x - k
@@ -157,7 +145,7 @@ def _chord_node(share: float, count: int) -> tuple[int, float]:
 
 @kernel
 def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float, count: int) -> float:
-    """Transmittance of the first gases before a distance [m] along a direction."""
+    """Return the transmittance of the first ``count`` gases up to a distance [m] along a direction [1]."""
     through = 1.0
     for g in range(count):
         k, f = _chord_node(chord(scene.gases[g], direction, 0.0, last), scene.covers.shape[1])
@@ -167,13 +155,13 @@ def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last:
 
 @kernel
 def _dry(w: np.ndarray, at: tuple[float, float, float, float, float]) -> bool:
-    """True if a point of a body is above the plane of its waterline."""
+    """Return True if a point of a body is above the plane of its waterline."""
     return bool(w[0] * at[0] + w[1] * at[1] + w[2] * at[2] > w[3])
 
 
 @njit
 def clear_to(scene: BodySurroundings, distance: float) -> float:
-    """Transmittance to a point at the centre of the plane through sea, bodies and gases, before the air."""
+    """Return the transmittance to a point at the centre of the plane through sea, bodies and gases, without the air [1]."""
     at = place_of(0.0, 0.0, distance, scene)
     if scene.others[0, 0] * distance > 1.0 or not _visible(scene, at):
         return 0.0
@@ -182,7 +170,7 @@ def clear_to(scene: BodySurroundings, distance: float) -> float:
 
 @kernel
 def _between(corner: np.ndarray, arc: float, height: float) -> tuple[float, float]:
-    """Coordinates of a point between the corners of :class:`Arriving`."""
+    """Return the coordinates of a point between the corners of :class:`Arriving`, each in 0..1."""
     return (
         min(max((arc - corner[0]) * corner[1], 0.0), 1.0),
         min(max((height - corner[2]) * corner[3], 0.0), 1.0),
@@ -191,19 +179,19 @@ def _between(corner: np.ndarray, arc: float, height: float) -> tuple[float, floa
 
 @kernel
 def _mix(u: float, v: float, a: float, b: float, c: float, d: float) -> float:
-    """Bilinear interpolation between four corners."""
+    """Return the bilinear interpolation between four corners."""
     return float((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d))
 
 
 @kernel
 def _corners_mean(four: np.ndarray, kind: int, u: float, v: float) -> float:
-    """Light of a kind (0 radiance, 1 as counted) between the corners."""
+    """Return the light of a kind (0 radiance, 1 counted) between the corners."""
     return _mix(u, v, four[kind, 0], four[kind, 1], four[kind, 2], four[kind, 3])
 
 
 @kernel
 def _glow(light: Arriving, kind: int, k: int, s: float, u: float, v: float) -> float:
-    """Emission of a kind (0 radiance, 1 as counted) between the corners, a share ``s`` of the way from one of its tabulated values on."""
+    """Return the emission of a kind (0 radiance, 1 counted) between the corners, at the fraction ``s`` from value ``k`` to the next."""
     e = light.emitted
     glow = _mix(u, v, e[kind, 0, k], e[kind, 1, k], e[kind, 2, k], e[kind, 3, k])
     if s > 0.0:
@@ -214,7 +202,8 @@ def _glow(light: Arriving, kind: int, k: int, s: float, u: float, v: float) -> f
 
 @kernel
 def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Diffuse light reflected by a white facet and the same as counted, between the corners, and its cosine towards the Sun, 0 behind."""
+    """Return diffuse light reflected by a white facet, as radiance and counted, between the corners, and its cosine to the Sun (or 0)."""
+    # the table is even in the cosine of the normal from the zenith and in its azimuth from the Sun
     m = light.mirrored
     x = (normal[2] + 1.0) * 0.5 * (m.shape[2] - 1)
     i = min(max(int(x), 0), m.shape[2] - 2)
@@ -246,8 +235,8 @@ def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: t
 def _facet(
     shape: SensorMesh, light: Arriving, shadow: SunMap, t: int, at: tuple[float, float, float, float, float]
 ) -> tuple[float, float, float, float, float, float]:
-    """Light of a triangle at a point [W m-2 sr-1]: path, emission, reflected diffuse light, reflected Sun, and as counted: all without
-    the Sun, and the Sun. The Sun is seen where nothing shades it.
+    """Return the light of a triangle at a point [W m-2 sr-1]: path, emission, reflected diffuse light, reflected Sun; counted: all without
+    the Sun, and the Sun. Shading of the Sun is not included.
     """
     sun, path, v = light.sun, light.path, shape.vertex
     most = light.emitted.shape[2] - 1
@@ -255,12 +244,13 @@ def _facet(
     ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
     wx, wy, wz = v[c, 0] - v[a, 0], v[c, 1] - v[a, 1], v[c, 2] - v[a, 2]
     nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
+    # the normal is not normalised: square of twice the triangle's area
     size = nx * nx + ny * ny + nz * nz
     px, py, pz = at[0] - v[a, 0], at[1] - v[a, 1], at[2] - v[a, 2]
     # shares of the corners b and c
     g = ((py * wz - pz * wy) * nx + (pz * wx - px * wz) * ny + (px * wy - py * wx) * nz) / size
     h = ((uy * pz - uz * py) * nx + (uz * px - ux * pz) * ny + (ux * py - uy * px) * nz) / size
-    # samples beside the outline are on the triangle's border
+    # samples outside the outline take the values at the border of the triangle
     g = min(max(g, 0.0), 1.0)
     h = min(max(h, 0.0), 1.0 - g)
     f = 1.0 - g - h
@@ -316,7 +306,7 @@ def shade_solid(
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
-    # of the present facet in a pixel of a row: its light, and the numbers of its samples, those lit and their distances
+    # of the present facet in a pixel of a row: its light, and sums over its samples: their number, the number of lit ones, their distances
     facet = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for j in range(grid.size[1]):
         row_solid = _row_solid_angle(lens, grid, j)
@@ -382,9 +372,9 @@ def shade_gas(
     light: Arriving,
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
-    """Add the samples of a plume (:func:`~seaglint.objects.drawing.raster.chord`), as :func:`shade_solid`.
+    """Add the samples of a plume (:func:`~seaglint.objects.drawing.raster.chord`) to planes and sums; arguments as of :func:`shade_solid`.
 
-    What it covers of a sample is the share of the light behind it that it absorbs, a mean over the band.
+    The coverage of a sample is the share of the light behind it that the plume absorbs, a mean over the band.
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
@@ -406,7 +396,7 @@ def shade_gas(
             line = (grid.begin[1] + j) // grid.cells[1] - grid.first[1]
             sums[WHOLE, line] += solid * (covers[k] + f * (covers[k + 1] - covers[k]))
             column, row, drawn, framed = _pixel(grid, window, i, j)
-            # seen at its middle along the line
+            # the place of a sample of gas is the middle of its chord
             ux, uy, uz = in_semi_axes(plume, direction)
             distance = (plume[0] * ux + plume[1] * uy + plume[2] * uz) / (ux * ux + uy * uy + uz * uz)
             if distance <= 0.0:

@@ -31,7 +31,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
-from seaglint.base.table_cache import kept
+from seaglint.base.table_cache import cached_table
 from seaglint.sea.shadowing.nested import HIGHEST, REACH, bands_of, bands_of_breadth, nested_chain
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -132,7 +132,7 @@ def _excess(bands: int, mu: float) -> FloatArray:
 
 
 @lru_cache(maxsize=8)
-@kept
+@cached_table
 def _lean_table(bands: int) -> FloatArray:
     """Table for a whole number of bands [(views, slopes)]."""
     if bands == 1:

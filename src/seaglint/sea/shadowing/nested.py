@@ -45,7 +45,7 @@ from scipy.special import erf
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit
-from seaglint.base.table_cache import kept
+from seaglint.base.table_cache import cached_table
 from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -243,7 +243,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
     return _ratios(bands)
 
 
-@kept
+@cached_table
 def _ratios(bands: int) -> FloatArray:
     """Table for two or more bands, 0.1 s of processor time each; a scene asks for four."""
     t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - REACH, dtype=np.float64)

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel, njit
-from seaglint.base.table_cache import kept
+from seaglint.base.table_cache import cached_table
 from seaglint.sea.shadowing.nested import HIGHEST, REACH, nested_ratio_kernel, ratio_table
 
 _ONE: Final = np.uint64(1)
@@ -93,7 +93,7 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
 
 
 @lru_cache(maxsize=8)
-@kept
+@cached_table
 def _pair_table(bands: int) -> FloatArray:
     """Table of the coupling for a whole number of bands."""
     if bands == 1:

@@ -16,7 +16,7 @@ from typing import Any, Final
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError, StorageError
 from seaglint.base.free_form import JsonObject
-from seaglint.cluster import Done, Here, Job, Workers
+from seaglint.cluster import Done, Job, ThisProcess, Workers
 from seaglint.formats.dataset import dataset_writing, format_named
 from seaglint.formats.dataset.dataset_writing import ABOUT, ConversionSettings, convert, finish
 from seaglint.formats.dataset.grey_pictures import Bits, ImageKind
@@ -273,7 +273,7 @@ def _write_scenes(
         progress(done, len(entries))
     job: Job[ConversionSettings, Entry, str] = Job(_start, settings)
     try:
-        with stop_on_signal(at_once=workers is not None) as stopped, (workers or Here()).map(job, missing) as outcomes:
+        with stop_on_signal(at_once=workers is not None) as stopped, (workers or ThisProcess()).map(job, missing) as outcomes:
             for outcome in outcomes:
                 if isinstance(outcome, Done):
                     done += 1

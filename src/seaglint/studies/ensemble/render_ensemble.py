@@ -17,7 +17,7 @@ from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.free_form import TableRow
 from seaglint.base.threads import thread_limit
-from seaglint.cluster import Failed, Here, Job, Workers
+from seaglint.cluster import Failed, Job, ThisProcess, Workers
 from seaglint.scenario.changed_scenario import middle_of, set_key
 from seaglint.scenario.ensemble_file import Ensemble, with_absolute_paths
 from seaglint.scenario.keys import quantity_of
@@ -231,7 +231,9 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
     with ExitStack() as held:
         stopped = held.enter_context(stop_on_signal(at_once=workers is not None))
         try:
-            outcomes = held.enter_context((workers or Here()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing))
+            outcomes = held.enter_context(
+                (workers or ThisProcess()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing)
+            )
             for outcome in outcomes:
                 if isinstance(outcome, Failed):
                     failed[outcome.unit] = outcome.error

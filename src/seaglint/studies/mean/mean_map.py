@@ -23,7 +23,7 @@ from seaglint.base.kernel_plan import compile_ahead
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
-from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.camera.pose import Pose, poses
 from seaglint.imaging.refraction import air_beyond
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.article import article_radiance
@@ -36,7 +36,6 @@ from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.scenario_physics import bending, require_standard_refraction
 from seaglint.studies.mean.air_contrast import air_line
 from seaglint.studies.sequence.memory import require_mean_memory
-from seaglint.studies.sequence.render_sequence import poses
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -370,7 +370,7 @@ class ExposedObjects:
             boxes = self._boxes(patch, scale, pose, backdrop, surroundings)
             body = patch.placed.part.body
             for rows, columns, instants in self._blocks(drawing, boxes, time, shift):
-                for window in self._local.seen(boxes, instants, backdrop, self._bent, (columns, rows)):
+                for window in self._local.changes(boxes, instants, backdrop, self._bent, (columns, rows)):
                     kept = part_of(window, rows, columns)
                     windows[body].append(kept)
                     add_window(added, kept, self._circle)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.schema import NUMBERS, VARIABLES
 from seaglint.formats.dataset.dataset_writing import category_of
+from seaglint.imaging.camera.pose import poses
 from seaglint.imaging.layers import require_layers
 from seaglint.scenario.model import Scenario
 from seaglint.store.layout import Layout, unpacked
@@ -24,7 +25,7 @@ from seaglint.store.provenance import band_attributes
 from seaglint.studies.sequence import render_sequence as plain
 from seaglint.studies.sequence import sensed_sequence
 from seaglint.studies.sequence.out_of_view import report_out_of_view
-from seaglint.studies.sequence.render_sequence import poses, prepare_sequence
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray, Progress
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.kernel_plan import compile_ahead
 from seaglint.base.threads import single_threaded_algebra, thread_limit
@@ -20,7 +20,7 @@ from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.attitude_scene import TurnedScene
-from seaglint.imaging.camera.pose import Track
+from seaglint.imaging.camera.pose import Track, poses
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.refraction import RefractedScene, RowShift
 from seaglint.imaging.scene import Scene, image
@@ -318,16 +318,3 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     )
     layout = layout.in_units(sensor.frames)
     return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared), objects)
-
-
-def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
-    """Positions and attitudes of the sensor at some times [m, deg, (times,)], by the names of the store's variables."""
-    sampled = [track.at(float(t)) for t in times]
-    return {
-        "sensor_east": np.array([p.east for p in sampled]),
-        "sensor_north": np.array([p.north for p in sampled]),
-        "sensor_height": np.array([p.height for p in sampled]),
-        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in sampled]),
-        "sensor_elevation": np.degrees([p.attitude.elevation for p in sampled]),
-        "sensor_roll": np.degrees([p.attitude.roll for p in sampled]),
-    }
