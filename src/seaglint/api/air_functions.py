@@ -97,7 +97,7 @@ def path(
     scenario : Scenario, path or mapping, optional
         Scenario whose air, band and sensor height are taken; it needs ``range_m``. Without it the path goes through even air.
     range_m : array_like, optional
-        Arcs along the sea from the sensor's foot to that of the points [m].
+        Arcs along the sea from the foot of the sensor to the foot of each point [m].
     target_height_m : array_like
         Heights of the points above the mean sea [m]; 0 is the sea.
     temperature_k, pressure_hpa, vapour_pressure_hpa : float, optional
@@ -109,7 +109,7 @@ def path(
     co2_ppmv, o3_ppmv, n2o_ppmv, co_ppmv, ch4_ppmv : float
         Even air: gases [1e-6 of the volume of dry air].
     spectroscopy : {"lblrtm", "lowtran7"}
-        Even air: absorption of today's line-by-line model, or LOWTRAN7's of 1988.
+        Even air: absorption of the line-by-line model LBLRTM, or LOWTRAN7's of 1988.
     haze : str
         Even air: aerosol, as the scenario key ``atmosphere.haze``.
 
@@ -154,7 +154,7 @@ def sky(scenario: SceneInput, *, zenith_deg: ArrayLike, azimuth_deg: ArrayLike |
     zenith_deg : array_like
         Zenith angles looked at from the sensor [deg], from 0 to the horizon.
     azimuth_deg : array_like, optional
-        Azimuths looked at, clockwise from north [deg]; by default that of the sensor.
+        Azimuths looked at, clockwise from north [deg]; by default the sensor's azimuth.
 
     Returns
     -------

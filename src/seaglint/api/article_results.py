@@ -1,4 +1,4 @@
-"""Functions ``sg.reproduce``: results of the source article, and measured spectra, computed anew."""
+"""Functions ``sg.reproduce``: results of the source article, and comparisons with measured spectra."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress:
     weather : path, optional
         Weather table instead of the packaged North Atlantic.
     spectral : bool
-        Radiance per wavenumber, not the article's way.
+        Radiance per wavenumber instead of the article's band means.
     progress : callable, optional
         Called with (azimuths done, all of them).
 
@@ -184,7 +184,7 @@ def fig12(
     pixels : int, optional
         Pixels along each side, 16 to 512; fewer for a quick look.
     resume : bool
-        Go on with an unfinished sequence.
+        Continue an unfinished sequence.
     overwrite : bool
         Replace a store that is there.
     progress : callable, optional

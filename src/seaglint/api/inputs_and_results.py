@@ -1,6 +1,7 @@
-"""Conversion of the inputs that the functions of ``import seaglint as sg`` accept in several forms.
+"""Inputs and results of the functions of ``import seaglint as sg``.
 
-Results that have no axes: their numbers and text by name, a picture, and what a notebook shows.
+Inputs are accepted in several forms: scenarios, recordings, radiances and bands, each with its conversion here. Results without axes are
+a :class:`ResultRecord`: numbers and text by name, a picture, and HTML for a notebook.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ AXES = ("time", "y", "x")  #: Names of the last axes of an array without names.
 
 
 def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
-    """Return the scenario of a file or of tables in a mapping; a scenario stays as it is.
+    """Return the scenario of a file or of tables in a mapping; a scenario is returned unchanged.
 
     Raises
     ------
@@ -54,7 +55,7 @@ def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
 
 
 def team_of(workers: int | Workers | None, threads: int | None = None) -> AbstractContextManager[Workers | None]:
-    """Return who shares the work: processes of this machine where a number is given."""
+    """Return the workers that share the work: processes of this machine for a number, other workers unchanged."""
     from seaglint.cluster import LocalProcesses
 
     return LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers)
@@ -94,7 +95,7 @@ def recording_of(given: Any, reading: ReadingRequest) -> Recording:
 
 
 def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.DataArray:
-    """Apparent temperature [K] of radiance in any accepted form."""
+    """Return the apparent temperature [K] of radiance in any accepted form."""
     import numpy as np
     import xarray as xr
 
@@ -218,7 +219,7 @@ class ResultRecord(dict[str, Any]):
 
 
 def _rows(name: str, value: Any) -> Any:
-    """Yield names and values of a result, those of inner mappings by dotted names; curves, tables and the scenario are left out."""
+    """Yield names and values of a result; inner mappings have dotted names; curves, tables and the scenario are left out."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             if key != "scenario":

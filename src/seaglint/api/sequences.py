@@ -1,6 +1,8 @@
-"""Functions of sequences: ``sg.render``, ``sg.frames`` without files, ``sg.sense`` and ``sg.sensor``.
+"""Functions of sequences, of sensors and of many scenes.
 
-The functions of :mod:`seaglint.api` for many scenes at once.
+- ``sg.render`` writes a sequence, ``sg.frames`` yields its frames without files.
+- ``sg.sense`` applies a sensor to radiance, ``sg.sensor`` computes its figures of merit.
+- ``sg.ensemble`` draws and renders many scenes, ``sg.dataset`` makes labelled data sets of them.
 """
 
 from __future__ import annotations
@@ -140,7 +142,7 @@ def frames(
         detector, else ``radiance`` [W m-2 sr-1, (y, x)], and the scenario's ``render.layers``. With objects also ``names``; ``classes``,
         which are the preset, else the kind of shape, as in data sets; ``boxes``, first column and row, number of columns and rows [px,
         (object, side)]; ``masks`` [(object, y, x)]; ``object_id`` [(y, x)]; and the numbers that :func:`labels` gives, over ``object``. An
-        object of which nothing is seen has NaN as box and an empty mask.
+        object that is nowhere in view has NaN as box and an empty mask.
 
     Raises
     ------
@@ -190,7 +192,7 @@ def sense(
     radiance : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
         In-band radiance [W m-2 sr-1, (time, y, x) or (y, x)], or a file of it.
     scenario : Scenario, path or mapping
-        With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is that of the radiance.
+        With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is the band of the radiance.
     output : path, optional
         Zarr store to write and open; without it the counts are made in memory.
     sensor : str, optional
@@ -407,7 +409,7 @@ def dataset(
     Raises
     ------
     SeaglintError
-        An error as for :func:`ensemble`, an unknown format, or what is wrong with a data set that is checked.
+        An error as for :func:`ensemble`, an unknown format, or the faults of a data set that is checked.
 
     Examples
     --------

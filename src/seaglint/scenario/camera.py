@@ -68,7 +68,7 @@ class CameraTables:
     """Tables of a scenario that describe a camera."""
 
     tables: TomlTables  #: Content of ``[sensor]`` and ``[band]``.
-    assumed: tuple[str, ...] = ()  #: What no number of the data sheet said, a sentence each.
+    assumed: tuple[str, ...] = ()  #: Assumptions beyond the data sheet, a sentence each.
 
 
 def read_camera(given: str) -> CameraTables:
@@ -95,7 +95,7 @@ def read_camera(given: str) -> CameraTables:
 
 
 def camera(values: Mapping[str, Any]) -> CameraTables:
-    """Sort a data sheet's numbers into the tables of a scenario and say what had to be assumed.
+    """Sort a data sheet's numbers into the tables of a scenario and list the assumptions.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def with_camera(raw: Mapping[str, Any], chosen: CameraTables) -> TomlTables:
 
 
 def assumed_values(scenario: Scenario, chosen: CameraTables) -> list[str]:
-    """Return what a camera's scenario has that no number of the data sheet says, a line of keys and values for each subject.
+    """Return the values of a camera's scenario that the data sheet does not state, a line of keys and values for each subject.
 
     Parameters
     ----------
@@ -200,7 +200,7 @@ def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | No
 
 
 def _from_file(path: Path) -> dict[str, Any]:
-    """Return the keys of a camera's file: plain ones, or those of [sensor] and [band] of a scenario."""
+    """Return the keys of a camera's file: plain keys, or the keys of [sensor] and [band] of a scenario."""
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
@@ -240,7 +240,7 @@ def _plain(text: str) -> Any:
 
 @cache
 def _keys() -> dict[str, tuple[str, ...]]:
-    """Return the places of all keys of a camera by their last name; those of two tables by both names alone."""
+    """Return the places of all keys of a camera by their last name, and keys of inner tables also by both names."""
     tables: dict[tuple[str, ...], Iterable[str]] = {(): table_keys(("sensor",))}
     tables |= {(name,): table_keys(("sensor", name)) for name in ("detector", "optics", "noise", "scan")}
     out: dict[str, tuple[str, ...]] = {}
@@ -301,7 +301,7 @@ def _band(name: str, value: Any) -> dict[str, Any]:
 
 
 def _kind(detector: dict[str, Any], band: Mapping[str, Any], values: Mapping[str, Any]) -> list[str]:
-    """Choose the detector's kind where none is given, and say why."""
+    """Choose the detector's kind if the data sheet does not state it, and return the reason."""
     if "kind" in detector:
         return []
     photon, thermal = _ONLY_PHOTON & set(detector), _ONLY_THERMAL & set(detector)
@@ -315,7 +315,7 @@ def _kind(detector: dict[str, Any], band: Mapping[str, Any], values: Mapping[str
 
 
 def _stated_at(sensor: dict[str, Any]) -> list[str]:
-    """Take a microbolometer's NETD as stated for its own lens where no f-number is said, and say so."""
+    """Take a microbolometer's NETD as stated for its lens if the data sheet has no other f-number, and return this assumption."""
     detector, lens = sensor["detector"], sensor.get("optics", {}).get("f_number")
     if detector["kind"] != "thermal" or lens is None or "netd_f_number" in detector:
         return []

@@ -1,7 +1,4 @@
-"""Setter of keys in the raw tables of a scenario by their dotted names.
-
-Middle of a scenario's picture: fewer rows and columns of the same angle.
-"""
+"""Changes of a scenario: a key set by its dotted name, and a picture cut to its middle."""
 
 from __future__ import annotations
 
@@ -29,12 +26,12 @@ def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
     value : object
         New value of the key.
     name : str
-        Whose tables they are, for messages.
+        Name of the tables, for messages.
 
     Raises
     ------
     ScenarioError
-        Something on the way is no table, no object of that name, or no such place in a list.
+        A part of the dotted name is no table, no object of that name, or no such place in a list.
 
     Examples
     --------

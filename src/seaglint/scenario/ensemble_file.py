@@ -32,7 +32,7 @@ Value = Law | Number  #: Law of a key, or a constant value.
 
 
 class EnsembleSettings(Record):
-    """How many scenes there are, and how they are drawn."""
+    """Number of scenes, and the method by which they are drawn."""
 
     scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), Field(description="number of scenes")]
     frames: Annotated[
@@ -200,7 +200,7 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
     Raises
     ------
     ScenarioError
-        A law with a mistake; ``name`` says whose it is.
+        A law with a mistake; ``name`` is the key of the law in the message.
     """
     if not isinstance(raw, Mapping) or "law" not in raw:
         return None
@@ -236,7 +236,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
 
 
 def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> TomlTables:
-    """Merge two sets of tables, table by table; the keys of ``above`` replace those of the other."""
+    """Merge two sets of tables, table by table; keys of ``above`` replace keys of ``below``."""
     out = dict(below)
     for key, value in above.items():
         inner = out.get(key)

@@ -20,7 +20,7 @@ class Key:
 
     path: tuple[str, ...]
     info: FieldInfo
-    records: tuple[type[BaseModel], ...]  #: Return the records that the key may hold when it is a table; several for a union.
+    records: tuple[type[BaseModel], ...]  #: Records that the key may hold when it is a table; several for a union.
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -69,14 +69,14 @@ def is_list(annotation: Any) -> bool:
 
 
 def fields_of(record: type[BaseModel], above: tuple[str, ...] = ()) -> Iterator[Key]:
-    """Return the keys of one record, without those of the tables inside."""
+    """Yield the keys of one record, without the keys of inner tables."""
     for name, info in record.model_fields.items():
         yield Key((*above, name), info, tuple(dict.fromkeys(_records(info.annotation))))
 
 
 @cache
 def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
-    """Return the records that may stand at a location."""
+    """Return the records that are allowed at a location."""
     records: tuple[type[BaseModel], ...] = (Scenario,)
     for part in location:
         if part.isdecimal():  # a place in a list

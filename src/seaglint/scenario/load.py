@@ -26,12 +26,12 @@ log = logging.getLogger(__name__)
 
 
 def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
-    """Read and validate a scenario file; ``sensor`` names a preset that stands in for its sensor's optics, detector, scan and noise.
+    """Read and validate a scenario file; ``sensor`` names a preset that replaces its sensor's optics, detector, scan and noise.
 
     Raises
     ------
     ScenarioError
-        With one line per mistake: ``file: key.path = value ...: what is allowed; what to do``.
+        With one line per mistake: ``file: key.path = value ...: allowed values; remedy``.
     """
     path = Path(path)
     try:
@@ -58,7 +58,7 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
 
 
 def say_moments(raw: Mapping[str, Any], name: str) -> None:
-    """Say what is taken for dates and times without a zone, or without an hour, which changes the Sun."""
+    """Report the UTC time that is taken for dates and times without a zone, or without an hour, because it changes the Sun."""
     for key, moment, hour in _without_zone(raw):
         given, lacks = (moment.isoformat(), "") if hour else (f"{moment:%Y-%m-%d}", "no hour and ")
         text = "seaglint: %s: %s = %s has %sno time zone and is taken as UTC, %sZ; end the time in Z, or in its offset such as -05:00"
@@ -118,7 +118,7 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
 
 
 def _meant_in(key: str, allowed: object, raw: Mapping[str, Any]) -> str:
-    """Return the question whether a number that a rule refuses is in another unit than that of its key."""
+    """Return the question whether a number that a rule refuses is in another unit than its key."""
     value: Any = raw
     for part in key.split("."):
         value = value.get(part) if isinstance(value, Mapping) else None
@@ -191,7 +191,7 @@ def _unknown_key(location: Sequence[str | int]) -> str:
 def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:
     """Return a location without the tags of unions, which pydantic adds and the file does not have.
 
-    In a list of unions (``sea.spectrum.systems[0].file.path``) the tag stands behind the place.
+    In a list of unions (``sea.spectrum.systems[0].file.path``) the tag follows the place.
     """
     out: list[str | int] = []
     skip = False

@@ -1,14 +1,10 @@
-"""Presets of objects with public dimensions, with the source of each number.
+"""Presets of objects, scenes and sensors, with the source of each number.
 
-A number without a published source is marked *assumed*. Temperatures are assumed throughout: surfaces near that of air and sea, warm where
-engines and bodies are. Lengths are [starboard, forward, up]; the origin of what floats is in the plane of its waterline.
+A number without a published source is marked *assumed*, with the reason for it. A number that is cited from a maker's data sheet of which
+no copy was available is marked as such.
 
-Presets of scenes, with the source of their numbers.
-
-Presets of sensors from published data sheets, with the source of each number.
-
-What a source says was read there. A number without one that could be read is marked *assumed*, with the reason for it; where a maker's
-data sheet is known to say so but no copy of it was at hand, that is said too.
+Temperatures of objects are assumed throughout: surfaces are near the temperature of air and sea, engines and bodies are warm. Lengths are
+[starboard, forward, up]; the origin of a floating object lies in the plane of its waterline.
 """
 
 from __future__ import annotations
@@ -521,9 +517,9 @@ TABLES: Final = ("optics", "detector", "scan", "noise")  #: Tables of ``[sensor]
 
 
 def with_sensor(raw: Mapping[str, Any], name: str) -> TomlTables:
-    """Return a scenario's raw tables with the pixels, rate, band and four tables of a preset's sensor in place of its own.
+    """Return a scenario's raw tables with the pixels, rate, band and four tables of its sensor replaced by a preset's.
 
-    Height, direction and projection stay the scenario's, and so does everything else.
+    Height, direction, projection and all other keys of the scenario are unchanged.
 
     Raises
     ------

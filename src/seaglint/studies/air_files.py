@@ -1,6 +1,6 @@
-"""The air of a scenario as a file that ``atmosphere.source = "file"`` reads: to start one's own from, or to keep.
+"""Files of the air of a scenario: its spectra for ``atmosphere.source = "file"``, and decks for MODTRAN or LOWTRAN7.
 
-Decks for MODTRAN or LOWTRAN7 of the lines of sight that a scenario needs.
+A file of spectra can be edited, or stored beside a scenario. A deck has the lines of sight that the scenario needs.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ DIP_NODES: Final = 24  #: Nodes along the paths, of sky and Sun from the horizon
 
 _AZIMUTH: Final = "azimuth_from_sun_deg"
 
-HIGHEST_CREST: Final = 30.0  #: Paths reach to where the sensor sees waves of this height stand above the horizon [m].
+HIGHEST_CREST: Final = 30.0  #: Height of waves above the horizon that the longest paths reach [m].
 
 
 def export_air(scenario: Scenario) -> xr.Dataset:
-    """Spectra of the scenario's air at nodes, in the layout of :mod:`seaglint.formats.air_file`.
+    """Return spectra of the scenario's air at nodes, in the layout of :mod:`seaglint.formats.air_file`.
 
     Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1 for the Sun at 1 au.
 
@@ -138,14 +138,14 @@ NAME: Final = "lines"
 #: Name of the deck of each format.
 DECKS: Final[dict[DeckFormat, str]] = {"tape5": f"{NAME}.tp5", "tape5-lowtran7": "TAPE5", "modtran6-json": f"{NAME}-input.json"}
 
-#: Names under which the results of each are looked for.
+#: File names in which the results of each format are searched.
 OUTPUTS: Final[dict[DeckFormat, tuple[str, ...]]] = {
     "tape5": (f"{NAME}.tp7", "tape7", f"{NAME}.7sc", "tape7.scn"),
     "tape5-lowtran7": ("TAPE7", "tape7"),
     "modtran6-json": (f"{NAME}.json", f"{NAME}.csv"),
 }
 
-REFRACTION_CM: Final = 2665.0  #: Wavenumber of the refractivity by which lines of sight are laid [cm-1]: infrared air is the same to 1e-4.
+REFRACTION_CM: Final = 2665.0  #: Wavenumber of the refractivity that bends the lines of sight [cm-1]: over the infrared it is equal to 1e-4.
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     form : str
         ``tape5`` (MODTRAN 4 and 5), ``tape5-lowtran7`` or ``modtran6-json``.
     scattered : bool
-        Ask for scattered sunlight too, where the Sun is up.
+        Request scattered sunlight too, if the Sun is up.
     overwrite : bool
         Replace files that are there.
 
@@ -209,7 +209,7 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
 
 
 def _carbon_dioxide(scenario: Scenario, form: str) -> float:
-    """Carbon dioxide of the scenario [1e-6 of the volume]; what decks cannot say of its gases is reported."""
+    """Return the carbon dioxide of the scenario [1e-6 of the volume]; report gases that decks cannot specify."""
     gases = OwnGases()
     if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere):
         gases = wanted_gases(scenario.atmosphere)
@@ -223,7 +223,7 @@ def _carbon_dioxide(scenario: Scenario, form: str) -> float:
 
 
 def _air(scenario: Scenario) -> LowtranAir:
-    """Air of the scenario as cards say it."""
+    """Return the air of the scenario as the cards of a deck specify it."""
     levels: tuple[ProfileLevel, ...] = ()
     wind = scenario.wind.speed_m_s
     if getattr(scenario.atmosphere, "air_minus_sea_k", None) is not None:
@@ -246,6 +246,6 @@ def _air(scenario: Scenario) -> LowtranAir:
 
 
 def _refraction(model: str) -> RefractingAir:
-    """Refraction of a model atmosphere, by which lines of sight are laid."""
+    """Return the refraction of a model atmosphere, which bends the lines of sight of a deck."""
     profile = model_profile(model)
     return RefractingAir.of(profile.height, refractivity(profile, REFRACTION_CM), profile.earth_radius)

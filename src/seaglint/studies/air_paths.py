@@ -1,6 +1,6 @@
-"""Air along single lines of sight of a scenario: paths from the sensor to points, and the sky in directions.
+"""Air along single lines of sight: paths from the sensor of a scenario, its sky, and paths through even air, as datasets.
 
-Paths through air of one temperature and pressure as datasets, and the choice between them and those of a scenario.
+Even air has one temperature and pressure along the whole path.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ SPECTRAL_UNIT = "W m-2 sr-1 per cm-1"  #: Unit of spectral radiance.
 
 
 def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike = 0.0) -> xr.Dataset:
-    """Transmittance and thermal radiance of the paths from the sensor to points.
+    """Return transmittance and thermal radiance of the paths from the sensor to points.
 
     Parameters
     ----------
     scenario : Scenario
         Air, band, height of the sensor (at the start, where it moves) and temperature of the water.
     range_m : array_like
-        Arcs along the sea from the sensor's foot to that of the point [m, (ranges,)].
+        Arcs along the sea from the foot of the sensor to the foot of the point [m, (ranges,)].
     target_height_m : array_like
         Heights of the point above the mean sea [m, (heights,)]; 0 is the sea.
 
@@ -50,7 +50,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     xarray.Dataset
         Over ``target_height_m`` and ``range_m``: ``transmittance`` [1], the mean over the band weighted with the blackbody at the water's
         temperature; ``path_radiance`` [W m-2 sr-1]; ``slant_range`` and ``lowest_height`` [m]; and over ``wavenumber_cm`` both as spectra.
-        Where ``lowest_height`` is below 0 the sea hides the point, and the numbers are those of a line through the water.
+        Where ``lowest_height`` is below 0 the sea hides the point, and the numbers belong to a line through the water.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
 
 
 def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | None = None) -> xr.Dataset:
-    """Radiance and apparent temperature of the sky as the sensor sees it.
+    """Return radiance and apparent temperature of the sky as the sensor sees it.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     zenith_deg : array_like
         Zenith angles looked at [deg, (angles,)], from 0 to the horizon.
     azimuth_deg : array_like, optional
-        Azimuths looked at, clockwise from north [deg, (azimuths,)]; the sensor's where none are given.
+        Azimuths looked at, clockwise from north [deg, (azimuths,)]; by default the sensor's azimuth.
 
     Returns
     -------
@@ -212,7 +212,7 @@ def even_path(
     spectroscopy: Spectroscopy,
     haze: str,
 ) -> xr.Dataset:
-    """Transmittance of a path through even air.
+    """Return the transmittance of a path through even air.
 
     Parameters
     ----------

@@ -1,7 +1,4 @@
-"""Contents of files that are given to commands: scenarios, recordings of others, plain arrays.
-
-Contents of a sequence or a map, and how it was made.
-"""
+"""Contents of files that are given to commands: scenarios, recordings, and this program's sequences, maps and arrays."""
 
 from __future__ import annotations
 
@@ -29,7 +26,7 @@ class ScenarioFacts:
 
     path: str  #: The file.
     kind: str  #: "scenario" or "ensemble".
-    about: list[str]  #: What it describes, a line each.
+    about: list[str]  #: Description of its contents, a line each.
 
     @property
     def lines(self) -> list[str]:
@@ -50,8 +47,8 @@ class RecordingFacts:
     frames: int
     rows: int
     columns: int
-    units: str | None  #: Units of the values, where the file says them.
-    frame_rate_hz: float | None  #: Frames per second, where the file says them.
+    units: str | None  #: Units of the values, if the file states them.
+    frame_rate_hz: float | None  #: Frames per second, if the file states them.
     #: ``least``, ``most``: Smallest and largest value of the first frame; None where it has none.
     least: float | None
     most: float | None
@@ -81,7 +78,7 @@ class RecordingFacts:
 
 
 def is_ours(path: Path | str) -> bool:
-    """Return true for one of our stores or maps, and for what is to be read as one: a URL, a Zarr folder, NetCDF, nothing at all."""
+    """Return true for stores and maps of this program, and for places to be read as one: a URL, a Zarr folder, NetCDF, no file."""
     if not isinstance(path, Path) or not path.exists():
         return not str(path).endswith(".toml")
     if path.is_dir():
@@ -93,7 +90,7 @@ def is_ours(path: Path | str) -> bool:
 
 
 def _is_of_others(path: Path) -> bool:
-    """Return true for images of another program: a file or store that opens and holds none of our pictures."""
+    """Return true for images of another program: a file or store that opens and holds no picture of this program."""
     from seaglint.base.errors import SeaglintError
     from seaglint.base.schema import IMAGES
     from seaglint.store.netcdf import open_netcdf
@@ -107,16 +104,16 @@ def _is_of_others(path: Path) -> bool:
         with open_netcdf(path, decode_times=False) as dataset:
             return "seaglint_version" not in dataset.attrs and not set(IMAGES) & {str(name) for name in dataset.data_vars}
     except (SeaglintError, OSError, ValueError, KeyError):
-        return False  # what cannot be opened is reported by the reader of our own files
+        return False  # the reader of this program's files reports why a file cannot be opened
 
 
 def describe_scenario(path: Path) -> ScenarioFacts:
-    """Facts about a scenario file, or an ensemble file.
+    """Return facts about a scenario file, or an ensemble file.
 
     Raises
     ------
     ScenarioError
-        It is neither.
+        It is no scenario and no ensemble.
     """
     import tomllib
 
@@ -125,7 +122,7 @@ def describe_scenario(path: Path) -> ScenarioFacts:
     try:
         raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except (OSError, ValueError, RecursionError):
-        raw = {}  # told by the reader of scenarios
+        raw = {}  # the reader of scenarios reports the reason
     if "ensemble" in raw:
         from seaglint.scenario.ensemble_file import load_ensemble
 
@@ -137,7 +134,7 @@ def describe_scenario(path: Path) -> ScenarioFacts:
 
 
 def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
-    """Return the lines that say what a scenario, as one table, describes: camera, scene, objects."""
+    """Return lines of text on the camera, scene and objects of a scenario, given as one table."""
     sensor, band = scenario["sensor"], scenario["band"]
     (nx, ny), (width, height) = sensor["pixels"], sensor["fov_deg"]
     edges = f"{band['min_um']:g} to {band['max_um']:g} um" if "min_um" in band else f"band of {band['response']}"
@@ -174,7 +171,7 @@ def scene_line(scenario: Mapping[str, Any]) -> str:
 
 
 def describe_recording(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> RecordingFacts:
-    """Facts about images of any format that ``seaglint analyze`` reads; of several channels the first without a request.
+    """Return facts about images of any format that ``seaglint analyze`` reads; of several channels the first by default.
 
     Raises
     ------
@@ -208,12 +205,12 @@ def describe_recording(path: Path, variable: str | None = None, channel: str | N
 _HIDDEN = frozenset(
     {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
 )
-_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Variables that no user looks at.
+_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Variables for bookkeeping, which are not listed by default.
 
 
 @dataclass(frozen=True)
 class FramesHeld:
-    """Frames of a sequence: their number, how many are written, whether all are, the number of the first, and the rate [Hz]."""
+    """Frames of a sequence: their number, the number of written frames, completeness, the first number, and the rate [Hz]."""
 
     frames: int
     frames_done: int
@@ -242,7 +239,7 @@ class FileFacts:
     variables: list[str]  #: Names of its variables.
     frames: FramesHeld | None  #: Frames of a sequence; None of a map.
     pixels: list[int]  #: Columns and rows.
-    directions: DirectionsHeld | None  #: Directions and band; None of a texture, whose pixels look nowhere and have no band.
+    directions: DirectionsHeld | None  #: Directions and band; None of a texture, whose pixels have neither.
     seed: int | None  #: Seed, as far as there is one.
     bytes: int  #: Size [B].
     provenance: JsonObject  #: Attributes about its making.
@@ -264,7 +261,7 @@ class FileFacts:
 
 @dataclass(frozen=True)
 class ArrayFile:
-    """Arrays that this program computed and that are no pictures: a sweep, the air along paths, a map of chances."""
+    """Arrays of this program that are no pictures: a sweep, the air along paths, a map of chances."""
 
     #: ``path``, ``title``: Place and title.
     path: str
@@ -319,7 +316,7 @@ def _array_lines(facts: ArrayFile, everything: bool) -> list[str]:
 
 
 def describe(path: Path | str) -> FileFacts | ArrayFile:
-    """Facts about an output file.
+    """Return facts about an output file.
 
     Raises
     ------
@@ -335,7 +332,7 @@ def describe(path: Path | str) -> FileFacts | ArrayFile:
             return _array_file(path, dataset) if is_array_file(dataset) else _facts(path, dataset)
         except SeaglintError:
             raise
-        except Exception as error:  # what a damaged file holds may be of any type, and h5py raises nearly anything
+        except Exception as error:  # contents of a damaged file may be of any type, and h5py raises errors of many types
             reason = " ".join(str(error).split())[:200] or type(error).__name__
             raise DataError(f"{path}: cannot be read as a seaglint file ({reason}); make it again") from error
 
@@ -381,7 +378,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
 
 
 def _texture_facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
-    """A loop of a texture, whose pixels look nowhere and have no band."""
+    """Return the facts of a loop of a texture, whose pixels have no direction and no band."""
     field = dataset["texture"]
     return FileFacts(
         path=str(path),
@@ -410,7 +407,7 @@ def _plain(value: Any) -> Any:
 
 
 def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str]:
-    """Return the facts as at most ten lines of text, or with ``everything`` that was noted when the file was made."""
+    """Return the facts as at most ten lines of text, or with ``everything`` also all attributes on its making."""
     if isinstance(facts, ArrayFile):
         return _array_lines(facts, everything)
     nx, ny = facts.pixels

@@ -1,6 +1,7 @@
-"""Laws of varied keys: each maps a uniform number to a value by the inverse of its distribution function.
+"""Tables ``[[vary]]`` and ``[dataset]`` of an ensemble's file.
 
-Table ``[dataset]`` of an ensemble's file: what a labelled data set of it is called, and how its scenes are split.
+A law of a varied key maps a uniform number to a value by the inverse of its distribution function. The table ``[dataset]`` describes a
+labelled data set of the ensemble, and how its scenes are split.
 """
 
 from __future__ import annotations
@@ -227,7 +228,7 @@ def value_of(law: Uniform | LogUniform | Normal | Choice, uniform: float, quanti
     Raises
     ------
     ScenarioError
-        A law whose numbers do not go together; ``name`` says whose it is.
+        A law with numbers that contradict each other; ``name`` is the key of the law in the message.
     """
     try:
         return law.at(uniform, quantity)

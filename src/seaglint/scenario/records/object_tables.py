@@ -1,6 +1,6 @@
-"""Shapes of ``[[objects]]``: kinds of solids, what several of them make together, meshes, plumes and points, one record each.
+"""Tables ``[[objects]]``: objects on and above the sea, with their shapes, places and motion.
 
-Tables ``[[objects]]``: what is on and above the sea, where it is and how it moves.
+Shapes are solids, combinations of solids, meshes, plumes and points, one record each.
 """
 
 from __future__ import annotations
@@ -219,9 +219,9 @@ class ObjectKeyframe(Record):
 
 
 def with_names(items: Any) -> Any:
-    """Return tables of objects in which those without a name have that of their preset, or the kind of their shape.
+    """Return tables of objects in which every object has a name: by default its preset, or the kind of its shape.
 
-    Repeated names are numbered; names that are given stay as they are.
+    Repeated names are numbered; given names are unchanged.
 
     Examples
     --------

@@ -1,8 +1,7 @@
-"""Numbers of a scenario: plain in the unit of their key, or text with a unit ("12 kn", "30 ft", "15 degC").
+"""Base of all tables of a scenario file: the frozen record, and its numbers, times and paths.
 
-Units end here: what leaves a validated scenario is a plain number in the unit that its key names.
-
-Base of all tables of a scenario file: the frozen record, the error of a rule, times and paths.
+A number is plain in the unit of its key, or text with a unit ("12 kn", "30 ft", "15 degC"). A validated scenario holds plain numbers in
+the unit that each key names; no other module handles texts with units.
 """
 
 from __future__ import annotations

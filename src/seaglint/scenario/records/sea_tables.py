@@ -1,10 +1,6 @@
-"""Table ``[wind]``: the wind at 10 m.
+"""Tables ``[wind]`` and ``[sea]``: the wind at 10 m, the water, its slopes, waves and glint.
 
-Table ``[sea.slopes]``: kinds of slope statistics, one record each.
-
-Table ``[sea.spectrum]``: kinds of wave spectra, one record each.
-
-Tables ``[sea]`` and ``[sea.glint]``: the water and its shape.
+Each kind of slope statistics (``[sea.slopes]``) and of wave spectra (``[sea.spectrum]``) is a record.
 """
 
 from __future__ import annotations

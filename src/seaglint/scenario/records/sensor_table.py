@@ -1,12 +1,7 @@
-"""Table ``[sensor.detector]``: the pixels.
+"""Table ``[sensor]``: place, direction and pixels of the sensor, and its tables.
 
-Table ``[sensor.noise]``: what the detector adds beyond shot, dark and read noise.
-
-Table ``[sensor.optics]``: what stands before the detector.
-
-Table ``[sensor.scan]``: when each column and row is taken.
-
-Table ``[sensor]``: where the sensor stands and looks, and its pixels.
+``[sensor.optics]`` is the optics before the detector, ``[sensor.detector]`` its pixels, ``[sensor.noise]`` the noise beyond shot, dark and
+read noise, and ``[sensor.scan]`` the time at which each column and row is taken.
 """
 
 from __future__ import annotations
@@ -247,7 +242,7 @@ _DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)
 
 
 def _from_space(raw: object) -> object:
-    """Top of the air for the word ``space``, reported; anything else as it is."""
+    """Return the top of the air for the word ``space`` and report it; return any other value unchanged."""
     if raw != SPACE:
         return raw
     text = "sensor.height_m = 'space': the sensor is at the top of the air, %g m; ranges and pixels are those seen from there"

@@ -1,12 +1,7 @@
-"""Tables ``[time]``, ``[place]`` and ``[sun]``: when and where, or the Sun's position itself.
+"""Tables of the view: Sun, platform, band, and the computation of mean maps and images.
 
-Table ``[platform]``: how the sensor moves.
-
-Table ``[band]``: the spectral band.
-
-Table ``[mean]``: how the mean radiance is computed.
-
-Table ``[render]``: accuracy and cost of the image, and what is written.
+``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, ``[platform]`` the motion of the sensor, ``[band]`` the spectral band,
+``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
 """
 
 from __future__ import annotations

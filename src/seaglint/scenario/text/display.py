@@ -1,6 +1,6 @@
-"""Compass of a scenario as SVG: wind, Sun and view by their azimuths, clockwise from north.
+"""HTML of a scenario for notebooks: keys that differ from the defaults, and a compass.
 
-HTML of a scenario for notebooks: keys that differ from the defaults, and the compass.
+The compass is SVG with wind, Sun and view at their azimuths, clockwise from north.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ def _at(azimuth_deg: float, radius: float) -> str:
 def compass(scenario: Scenario, sun: SunPosition | None, azimuth_deg: float | None = None) -> str:
     """Return a compass with the wind, the Sun and the field of view as SVG.
 
-    The Sun stands on the rim at the horizon and in the middle at the zenith; below the horizon it is a ring outside. The wind's arrow flies
-    with the wind, from where it comes.
+    The Sun is on the rim at the horizon and in the centre at the zenith; below the horizon it is a ring outside. The arrow of the wind
+    points to where the wind blows.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Values of a key as they are typed on a command line: a list, or a range of numbers.
+"""Parsers of texts on a command line: values of keys, and column maps of weather files.
 
-Parser of column maps ``NAME=COLUMN:UNIT`` for CSV files of weather.
+Values of a key are a list or a range of numbers; column maps are ``NAME=COLUMN:UNIT``.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def _values(text: str, where: str) -> list[Any]:
 
 
 def _parts(text: str) -> list[str]:
-    """Split at commas that stand in no brackets or quotes."""
+    """Split at commas outside brackets and quotes."""
     found, depth, quote, part = [], 0, "", ""
     for letter in text:
         if quote:

@@ -1,7 +1,4 @@
-"""Writer of TOML text from plain values and tables, laid out as scenario files are.
-
-Writer of a scenario as a TOML file that holds only what differs from the defaults.
-"""
+"""Writer of TOML text: of plain values and tables, and of a scenario's differences from the defaults."""
 
 from __future__ import annotations
 
@@ -21,7 +18,7 @@ _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def inline(value: Any) -> str:
-    """Return a value as it stands to the right of the equals sign.
+    """Return a value as TOML text for the right-hand side of an equals sign.
 
     Examples
     --------
@@ -170,7 +167,7 @@ def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:
     scenario : Scenario
         Any.
     base : path, optional
-        Folder of the file: paths below it are written from there, others whole. Without it paths are written as they are.
+        Folder of the file: paths below it are written from there, others whole. Without it paths are written unchanged.
 
     Examples
     --------

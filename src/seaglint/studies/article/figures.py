@@ -1,16 +1,14 @@
-"""The source article's Figure 10, computed anew: autobinomial textures of a glinting sea seen from straight above.
+"""The source article's Figures 2, 3, 4 and 10: each a labelled dataset for the plots and for a CSV file.
 
-The article fitted isotropic couplings and ones that emphasise the horizontal, and reports estimates that did not converge and Gibbs samples
-that melted into white noise or crystallised into constants. Here both are fitted to a rendered picture; pseudo-likelihoods converge, and
-Gibbs sweeps at them freeze as the article's did, because couplings of so smooth a picture lie beyond the phase transition. The textures
-are exchange samples at the maximum of the likelihood given the histogram. What the article leaves open (picture, levels, order) is
-chosen here.
+Figures 2 to 4 share LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, a sea of 288.15 K, the article's refractive
+index, Cox-Munk slopes with the unchanged wind, and shadowing of the viewer's leg. The article does not state the heights of Figs. 3 and 4,
+the winds of all three, and the Sun of Fig. 4; they are chosen here and reported in the attributes.
 
-The source article's Figures 2, 3, 4 and 10, computed anew: each a labelled dataset that the plots draw and a CSV file holds.
-
-The first three have in common: LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, sea 288.15 K, the article's
-refractive index, Cox-Munk slopes with the wind taken as it is, the viewer's leg shadowed. What the article leaves open (the heights of
-Figs. 3 and 4, the winds of all three, the Sun of Fig. 4) is chosen here and told in the attributes.
+Figure 10 has autobinomial textures of a glinting sea seen from straight above. The article fitted isotropic couplings and ones that
+emphasise the horizontal, and reports estimates that did not converge and Gibbs samples that melted into white noise or crystallised into
+constants. Here both are fitted to a rendered picture; pseudo-likelihoods converge, and Gibbs sweeps at them freeze as the article's did,
+because couplings of so smooth a picture lie beyond the phase transition. The textures are exchange samples at the maximum of the
+likelihood given the histogram. The article does not state picture, levels and order; they are chosen here.
 """
 
 from __future__ import annotations
@@ -72,12 +70,12 @@ def _silent_progress(done: int, total: int) -> None:
 
 
 def glint_from_above() -> NDArray[np.float64]:
-    """In-band radiance of the sea of :data:`SCENE` [W m-2 sr-1]."""
+    """Return the in-band radiance of the sea of :data:`SCENE` [W m-2 sr-1]."""
     return np.asarray(image(parse_scenario(SCENE))["radiance"].to_numpy(), dtype=np.float64)
 
 
 def weakened(model: Autobinomial, share: float, slope: float) -> Autobinomial:
-    """The field with its couplings reduced to a slope of the mean field, its mean kept."""
+    """Return the field with couplings reduced to a slope of the mean field, and an unchanged mean."""
     factor = slope / mean_field(model, share)[0]
     pull = 2.0 * model.most * sum(beta * len(one) for one, beta in zip(model.neighbours, model.beta, strict=True)) * factor
     alpha = np.log(share / (1.0 - share)) - pull * share
@@ -92,7 +90,7 @@ def figure_10(report: Progress = _silent_progress) -> xr.Dataset:
     xarray.Dataset
         ``grey_level`` over texture (0 isotropic, 1 horizontal), picture (:data:`PICTURES`), row and column; ``coupling`` and its standard
         error over texture, method (0 pseudo-likelihood, 1 likelihood given the histogram), rows down and columns right to the neighbour;
-        what tells fits and samples apart over texture and picture.
+        statistics that distinguish fits and samples over texture and picture.
     """
     import xarray as xr
 
@@ -198,7 +196,7 @@ def _silent(done: int, total: int) -> None:
 
 
 def _view(band: Band, wind_speed: float, height: float) -> SeaView:
-    """The article's sea and air at a wind."""
+    """Return the article's sea and air at a wind."""
     return SeaView(
         atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um), "lowtran", "lowtran7"),
         band=band,
@@ -372,7 +370,7 @@ def figure_4(report: Progress = _silent) -> xr.Dataset:
     )
 
 
-#: What ``seaglint reproduce`` computes, by name.
+#: Functions of ``seaglint reproduce`` by the name of the figure.
 FIGURES: Final[dict[str, Callable[[Progress], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
 
 #: Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB.
@@ -383,7 +381,7 @@ CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
 
 
 def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
-    """Columns of a figure's CSV file: coordinates first, a row for each point; a quantity that a row has not is NaN.
+    """Return the columns of a figure's CSV file: coordinates first, a row for each point; quantities without a value in a row are NaN.
 
     Variables over the same coordinates share their rows; figures with several kinds follow one another.
     """
@@ -394,7 +392,7 @@ def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
     )
     coordinates, variables = list(map(str, picked.coords)), list(map(str, picked.data_vars))
     kinds = {picked[v].dims for v in variables}
-    # What varies with fewer coordinates stands in the rows of what varies with more.
+    # A variable of fewer coordinates is repeated in the rows of a variable that has these and more coordinates.
     kinds = {dims for dims in kinds if not any(set(dims) < set(others) for others in kinds)}
     blocks = []
     for dims in sorted(kinds, key=lambda dims: next(i for i, v in enumerate(variables) if picked[v].dims == dims)):

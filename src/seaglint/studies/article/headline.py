@@ -1,8 +1,6 @@
-"""A number of the source article beside ours.
+"""The source article's headline numbers: each row with the article's value, ours and the settings.
 
-The source article's headline numbers, computed anew: each row with the article's value, ours and the settings.
-
-Nothing here is a constant but the article's own values and the settings; a change of any model shows in these rows.
+Only the article's values and the settings are constants; a change of any model changes these rows.
 """
 
 from __future__ import annotations
@@ -85,10 +83,10 @@ class BrightestPoint:
 
 
 def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, radiance: Radiance = mean_radiance) -> BrightestPoint:
-    """Brightest mean glint of the article's case at a wind speed.
+    """Return the brightest mean glint of the article's case at a wind speed.
 
     LOWTRAN7 midlatitude summer with the Navy maritime aerosol at that wind, sea 288.15 K, the article's index, isotropic Cox-Munk
-    slopes with the wind taken as it is, the viewer's leg shadowed, sea and mirrored sky a blackbody, 3.5-5 um.
+    slopes with the unchanged wind, the viewer's leg shadowed, sea and mirrored sky a blackbody, 3.5-5 um.
 
     Parameters
     ----------
@@ -102,7 +100,7 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
     Returns
     -------
     BrightestPoint
-        Found by a search over 60-89 deg Sun zenith and depressions from the horizon to 12 deg, refined once to 0.3 deg of the Sun
+        From a search over 60-89 deg Sun zenith and depressions from the horizon to 12 deg, refined once to 0.3 deg of the Sun
         (0.1 K of a peak several degrees wide).
     """
     air = model_air(_MODEL, wind_speed, (_BAND.min_um, _BAND.max_um), "lowtran", "lowtran7")
@@ -142,7 +140,7 @@ def _contrast(min_um: float, max_um: float) -> float:
 
 
 def headline() -> dict[str, ArticleRow]:
-    """Rows of the article's headline numbers.
+    """Return the rows of the article's headline numbers.
 
     Returns
     -------

@@ -1,12 +1,12 @@
-"""The source article's Table 1, computed anew: false alarms of the Laplacian filter in a rendered two-second glint sequence.
+"""The source article's Table 1: false alarms of the Laplacian filter in a rendered two-second glint sequence.
 
-The article does not describe the scene of its recording. Ours is that of its Fig. 4 (sensor at 100 m, 5 m/s of wind from 45 degrees
+The article does not describe the scene of its recording. Ours is the scene of its Fig. 4 (sensor at 100 m, 5 m/s of wind from 45 degrees
 beside the Sun), seen at the depressions of its Fig. 5 (1.5 to 6 degrees) with the Sun 30 degrees high and waves down to half a metre.
-The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` says how.
+The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` computes this dependence.
 
-The article's pictures are those of a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
-Correlation times need one: blur joins a glint with those beside it, and lets it last longer. So the same frames are counted twice, as
-rendered and through a detector (:data:`BLUR_PX`), and beside it with other blurs (:data:`BLURS_PX`).
+The article's pictures come from a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
+Correlation times need a blur: it joins neighbouring glints and prolongs them. So the same frames are counted twice, as rendered and
+through a detector (:data:`BLUR_PX`), and again with other blurs (:data:`BLURS_PX`).
 """
 
 from __future__ import annotations
@@ -56,24 +56,24 @@ CORRIDOR_SHARE: Final = 0.5  #: Mean mirrored Sun, as a share of its row's large
 
 #: Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
 #:
-#: Assumed: the article does not state that of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
+#: Assumed: the article does not state the blur of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
 #: twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of resolution,
 #: at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
 BLUR_PX: Final = 1.2
 
-#: Blurs with which rates and correlation times are given too [px]: how much they hang on the assumed one.
+#: Blurs with which rates and correlation times are computed too [px], to show their dependence on the assumed blur.
 BLURS_PX: Final = (0.8, 1.0, 1.2, 1.5)
 
-F_NUMBER: Final = 2.1  #: F-number of the optics: that of cooled cameras.
+F_NUMBER: Final = 2.1  #: F-number of the optics, usual in cooled cameras.
 
 #: Pitch of the pixels [um]: assumed; at F/2.1 the aperture is the 2 in. of the seeker to whose noise the article compares its clutter.
 PITCH_UM: Final = 60.0
 
 FILL_FACTOR: Final = 0.9  #: Sensitive share of a pixel's area: assumed, as in the ready sensors.
 
-INTEGRATION_TIME: Final = 1e-3  #: Integration time [s]: assumed, short against the frame of 0.04 s, as the waves stand still in it.
+INTEGRATION_TIME: Final = 1e-3  #: Integration time [s]: assumed, short against the frame of 0.04 s, because waves do not move within it.
 
-MARGIN: Final = 6  #: Pixels that are rendered beyond each border of the picture, five blurs of 1.2: what lies there blurs into it.
+MARGIN: Final = 6  #: Pixels that are rendered beyond each border of the picture, five blurs of 1.2: their light blurs into it.
 
 #: Table 1: false-alarm rate and correlation time [s] by region and threshold; None where the article has "not measured".
 ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
@@ -93,7 +93,7 @@ def scene(
     margin: int = 0,
     sensor: TomlTables | None = None,
 ) -> Scenario:
-    """Scenario of the sequence, at another wind or Sun too.
+    """Return the scenario of the sequence, also at another wind or Sun.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def scene(
 
 
 def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDArray[np.float32]:
-    """Radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
+    """Return the radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
     images = []
     report(0, times.size)
     for time in times.tolist():
@@ -148,16 +148,16 @@ def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDA
 
 
 def corridor(view: SeaView, camera: Camera) -> NDArray[np.bool_]:
-    """Mask of the glint corridor: at least half of the row's brightest mean mirrored Sun, (rows, columns).
+    """Return the mask of the glint corridor: at least half of the row's brightest mean mirrored Sun, (rows, columns).
 
-    The mean-radiance model knows nothing of the frames, so that no bright wave puts itself into the region.
+    The mean-radiance model is independent of the frames, so that no bright wave adds itself to the region.
     """
     sun = mean_radiance(view, camera.elevations, camera.azimuths).sun
     return np.asarray((sun > 0.0) & (sun >= CORRIDOR_SHARE * sun.max(axis=1, keepdims=True)))
 
 
 def detector(blur_px: float = BLUR_PX) -> SensorModel:
-    """Return the detector through which the pictures are seen, without noise: of cooled ones it is a thousandth of this clutter.
+    """Return the detector through which the pictures are seen, without noise: noise of cooled detectors is a thousandth of this clutter.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ Rates = dict[str, list[FalseAlarmRate]]  #: Rates at the article's thresholds by
 
 
 def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates:
-    """Rates in the corridor and beside it as the analysis counts them, without its fits and without the pixels at the border.
+    """Return the rates inside and outside the corridor as the analysis counts them, without its fits and without pixels at the border.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates
 
 @dataclass(frozen=True)
 class Table1:
-    """The analyses of a rendered sequence, as it is and through the detector, beside the article's numbers."""
+    """The analyses of a rendered sequence, without and with the detector, beside the article's numbers."""
 
     scenario: Scenario
     analysis: Analysis
@@ -211,7 +211,7 @@ class Table1:
     by_blur: dict[float, Rates]
 
     def rows(self) -> dict[str, ArticleRow]:
-        """Article's value and ours by region, threshold and quantity; absent ones are None."""
+        """Return the article's value and ours by region, threshold and quantity; absent values are None."""
         out: dict[str, ArticleRow] = {}
         sensed = _alarms(self.through_detector)
         for (region, threshold), alarm in _alarms(self.analysis).items():
@@ -280,7 +280,7 @@ class Table1:
         }
 
     def _of_blurs(self, region: str, threshold: float) -> dict[float, FalseAlarmRate]:
-        """Return what each blur makes of a region at a threshold."""
+        """Return the rate of each blur in a region at a threshold."""
         return {blur: next(rate for rate in rates[region] if rate.threshold_sigma == threshold) for blur, rates in self.by_blur.items()}
 
 
@@ -293,7 +293,7 @@ def _interval(alarm: AlarmSummary) -> list[float | None] | None:
 
 
 def _alarms(analysis: Analysis) -> dict[tuple[str, float], AlarmSummary]:
-    """Alarms by region and threshold, those that the article has."""
+    """Return the alarms by region and threshold, as far as the article has them."""
     regions = analysis.summary().present
     return {
         (name, alarm.threshold_sigma): alarm
@@ -309,7 +309,7 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
     Parameters
     ----------
     report : callable
-        Told how many of how many frames are rendered.
+        Called with (frames rendered, frames in all).
     frames : int
         Number of frames.
 
@@ -319,8 +319,8 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
 
     Notes
     -----
-    Of the sea's glints those of waves longer than half a metre are in the picture; shorter ones are a mean brightness of each facet.
-    The detector blurs pictures of its own pixels, not finer ones: what their sampling folds to low frequencies stays.
+    Glints of waves longer than half a metre are in the picture; shorter waves are a mean brightness of each facet. The detector blurs
+    pictures in its pixels, not finer ones: aliases that their sampling folds to low frequencies remain.
 
     References
     ----------

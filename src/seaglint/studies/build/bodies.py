@@ -1,4 +1,4 @@
-"""The objects of a scenario become bodies: shapes are built and checked, ways are laid, what floats gets its waterline."""
+"""Bodies of a scenario's objects: their shapes, motions and waterlines, built and checked."""
 
 from __future__ import annotations
 
@@ -27,30 +27,30 @@ from seaglint.scenario.records.object_tables import Object, ObjectKeyframe
 from seaglint.sea.wave_field import WaveField
 from seaglint.studies.build import scenario_physics
 
-MOST_CHECKED = 33  #: Times at which objects are held against each other.
+MOST_CHECKED = 33  #: Times at which objects are compared with each other.
 
-OVERLAP = 1e-6  #: Share of the smaller of two solids that they may have in common: what touches does not overlap.
+OVERLAP = 1e-6  #: Share of the smaller of two solids that they may have in common: solids that touch do not overlap.
 
 Parts = list[Solid | GasPlume | PointSource]
-# Temperature [K] and emissivity of what says nothing itself.
+# Temperature [K] and emissivity of parts that do not state their own.
 Material = tuple[float | None, float]
 
 
 def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ...]:
-    """The scenario's objects.
+    """Return the scenario's objects as bodies.
 
     Parameters
     ----------
     scenario : Scenario
         With ``objects``, or without any.
     waves : WaveField, optional
-        What floating objects ride on; None is a flat sea.
+        Waves on which floating objects ride; None is a flat sea.
 
     Returns
     -------
     tuple of Body
-        In the scenario's order. Positions are on the sea's own axes, from which the sensor's are told too: what the scenario says from the
-        sensor's start is moved there.
+        In the scenario's order. Positions are on the axes of the sea, as the sensor's positions are: places that the scenario states from
+        the sensor's start are shifted by that start.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
 
 
 def unchecked_bodies(scenario: Scenario) -> tuple[Body, ...]:
-    """Return the scenario's objects on a flat sea, each where it is, without holding them against each other and the sensor.
+    """Return the scenario's objects on a flat sea, each where it is, without comparing them with each other and the sensor.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def shape_parts(item: Object) -> Parts:
 
 
 def _built(shape: object_tables.Shape, above: Material) -> Parts:
-    """A shape in the axes of what it is part of."""
+    """Return the parts of a shape in the axes of the object or shape that contains it."""
     if isinstance(shape, object_tables.Point):
         return [PointSource(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2, shape.temperature_k)]
     own = (above[0] if shape.temperature_k is None else shape.temperature_k, above[1] if shape.emissivity is None else shape.emissivity)
@@ -168,7 +168,7 @@ def _unplaced(shape: object_tables.Shape, material: Material) -> Parts:
         case object_tables.MeshFile():
             return [_from_file(shape, material)]
         case object_tables.Plume(semi_axes_m=semi_axes):
-            # a plume of gases has no emissivity of what it is part of
+            # a plume of gases does not inherit the emissivity of the object that contains it
             emissivity = None if shape.gases else material[1]
             return [
                 GasPlume((0.0, 0.0, 0.0), semi_axes, _temperature(material), emissivity, shape.co2_share or 0.0, shape.h2o_share or 0.0)
@@ -218,7 +218,7 @@ def _from_file(shape: object_tables.MeshFile, material: Material) -> Solid:
         data = read_mesh(shape.path, metres=METRES[shape.units] * shape.scale, up=shape.up)
     except DataError as error:
         raise DataError(f"shape.path: {error}") from error
-    # what is said of the mesh itself counts before the file's own
+    # keys of the scenario replace the file's values
     temperature = data.temperature if data.temperature is not None and shape.temperature_k is None else _temperature(material)
     emissivity = data.emissivity if data.emissivity is not None and shape.emissivity is None else material[1]
     try:
@@ -228,7 +228,7 @@ def _from_file(shape: object_tables.MeshFile, material: Material) -> Solid:
 
 
 def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Steered:
-    """Motion of an object on a flat sea."""
+    """Return the motion of an object on a flat sea."""
     trim = tuple(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg))
     if item.track is not None or item.keyframes is not None:
         return _keyframed(scenario, item, parts, origin)
@@ -285,7 +285,7 @@ def _start(scenario: Scenario) -> tuple[float, float]:
 
 
 def _place(scenario: Scenario, item: Object) -> FloatArray:
-    """East and north of the sensor's start [m]."""
+    """Return the place of an object east and north of the sensor's start [m]."""
     if item.latitude_deg is not None and item.longitude_deg is not None:
         latitude, longitude = float(np.radians(item.latitude_deg)), float(np.radians(item.longitude_deg))
         return np.array(east_north(latitude, longitude, _start(scenario)))
@@ -293,7 +293,7 @@ def _place(scenario: Scenario, item: Object) -> FloatArray:
 
 
 def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> float:
-    """Height of an object's origin [m]."""
+    """Return the height of an object's origin [m]."""
     if item.height_m is not None:
         return item.height_m
     if item.draught_m is None:
@@ -308,7 +308,7 @@ def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> 
 
 
 def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
-    """Vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
+    """Return the vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
     corners = [part.vertices for part in parts if isinstance(part, Solid)]
     signs = np.stack(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)), axis=-1).reshape(-1, 3)
     corners += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, GasPlume)]
@@ -318,7 +318,7 @@ def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
 def _ridden(
     item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, swell: Callable[[FloatArray], Swell | None]
 ) -> Steered:
-    """A motion on the waves, over the waterline of the largest solid that the water cuts."""
+    """Return a motion on the waves, over the waterline of the largest solid that the water cuts."""
     first = base.at(0.0)
     trim = rotation(0.0, *(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg)))
     cuts = [waterline(placed(part, np.zeros(3), trim), -float(first.position[2])) for part in parts if isinstance(part, Solid)]
@@ -334,7 +334,7 @@ def _ridden(
 
 
 def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, times: FloatArray) -> None:
-    """Refuse what is wholly under the sea, and what is above the air."""
+    """Refuse objects that are wholly under the sea or reach above the air."""
     corners = _corners(parts)
     if not len(corners):
         corners = np.zeros((1, 3))
@@ -356,7 +356,7 @@ def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSourc
 
 
 def _require_clear(placed: list[Body], track: Track, last: float) -> None:
-    """Refuse objects that the sensor runs into at any time; a floating sensor goes along its way on a flat sea."""
+    """Refuse objects that the sensor enters at any time; a floating sensor is taken along its keyframes on a flat sea."""
 
     def eye(time: float) -> FloatArray:
         pose = track.at(time)
@@ -378,7 +378,7 @@ def _require_clear(placed: list[Body], track: Track, last: float) -> None:
 
 
 def _require_apart(placed: list[Body], times: FloatArray) -> None:
-    """Refuse objects in each other."""
+    """Refuse objects that overlap."""
     reach = [float(np.linalg.norm(_corners(body.parts), axis=1).max(initial=0.0)) for body in placed]
     for time in times:
         now = [body.motion.at(float(time)) for body in placed]

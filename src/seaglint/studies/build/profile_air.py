@@ -1,8 +1,7 @@
-"""A sounding as the levels that LOWTRAN7's program takes: thinned, continued by the model atmosphere's own levels.
+"""Air of a scenario from a profile: a model atmosphere or a sounding, with a haze at the scenario's wind.
 
-The sounding of a scenario, and what a user needs to see of it: what was left out, what a model atmosphere continues, and its share.
-
-Air of a scenario from a profile: a model atmosphere or a sounding, with a haze at the scenario's wind.
+For LOWTRAN7's program a sounding is thinned to the number of levels that the program takes, and continued by levels of the model
+atmosphere. Levels that were left out, and the effect of water vapour that a model atmosphere continues, are reported.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ THINNING = (0.002, 0.3, 2.0)
 
 
 def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple[ProfileLevel, ...]:
-    """Return the levels of a sounding from the sea to 100 km, thinned to what LOWTRAN7 takes, then those of the model atmosphere.
+    """Return the levels of a sounding from the sea to 100 km, thinned for LOWTRAN7, then the levels of the model atmosphere.
 
     Levels are left out where the others, interpolated (pressure logarithmically), miss the sounding least.
 
@@ -66,7 +65,7 @@ def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple
 
 
 def levels_of(sounding: Sounding, model: str) -> tuple[ProfileLevel, ...]:
-    """Return the levels of a sounding that was read, as :func:`program_levels` does; humidity that ends is the model's above."""
+    """Return the levels of a sounding that was read, as :func:`program_levels` does; above its end humidity is the model's."""
     air = (sounding.height, sounding.pressure, sounding.temperature, sounding.humidity(model))
     return _to_the_top(np.column_stack(air))
 
@@ -97,14 +96,14 @@ def _thinned_levels(levels: FloatArray, room: int) -> FloatArray:
     return np.asarray(levels[np.sort(chosen)])
 
 
-#: Zenith angle of the sky by which the effect of continued water vapour is shown [deg]: low sky, as slopes of waves mirror it.
+#: Zenith angle of the sky in which the effect of continued water vapour is computed [deg]: low sky, as slopes of waves mirror it.
 SKY_DEG: Final = 78.0
 
-MOST_SKY_LEVELS: Final = 2000  #: Levels of the profiles by which the effect is shown.
+MOST_SKY_LEVELS: Final = 2000  #: Largest number of levels of the profiles with which the effect is computed.
 
-LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which only that is reported [K].
+LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which no temperatures are reported [K].
 
-ALMOST_NONE: Final = 1e-6  #: Factor of the water vapour that is taken away [1]; none at all has no logarithm.
+ALMOST_NONE: Final = 1e-6  #: Factor of the removed water vapour [1]: an amount of 0 has no logarithm.
 
 
 def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere, scenario: Scenario) -> Sounding:
@@ -124,7 +123,7 @@ def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranF
 
 
 def report_sounding(sounding: Sounding, model: str, scenario: Scenario, over: Band) -> None:
-    """Log what a user of the result needs to see, a line a fact: levels left out, what the model continues and what it changes.
+    """Report levels of a sounding that are left out, heights that the model continues, and the effect of this, a line a fact.
 
     Records of one fact carry the same ``fact``: an ensemble of many sensors has one line of it.
     """
@@ -164,7 +163,7 @@ def program_sounding(
 
 
 def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: Band) -> str:
-    """Apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
+    """Return a clause with the apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
     height = float(np.clip(scenario.sensor.height_m, *PROFILE_HEIGHTS))
     profile = _thinned(profile, part.height)
     there = profile.height < part.height if part.below else profile.height > part.height
@@ -180,7 +179,7 @@ def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: B
 
 
 def _thinned(profile: AirProfile, height: float) -> AirProfile:
-    """Return at most about :data:`MOST_LEVELS` levels of a profile, that at a height [m] among them."""
+    """Return at most about :data:`MOST_SKY_LEVELS` levels of a profile, the level at a height [m] among them."""
     step = -(-profile.height.size // MOST_SKY_LEVELS)
     if step == 1:
         return profile
@@ -197,7 +196,7 @@ def _thinned(profile: AirProfile, height: float) -> AirProfile:
 
 
 def _sky(profile: AirProfile, haze: HazeWeather, height: float, over: Band) -> float:
-    """Apparent temperature of the sky [K]."""
+    """Return the apparent temperature of the sky [K]."""
     grid = wavenumber_grid(over.min_um, over.max_um)
     emitted = AirSums(profile, haze, grid).along(height, float(np.radians(SKY_DEG))).emitted
     return float(apparent_temperature(float(emitted @ over.weights(grid)), over, grid))
@@ -205,15 +204,15 @@ def _sky(profile: AirProfile, haze: HazeWeather, height: float, over: Band) -> f
 
 _log = logging.getLogger(__name__)
 
-OWN_OF_THE_PROFILE: Final = OwnGases()  #: Gases that are those of the profile.
+OWN_OF_THE_PROFILE: Final = OwnGases()  #: Choice of gases that leaves the gases of the profile unchanged.
 
-INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um.
+INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are searched [cm-1]: 4 um.
 
 
 def profile_atmosphere(
     wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band
 ) -> ProfileAtmosphere:
-    """Return the air over a band; the same object for the same air, whose rays are kept.
+    """Return the air over a band; equal air is one object, which caches its rays.
 
     Raises
     ------
@@ -251,7 +250,7 @@ def profile_atmosphere(
 
 
 def wanted_gases(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) -> OwnGases:
-    """Return the gases of a scenario, carbon dioxide of today among them."""
+    """Return the gases of a scenario, with the default carbon dioxide of its spectroscopy."""
     return OwnGases(wanted.co2_ppmv, wanted.ch4_ppmv, wanted.n2o_ppmv, wanted.ozone_du).of(wanted.spectroscopy)
 
 
@@ -309,7 +308,7 @@ class _HazelessAir:
     _scatterers: dict[tuple[int | None, int | None, int | None], Scatterers] = field(default_factory=dict)
 
     def scattering(self, haze: HazeWeather, part: slice) -> ScatteringAir:
-        """Scatterers of a haze on part of the channels."""
+        """Return the scatterers of a haze on part of the channels."""
         # Numba comes with it: thermal bands do without.
         from seaglint.air.profile.profile_scattering import Scatterers
 
@@ -361,7 +360,7 @@ def _with_haze(air: _HazelessAir, choice: _Choice) -> ProfileAtmosphere:
 
 
 def _require_band(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band) -> None:
-    """Refuse what a response file reaches; the scenario checked its own numbers."""
+    """Refuse wavelengths of a response file outside the air's band; the records check the scenario's numbers."""
     of_table = isinstance(wanted, wanted_air.TableAtmosphereSettings)
     inside = TABLE_BANDS_UM if of_table else (PROFILE_BAND_UM,)
     if any(low <= over.min_um and over.max_um <= high for low, high in inside):

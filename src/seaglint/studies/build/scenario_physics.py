@@ -1,8 +1,7 @@
-"""A sensor's track on the waves, where its platform floats, at heights that the air covers.
+"""Physics of a scenario: band, air, sea, view, camera and track, in SI units.
 
-From a scenario to the records of physics: units become SI, names become models.
-
-Refraction of a scenario's pictures: standard, or by the profile of its air.
+Names in the scenario's tables select models. A sensor on a floating platform rides on the waves. Refraction is standard, or follows the
+profile of the air (:func:`bending`).
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ from seaglint.studies.build.waves_and_slopes import Waves, slopes, waves
 
 
 def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:
-    """The track itself, or afloat.
+    """Return the track, on the waves where the platform floats.
 
     Raises
     ------
@@ -74,7 +73,7 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
     return floating
 
 
-RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest.
+RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets have the rest.
 
 ANGLES = ("azimuth", "elevation", "roll")  #: Angles of the sensor, by the names of its keys without their unit.
 
@@ -89,7 +88,7 @@ class PreparedSea:
 
 
 def band(scenario: Scenario) -> Band:
-    """Spectral response."""
+    """Return the spectral response."""
     if scenario.band.response is not None:
         return read_response(scenario.band.response)
     assert scenario.band.min_um is not None  # the model fills both edges where no file is given
@@ -98,7 +97,7 @@ def band(scenario: Scenario) -> Band:
 
 
 def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
-    """The air, sampled over a band."""
+    """Return the air, sampled over a band."""
     match scenario.atmosphere:
         case wanted_air.TableAtmosphereSettings() | wanted_air.LowtranAtmosphere() as wanted:
             return profile_atmosphere(wanted, scenario, over)
@@ -120,11 +119,11 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
 
 
 def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
-    """Arcs along the sea of the nearest and farthest pixel [m], the latter None where the horizon is in view; None for moving sensors."""
+    """Return the arcs along the sea of the nearest and farthest pixel [m], the latter None with the horizon in view; None for moving sensors."""
     if scenario.platform is not None:
         return None
     pose, pixels = track(scenario).at(0.0), imager(scenario)
-    # The extremes stand on the border, or at the nadir: a grid of pixels has both closely enough.
+    # The extremes lie on the border or at the nadir: a grid of at most 129 x 129 pixels comes close enough to both.
     across, down = (np.linspace(0.5, n - 0.5, min(n, 129)) for n in (pixels.columns, pixels.rows))
     sight = pixels.directions(pose.attitude, across, down[:, None])
     arc = surface_range(pose.height, -np.arcsin(np.clip(sight[..., 2], -1.0, 1.0)))
@@ -133,7 +132,7 @@ def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
 
 
 def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
-    """LOWTRAN7's runs for this sensor height, band and wind, from the cache where it has them."""
+    """Return LOWTRAN7's runs for this sensor height, band and wind, from the cache if it has them."""
     from seaglint.formats.lowtran.deck import Aerosol
     from seaglint.formats.lowtran.lowtran_sample import lowtran_atmosphere
 
@@ -149,7 +148,7 @@ def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, ov
 
 
 def water(scenario: Scenario) -> WaterIndex:
-    """Refractive index of the sea."""
+    """Return the refractive index of the sea."""
     match scenario.sea.water:
         case "hale-querry-sea":
             return sea_water.hale_querry_sea()
@@ -162,7 +161,7 @@ def water(scenario: Scenario) -> WaterIndex:
 
 
 def glint_length(scenario: Scenario) -> float:
-    """Correlation length of glint on the sea [m]."""
+    """Return the correlation length of glint on the sea [m]."""
     glint = scenario.sea.glint
     if glint.cell_m is not None:
         return glint.cell_m
@@ -176,14 +175,14 @@ def glint_length(scenario: Scenario) -> float:
 
 
 def sparkles(scenario: Scenario) -> Sparkles:
-    """Sparkles below a pixel, as the scenario wants them; none by themselves in the mean picture, without resolved waves."""
+    """Return the sparkles below a pixel; ``auto`` draws none in the mean picture, without resolved waves."""
     mode = scenario.render.subpixel_glint
     mode = "off" if mode == "auto" and not scenario.sea.resolve_waves else mode
     return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode)
 
 
 def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
-    """Sea, air and Sun as a sensor sees them from any height [m] on the platform's way; what does not depend on it is made once."""
+    """Return a function of the sensor's height [m] that gives sea, air and Sun from there; parts without height are made once."""
     first = view(scenario)
 
     def at(height: float) -> SeaView:
@@ -204,7 +203,7 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
 
 
 def standing_view(scenario: Scenario, height: float) -> SeaView:
-    """Sea, air and Sun as a sensor sees them that stands at one height [m] of its platform's way, as from a scenario without platform."""
+    """Return sea, air and Sun for a sensor at rest at a height [m] of its track, as of a scenario without platform."""
     if scenario.platform is None or isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
         return view_at(scenario)(height)
     sensor = scenario.sensor.model_copy(update={"height_m": height})
@@ -212,14 +211,14 @@ def standing_view(scenario: Scenario, height: float) -> SeaView:
 
 
 def imager(scenario: Scenario) -> Imager:
-    """The camera's pixels, whatever its attitude."""
+    """Return the camera's pixels, without an attitude."""
     sensor = scenario.sensor
     width, height = (float(np.radians(angle)) for angle in sensor.fov_deg)
     return Imager(sensor.projection, width, height, *sensor.pixels)
 
 
 def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
-    """Where the sensor is and how it is turned, over the time of the scenario's frames; a platform that floats rides on ``waves``.
+    """Return position and attitude of the sensor over the time of the scenario's frames; a platform that floats rides on ``waves``.
 
     Raises
     ------
@@ -262,7 +261,7 @@ def scatters(scenario: Scenario) -> bool:
 
 
 def view(scenario: Scenario) -> SeaView:
-    """Sea, air and Sun as one sensor height sees them."""
+    """Return sea, air and Sun for the scenario's sensor height."""
     over = band(scenario)
     sun = sun_position(scenario)
     return SeaView(
@@ -286,10 +285,10 @@ def under(view: SeaView, sun: SunPosition) -> SeaView:
 
 
 def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
-    """A view, the scenario's own by default, in the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and
-    sky, one leg shadowed.
+    """Return a view, by default the scenario's, in the source article's mode.
 
-    The water stays the scenario's; ``sea.water = "article"`` is the article's own. A mirror stays a mirror.
+    This mode has isotropic slopes at the unchanged wind, one blackbody for sea and sky, and one shadowed leg. The water is the scenario's;
+    ``sea.water = "article"`` is the article's. A flat sea remains flat.
     """
     kind = scenario.sea.slopes
     isotropic = (
@@ -303,7 +302,7 @@ def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
 
 
 def upright_camera(scenario: Scenario) -> Camera | None:
-    """The image grid of a standing sensor with equal steps of azimuth and elevation, upright; None for any other sensor."""
+    """Return the image grid of an upright sensor at rest with equal steps of azimuth and elevation; None for any other sensor."""
     if scenario.platform is not None:
         return None
     pose = track(scenario).at(0.0)
@@ -311,8 +310,9 @@ def upright_camera(scenario: Scenario) -> Camera | None:
 
 
 def gliding_camera(scenario: Scenario) -> Camera | None:
-    """The image grid of a scanner whose columns have places of their own: upright, at one height, wherever it is; None for one that turns
-    or rises on its platform, or is rolled.
+    """Return the image grid of an upright scanner at one height, whose columns may have separate places.
+
+    It is None for a scanner that turns or rises on its platform, or is rolled.
 
     Raises
     ------
@@ -328,8 +328,9 @@ def gliding_camera(scenario: Scenario) -> Camera | None:
 
 
 def swept_camera(scenario: Scenario) -> Camera | None:
-    """The image grid of a sensor that is drawn without turning its picture: upright, equal steps of angle, at one height, standing or on a
-    platform that neither turns nor rises; None for any other.
+    """Return the image grid of a sensor that is drawn without turning its picture; None for any other.
+
+    Such a sensor is upright with equal steps of angle at one height, at rest or on a platform that neither turns nor rises.
     """
     return _level_camera(scenario) if scenario.sensor.projection == "equal-angle" else None
 
@@ -342,7 +343,7 @@ def _level_camera(scenario: Scenario) -> Camera | None:
 
 
 def camera(scenario: Scenario) -> Camera:
-    """Return the image grid of a standing, upright sensor; refuse any other sensor.
+    """Return the image grid of an upright sensor at rest; refuse any other sensor.
 
     Raises
     ------
@@ -359,7 +360,7 @@ def camera(scenario: Scenario) -> Camera:
 
 
 def accuracy(scenario: Scenario) -> Accuracy:
-    """How finely images are drawn."""
+    """Return the accuracy with which images are drawn."""
     settings = scenario.render
     return Accuracy(
         step=settings.step_m,
@@ -370,7 +371,7 @@ def accuracy(scenario: Scenario) -> Accuracy:
 
 
 def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
-    """The waves to be geometry: as short as asked for, but never more slope variance than the energy rule allows.
+    """Return the waves that are geometry: as short as requested, with at most the slope variance that the energy rule allows.
 
     Raises
     ------
@@ -424,7 +425,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
 
 
 def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:
-    """Refuse to draw a slope model with skewness and peakedness by its variances alone, unless the scenario asks for it.
+    """Refuse to draw a slope model with skewness and peakedness by its variances alone, unless the scenario requests it.
 
     Raises
     ------
@@ -451,7 +452,7 @@ def atmosphere_provenance(air: Atmosphere) -> Attributes:
     return dict(air.provenance)
 
 
-AIR_AT: Final = 10.0  #: Height of the air whose temperature stands for the lowest air [m].
+AIR_AT: Final = 10.0  #: Height at which the temperature of the lowest air is taken [m].
 
 
 def bends_by_profile(scenario: Scenario) -> bool:
@@ -461,7 +462,7 @@ def bends_by_profile(scenario: Scenario) -> bool:
 
 
 def bending(scenario: Scenario, view: SeaView) -> Bending | None:
-    """Bending of the lines of sight of an upright sensor; None with standard refraction.
+    """Return the bending of the lines of sight of an upright sensor; None with standard refraction.
 
     Raises
     ------
@@ -487,7 +488,7 @@ def require_standard_refraction(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        Saying what it needs.
+        The scenario requests refraction by the profile.
     """
     if bends_by_profile(scenario):
         raise ScenarioError(

@@ -1,6 +1,6 @@
-"""Wave spectra as a scenario wants them: models at its wind, files, and sums of both.
+"""Wave spectra and slope statistics of a scenario's sea.
 
-From a scenario to the slope statistics of its sea.
+Spectra are models at the scenario's wind, files, and sums of both.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ _ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file'
 
 @dataclass(frozen=True)
 class Waves:
-    """A spectrum, None for a sea without waves, and where what was read is from."""
+    """A spectrum, None for a sea without waves, and the sources of spectra from files."""
 
     spectrum: DirectionalSpectrum | None
-    #: For the provenance, one for every file: format, time, place, and how far they are from those wanted.
+    #: For the provenance, one for every file: format, time, place, and their distances from the requested time and place.
     sources: tuple[JsonObject, ...] = ()
 
 
 def waves(scenario: Scenario) -> Waves:
-    """Waves of a scenario.
+    """Return the waves of a scenario.
 
     Raises
     ------
     ScenarioError
         Keys that a file or a model finds wrong or missing.
     DataError
-        A file that cannot be read, or has nothing near the time and place wanted.
+        A file that cannot be read, or has nothing near the requested time and place.
     """
     match scenario.sea.spectrum:
         case wanted.FlatSea():
@@ -64,7 +64,7 @@ def waves(scenario: Scenario) -> Waves:
 
 
 def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
-    """Wave spectrum; None for a sea without waves."""
+    """Return the wave spectrum; None for a sea without waves."""
     return waves(scenario).spectrum
 
 
@@ -76,7 +76,7 @@ def has_wind_sea(scenario: Scenario) -> bool:
 
 
 def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
-    """One system; its table stands at ``key``."""
+    """Return the waves of one system, whose table has the dotted name ``key``."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match system:
         case wanted.SpectrumFile():
@@ -94,12 +94,12 @@ def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
 
 
 def elfouhaily(speed: float, to: float) -> DirectionalSpectrum:
-    """Elfouhaily's wind sea of a wind above 0 m/s at 10 m that blows TO an azimuth [rad]."""
+    """Return Elfouhaily's wind sea of a wind above 0 m/s at 10 m that blows TO an azimuth [rad]."""
     return _wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed)
 
 
 def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
-    """Sea of a model at a wind [m/s]; of winds too light for it, that of the lightest with less energy."""
+    """Return the sea of a model at a wind [m/s]; for winds below its range, the sea of its lightest wind with less energy."""
     return model(speed) if speed >= LIGHTEST else CalmSpectrum(model(LIGHTEST), speed / LIGHTEST)
 
 
@@ -144,7 +144,7 @@ FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Mu
 
 
 def slopes(scenario: Scenario) -> SlopeStatistics:
-    """Slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction at all."""
+    """Return the slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction."""
     sea = spectrum(scenario)
     made = _law(scenario, sea)
     if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
@@ -161,7 +161,7 @@ def _nested(made: SlopeStatistics, waves: DirectionalSpectrum | None, calm: Dire
 
 
 def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics:
-    """Slope statistics by the scenario's slope law, which may be that of its waves."""
+    """Return the slope statistics by the scenario's slope law, which may be the spectrum of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.slopes:
         case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
@@ -190,7 +190,7 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
 
 @lru_cache(maxsize=64)
 def _warn_of_few_slopes(mss: float, speed: float) -> None:
-    """Say once that a spectrum lacks the short waves that carry most of the slopes."""
+    """Report once that a spectrum lacks the short waves that carry most of the slopes."""
     expected = cox_munk_isotropic(speed, extrapolate=True).mss
     if mss < FEW_SLOPES * expected:
         log.warning(

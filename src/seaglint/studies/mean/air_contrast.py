@@ -1,4 +1,4 @@
-"""Air over the water of a scenario, and the share of a contrast that it leaves, for a line that commands print."""
+"""Temperature of the air over the water of a scenario, and the share of a contrast that the air transmits."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 RANGES: Final = (2_000.0, 5_000.0, 10_000.0)  #: Ranges of which the contrast is stated before a range is searched [m].
 
-BEYOND: Final = 5_000.0  #: Range where there is no object and the middle of the picture sees no sea [m].
+BEYOND: Final = 5_000.0  #: Range without objects and with no sea in the middle of the picture [m].
 
 _STEP: Final = 0.5  #: Half of the temperature difference whose contrast is taken [K].
 
 
 @dataclass(frozen=True)
 class AirContrast:
-    """Air over the water, and what it leaves of a contrast."""
+    """Air over the water, and the share of a contrast that it transmits."""
 
     air_k: float  #: Temperature of the air at 10 m [K].
     water_k: float  #: Temperature of the water [K].
@@ -42,7 +42,7 @@ class AirContrast:
     ranges_m: tuple[float, ...]  #: Distances along the sea [m].
     #: Share of the in-band contrast between two bodies of about the water's temperature that the air leaves there [1].
     contrast_left: tuple[float, ...]
-    place: str  #: What is at those distances; empty where they were given.
+    place: str  #: Object or sea at those distances; empty if the distances were given.
     #: ``air_stated``, ``water_stated``: Whether the scenario states the temperature of the air (``air_minus_sea_k``, a sounding, an
     #: isothermal air), and of the water.
     air_stated: bool
@@ -86,8 +86,8 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
     scenario : Scenario
         With its band, sensor and air.
     ranges : sequence of float, optional
-        Distances along the sea [m]; without them those of the nearest object, or of the sea in the middle of the picture, or
-        :data:`BEYOND` where the middle sees none.
+        Distances along the sea [m]; by default the distance of the nearest object, or of the sea in the middle of the picture, or
+        :data:`BEYOND` if the middle shows no sea.
 
     Returns
     -------
@@ -96,8 +96,8 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
 
     Notes
     -----
-    The share is that of a small difference of temperature at the water's: the transmittance, weighted over the band by its response times
-    the slope of Planck's law.
+    The share applies to a small difference of temperature at the water's temperature: it is the transmittance, weighted over the band by
+    its response times the slope of Planck's law.
     """
     wanted, height = scenario.atmosphere, scenario_physics.track(scenario).at(0.0).height
     if not isinstance(wanted, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere | wanted_air.IsothermalAtmosphereSettings):
@@ -127,7 +127,7 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
 def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str | None:
     """Return the sentence of :func:`air_contrast`; None where both temperatures are stated, or the air's is not known.
 
-    A scenario that a model refuses gives none either: what follows refuses it with its reason.
+    It is None also for a scenario that a model refuses: the computation that follows reports the reason.
     """
     try:
         contrast = air_contrast(scenario, ranges)
@@ -137,7 +137,7 @@ def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str |
 
 
 def _states_air(scenario: Scenario) -> bool:
-    """Return whether a scenario states the temperature of its air: a model atmosphere's is that of a climate, whatever the water."""
+    """Return whether a scenario states the temperature of its air: a model atmosphere has the temperature of a climate, whatever the water."""
     match scenario.atmosphere:
         case wanted_air.LowtranAtmosphere(sounding=sounding, air_minus_sea_k=difference):
             return sounding is not None or difference is not None

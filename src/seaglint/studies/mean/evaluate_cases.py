@@ -1,13 +1,8 @@
-"""Slope models that the rows of a spreadsheet of cases name.
-
-Spectra of the air for cases one by one, in continuous air with LOWTRAN7's band laws, as the tables of cases have them.
-
-Spreadsheets of cases become spreadsheets of results: the air, the emissivity and the mean radiance of the sea, row by row.
+"""Results for tables of cases, row by row: the air, scattered sunlight, and the emissivity and mean radiance of the sea.
 
 Each function takes the cases of a CSV file (:mod:`seaglint.formats.tables.input_tables`) and returns columns by name, in the order of the
-rows.
-
-Results of a table of cases as a labelled dataset, with bands as an axis.
+rows; :func:`labelled_cases` makes a dataset of them, with bands as an axis. Slope models are named in the rows. Continuous air is summed
+ray by ray with LOWTRAN7's band laws.
 """
 
 from __future__ import annotations
@@ -54,7 +49,7 @@ SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gr
 
 
 def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
-    """Slope model of every row; those that have a direction need the wind's."""
+    """Return the slope model of every row; models with a direction need the wind's direction."""
     if SLOPES not in cases.header:
         return np.full(len(cases), SLOPE_KINDS[1 if directed else 0])
     kinds = np.array(cases.choice(SLOPES, SLOPE_KINDS))
@@ -68,7 +63,7 @@ def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
 
 
 def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
-    """Slopes of a wind at 10 m towards an azimuth [rad], over the waves of Elfouhaily's spectrum as a scenario has them by default."""
+    """Return the slopes of a wind at 10 m towards an azimuth [rad], over waves of Elfouhaily's spectrum, a scenario's default."""
     made = _law(kind, speed, towards, extrapolate)
     return made if kind == SLOPE_KINDS[0] else replace(made, nesting=_nesting(kind, speed, extrapolate))
 
@@ -85,13 +80,13 @@ def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeSta
 
 @lru_cache(maxsize=4096)
 def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float, float], ...]:
-    """Covariances of the longer waves along and across the wind, whatever its direction."""
+    """Return the covariances of the longer waves along and across the wind, whatever its direction."""
     made = _law(kind, speed, 0.0, extrapolate)
     return nested_in(made, elfouhaily(speed, made.wind_to_azimuth) if speed > 0.0 else None).nesting
 
 
 def continuous_rays(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Transmittance, path, sunlight and sky [(cases, n)] in continuous air, ray by ray.
+    """Return transmittance, path, sunlight and sky [(cases, n)] in continuous air, ray by ray.
 
     ``cases``: wind [m s-1], height [m], depression, zenith angles of Sun and sky [rad].
     """
@@ -105,7 +100,7 @@ def continuous_rays(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -
 
 
 def continuous_light(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> FloatArray:
-    """Thermal radiance [(cases, n)] of continuous air along rays to the sea or the sky.
+    """Return the thermal radiance [(cases, n)] of continuous air along rays to the sea or the sky.
 
     ``cases``: wind [m s-1], height [m], elevation [rad].
     """
@@ -124,7 +119,7 @@ Columns = dict[str, FloatArray | list[str]]
 
 CORRELATION_TIME: Final = 0.07  #: Time after which glint at a point is forgotten, as in the scenario's default [s].
 
-EXTRAPOLATED: Final = "extrapolated"  #: Column that names what was extrapolated in each row, where that was asked for.
+EXTRAPOLATED: Final = "extrapolated"  #: Column with the names of the extrapolated columns of each row, if extrapolation is requested.
 
 ATMOSPHERE_INPUTS: Final = (
     "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg",
@@ -146,7 +141,7 @@ _THREADS: Final = min(os.cpu_count() or 1, 4)
 
 @dataclass(frozen=True)
 class NamedBand:
-    """A rectangular band and the text it was asked for with."""
+    """A rectangular band and the text of its request."""
 
     label: str
     band: Band
@@ -158,7 +153,7 @@ class NamedBand:
 
 
 def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
-    """Bands of ``a-b`` in micrometres, each under its own text.
+    """Return bands of ``a-b`` in micrometres, each with its text as label.
 
     Raises
     ------
@@ -188,12 +183,12 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
 def evaluate_atmosphere(
     cases: Cases, bands: Sequence[NamedBand], *, levels: str = "lowtran", extrapolate: bool = False, progress: Progress | None = None
 ) -> Columns:
-    """Band values of the air between sea and sensor, of sunlight and of the sky.
+    """Compute band values of the air between sea and sensor, of sunlight and of the sky.
 
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`ATMOSPHERE_INPUTS`; depression is that of LOWTRAN7's own refracted ray at the sensor.
+        With the columns :data:`ATMOSPHERE_INPUTS`; depression is the depression of LOWTRAN7's refracted ray at the sensor.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -243,7 +238,7 @@ def evaluate_atmosphere(
         return int(rows.size)
 
     done, total = 0, len(cases) * len(bands)
-    with ThreadPoolExecutor(_THREADS) as pool:  # NumPy lets go of the interpreter; each part has rows of its own
+    with ThreadPoolExecutor(_THREADS) as pool:  # NumPy releases the interpreter; each part has separate rows
         for count in pool.map(fill, parts):
             done += count
             _tell(progress, done, total)
@@ -252,7 +247,7 @@ def evaluate_atmosphere(
 
 @documented(EvaluationRequest)
 def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
-    """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
+    """Compute the emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
 
     Parameters
     ----------
@@ -298,7 +293,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
 
 @documented(BandsRequest)
 def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
-    """Mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
+    """Compute the mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
     Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
     by a correlation time of 0.07 s and the full dispersion relation; geometry of the command ``mean`` (straight rays over an effective
@@ -384,13 +379,13 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
 def evaluate_scattered(
     cases: Cases, bands: Sequence[NamedBand], *, levels: str = "lowtran", extrapolate: bool = False, progress: Progress | None = None
 ) -> Columns:
-    """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
+    """Compute sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
 
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`SCATTERED_INPUTS`; elevation is that of LOWTRAN7's own refracted ray at the sensor, below 0 for paths,
-        the Sun's zenith angle at the sensor that without refraction, as LOWTRAN7 takes it.
+        With the columns :data:`SCATTERED_INPUTS`; elevation is the elevation of LOWTRAN7's refracted ray at the sensor, below 0 for
+        paths; the Sun's zenith angle at the sensor is without refraction, as LOWTRAN7 takes it.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -398,7 +393,7 @@ def evaluate_scattered(
     Returns
     -------
     dict
-        Per band ``scattered_W_m2_sr``, 0 in 7.5-14 um where the air scatters next to none, and ``thermal_W_m2_sr``; Sun at 1 au.
+        Per band ``scattered_W_m2_sr``, 0 in 7.5-14 um where the air scatters hardly any light, and ``thermal_W_m2_sr``; Sun at 1 au.
 
     Raises
     ------
@@ -459,7 +454,7 @@ def _model_of(key: Hashable) -> str:
 
 
 def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]]]:
-    """Rows that share a key, in order of first appearance.
+    """Return the rows that share a key, in order of first appearance.
 
     >>> [(key, rows.tolist()) for key, rows in groups_of("abca")]
     [('a', [0, 3]), ('b', [1]), ('c', [2])]
@@ -476,7 +471,7 @@ def _tell(progress: Progress | None, done: int, total: int) -> None:
 
 
 def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[str, dict[str, BatchAtmosphere]]:
-    """Tables by band and model; bands and names are refused here, before any work."""
+    """Return tables by band and model; wrong bands and names are refused here, before any work."""
     names = sorted(set(cases.choice("atmosphere", table_models())))
     tables: dict[str, dict[str, BatchAtmosphere]] = {}
     with ThreadPoolExecutor(_THREADS) as pool:  # unpacking takes most of it, several at a time
@@ -489,7 +484,7 @@ def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[s
 def _wind_and_height(
     cases: Cases, air: BatchAtmosphere, extrapolate: bool, heights: tuple[float, float] | None = None
 ) -> tuple[FloatArray, FloatArray, Columns]:
-    """Winds [m s-1], heights [m], and the column that marks those outside the table, or outside ``heights``, where that is asked for."""
+    """Return winds [m s-1], heights [m], and with ``extrapolate`` the column that marks values outside the table, or outside ``heights``."""
     wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
     what = "m of the atmosphere tables" if heights is None else "m"
     height, high = _ranged(cases, "sensor_height_m", heights or air.height_range, (1e-3, TOP_OF_AIR), what, extrapolate)
@@ -499,20 +494,20 @@ def _wind_and_height(
 def _ranged(
     cases: Cases, name: str, covered: tuple[float, float], possible: tuple[float, float], what: str, extrapolate: bool
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Values of a column, and which lie outside what is covered; those are refused unless ``extrapolate``."""
+    """Return the values of a column, and a mask of those outside the covered range, which are refused without ``extrapolate``."""
     advice = "as far as extrapolation goes" if extrapolate else f"{what}; --extrapolate goes beyond and marks the row"
     values = cases.within(Column(name, *(possible if extrapolate else covered), what=advice))
     return values, (values < covered[0]) | (values > covered[1])
 
 
 def _marks(beyond: dict[str, NDArray[np.bool_]]) -> list[str]:
-    """Per row the names of the columns that lie beyond, parted by blanks; empty where none does."""
+    """Return per row the names of the columns outside their range, separated by blanks."""
     flags = zip(*(flags.tolist() for flags in beyond.values()), strict=True)
     return [" ".join(name for name, flag in zip(beyond, row, strict=True) if flag) for row in flags]
 
 
 def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
-    """Angles of a column of degrees [rad]."""
+    """Return the angles of a column of degrees [rad]."""
     return np.radians(cases.within(Column(name, low, high, what="deg")))
 
 

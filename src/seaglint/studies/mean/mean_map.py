@@ -1,6 +1,7 @@
-"""Mean maps of pixels that are no grid of azimuth and elevation: lines of sight through each pixel, averaged over its solid angle.
+"""Maps of mean radiance and apparent temperature of a scenario.
 
-A scenario becomes a map of mean radiance and apparent temperature.
+Pixels on a grid of azimuth and elevation are computed by rows and columns. Other pixels are averaged over lines of sight through each
+pixel, weighted by solid angle.
 """
 
 from __future__ import annotations
@@ -69,9 +70,9 @@ Sights = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 
 def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
-    """Means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
+    """Return means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
 
-    Cells of the sea are independent, so a pixel's variance is the mean of what its lines of sight would have with all of its solid angle.
+    Cells of the sea are independent, so a pixel's variance is the mean of its lines of sight, each with the solid angle of the pixel.
     """
     rows, columns = imager.rows, imager.columns
     out = np.empty((len(MAPS), rows * columns))
@@ -98,7 +99,7 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
 
 
 def _points(pixels: np.ndarray, columns: int, side: int) -> tuple[FloatArray, FloatArray]:
-    """Image points across and down [pixels, (n, side squared)] of pixels counted row by row."""
+    """Return image points across and down [pixels, (n, side squared)] of pixels counted row by row."""
     row, column = np.divmod(pixels, columns)
     down, across = np.divmod(np.arange(side * side), side)
     return column[:, None] + (across + 0.5) / side, row[:, None] + (down + 0.5) / side
@@ -129,18 +130,18 @@ BLOCK: Final = 1 << 20  #: Lines of sight that are computed at a time where a pi
 
 @single_threaded_algebra()
 def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
-    """Mean radiance over the field of view, with its components, as a labelled dataset; ``progress`` is called with (pieces done, all).
+    """Compute the mean radiance over the field of view as a labelled dataset; ``progress`` is called with (pieces done, all).
 
-    Dimensions ``y, x``, the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) are those of rows and
-    columns where the image is a grid of them, else of every pixel (y, x). A moving sensor stands where it is at time 0. Variables
+    Dimensions ``y, x`` are the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) belong to rows and
+    columns if the image is a grid of them, else to every pixel (y, x). A moving sensor is at its place of time 0. Variables are
     ``radiance``, ``apparent_temperature``, the four components of the radiance and ``glint_std``, the standard deviation of glint in a
-    pixel. In the mode ``article`` the emitted radiance is that of the one blackbody which stands for sea and mirrored sky, and the sky's
-    part is 0 below the horizon.
+    pixel. In the mode ``article`` the emitted radiance is the radiance of one blackbody for sea and mirrored sky, and the sky's part is 0
+    below the horizon.
 
     Raises
     ------
     SeaglintError
-        What the models do not cover.
+        A condition outside the models.
 
     Examples
     --------
@@ -200,13 +201,13 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
 
 
 def _air_note(scenario: Scenario) -> dict[str, str]:
-    """Attribute that says what the air leaves of a contrast, where the scenario does not state air and water."""
+    """Return the attribute on the share of a contrast that the air transmits, if the scenario does not state air and water."""
     line = air_line(scenario)
     return {} if line is None else {"air_note": line}
 
 
 def _wave_file(scenario: Scenario) -> dict[str, str | int]:
-    """Attributes that say which measured waves there are and whether slopes are theirs; said in one line where they are not."""
+    """Return attributes on the file of waves and its use for slopes; report a file that is not used."""
     spectrum = scenario.sea.spectrum
     if not isinstance(spectrum, SpectrumFile):
         return {}
@@ -218,9 +219,9 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
 
 
 def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, progress: Progress | None) -> dict[str, FloatArray]:
-    """Components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
+    """Return components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
 
-    Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
+    Cells of the sea are independent, so a row's variance is the mean over its elevations, each with the solid angle of the pixel.
     """
     bent = bending(scenario, view)
     rows, across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
@@ -261,15 +262,15 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
 
 
 def azimuths_across(view: SeaView, step: float) -> int:
-    """Azimuths that are averaged across columns ``step`` wide [rad]: three for each standard deviation of the glint where it is narrowest.
+    """Return the number of azimuths averaged across columns ``step`` wide [rad]: three per standard deviation of the narrowest glint.
 
-    The mean is then within 0.5 % of the brightest; columns narrower than that are taken in their middle.
+    The mean is then within 0.5 % of the brightest; narrower columns are computed at their middle.
     """
     return max(math.ceil(3.0 * step / view.glint_width), math.ceil(step / _WIDEST))
 
 
 def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
-    """Components at scattered lines of sight, with the variance of glint in place of its root."""
+    """Return a function for components at scattered lines of sight, with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:
         case "spectral":
@@ -292,7 +293,7 @@ def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
 
 @dataclass(frozen=True, eq=False)
 class RowAverage:
-    """Elevations that stand for the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
+    """Elevations within the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
 
     Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations, the row that the horizon cuts
     of :data:`CUT_POINTS`; for others the middle serves.
@@ -304,7 +305,7 @@ class RowAverage:
 
     @classmethod
     def of(cls, camera: Camera, horizon: float | None = None) -> RowAverage:
-        """Elevations for the rows of a camera, row by row from the top; ``horizon`` is that of the sea where refraction is not standard."""
+        """Return elevations for the rows of a camera, from the top; ``horizon`` is the sea's horizon [rad] if refraction is not standard."""
         below = np.abs(camera.elevations + (horizon_depression(camera.height) if horizon is None else -horizon))
         points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
         points[below < 0.5 * camera.row_step] = CUT_POINTS
@@ -314,13 +315,13 @@ class RowAverage:
         return cls(camera.elevations[row] - part * camera.row_step, starts, points)
 
     def of_rows(self, first: int, end: int) -> tuple[RowAverage, slice]:
-        """Averages of some of the rows, and which of all elevations are theirs."""
+        """Return the averages of some of the rows, and the slice of their elevations."""
         begin = int(self.starts[first])
         part = slice(begin, int(self.starts[end - 1] + self.points[end - 1]))
         return RowAverage(self.elevations[part], self.starts[first:end] - begin, self.points[first:end]), part
 
     def __call__(self, values: FloatArray) -> FloatArray:
-        """Mean of (elevations, columns) over the elevations of each row (rows, columns)."""
+        """Return the mean of (elevations, columns) over the elevations of each row (rows, columns)."""
         averaged = values[self.starts]
         several = np.flatnonzero(self.points > 1)
         for row in several:  # few: those next to the horizon
@@ -329,6 +330,6 @@ class RowAverage:
 
 
 def pixel_solid_angle(camera: Camera) -> FloatArray:
-    """Solid angle of a pixel of each row [sr, (rows,)]: azimuth step times the difference of the sines of its edges."""
+    """Return the solid angle of a pixel of each row [sr, (rows,)]: azimuth step times the difference of the sines of its edges."""
     edge = 0.5 * camera.row_step
     return np.asarray(camera.column_step * (np.sin(camera.elevations + edge) - np.sin(camera.elevations - edge)))

@@ -1,15 +1,10 @@
-"""Measured spectra of the sky, and of the sea from above, and MODTRAN 4's, beside ours.
+"""Comparison of this program with measurements and other models.
 
-Both are compared at LOWTRAN7's resolution: averages by a triangle of 20 cm-1 full width at half maximum, every 5 cm-1.
-
-Waves that a buoy's displacements show, beside those that the program makes of the buoy's own spectrum.
-
-Band transmittances of homogeneous paths and skies of RRTMGP, which stands for today's line-by-line models, beside ours.
-
-RRTMGP's mixing ratios are those in dry air, and its band means are weighted by the blackbody at the path's temperature. It leaves some
-gases out of some bands: so do ours here.
-
-All measurements and other models that ours is compared with, in one result.
+- Measured spectra of the sky, and of the sea from above, and MODTRAN 4's spectra. They are compared at LOWTRAN7's resolution: averages by
+  a triangle of 20 cm-1 full width at half maximum, every 5 cm-1.
+- Waves in a buoy's displacements, beside waves that the program draws from the buoy's spectrum.
+- Band transmittances of homogeneous paths, and skies, of RRTMGP, which represents line-by-line models. RRTMGP's mixing ratios are per dry
+  air, and its band means are weighted by the blackbody at the path's temperature. It leaves some gases out of some bands: so do ours here.
 """
 
 from __future__ import annotations
@@ -63,8 +58,8 @@ class MeasuredScene:
     model: str  #: Model atmosphere above the sounding, and for its gases.
     co2_ppm: float  #: Carbon dioxide of its year.
     bands_um: dict[BandRange, str]  #: Uncertainty of the measurement by band [um].
-    reasons: dict[str, str]  #: Sentence on what is left, by spectroscopy.
-    #: Height from which the sea is looked at [m]; None for the zenith sky seen from the sounding's lowest level.
+    reasons: dict[str, str]  #: Sentence on the remaining difference, by spectroscopy.
+    #: Height from which the sea is observed [m]; None for the zenith sky from the sounding's lowest level.
     height: float | None = None
     skin: float = 0.0  #: Temperature of the sea's skin [K].
 
@@ -213,7 +208,7 @@ def _light_rows(
     bands: dict[BandRange, str],
     reasons: dict[str, str],
 ) -> Iterator[MeasuredRow]:
-    """Rows of apparent temperatures in bands."""
+    """Yield rows of apparent temperatures in bands."""
     theirs = brightness_temperature(nu, measured)
     for name, ours in light.items():
         kelvin = brightness_temperature(nu, ours), theirs
@@ -300,7 +295,7 @@ def _buoy_row(quantity: str, unit: str, ours: float, measured: float, uncertaint
 
 
 def _mean_direction(spectrum: MeasuredSpectrum, low: float, high: float) -> float:
-    """Mean direction that the waves of a band [Hz] come from [deg], of the spectrum's own distribution over azimuth."""
+    """Return the mean direction that the waves of a band [Hz] come from [deg], by the spectrum's distribution over azimuth."""
     k = np.linspace(float(wavenumber(2.0 * np.pi * low)), float(wavenumber(2.0 * np.pi * high)), _STEPS)
     azimuth = 2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
     moment = spectrum.spreading(k[:, None], azimuth) @ np.exp(1j * azimuth)
@@ -400,7 +395,7 @@ def _grid(low: float, high: float) -> FloatArray:
 
 
 def _row(case: str, band: tuple[int, int], name: Spectroscopy, unit: str, ours: FloatArray, theirs: FloatArray) -> MeasuredRow:
-    """Row of the means of many numbers."""
+    """Return a row of the means of many numbers."""
     mean, their = float(ours.mean()), float(theirs.mean())
     return MeasuredRow(
         case=case,
@@ -417,7 +412,7 @@ def _row(case: str, band: tuple[int, int], name: Spectroscopy, unit: str, ours: 
 
 
 def _bands_by_gases(absent: dict[tuple[int, int], tuple[str, ...]]) -> dict[tuple[str, ...], list[int]]:
-    """Places of the bands by the gases that are left out in them, so that one sum serves several bands."""
+    """Return the places of the bands by the gases that are left out in them, so that one sum serves several bands."""
     out: dict[tuple[str, ...], list[int]] = {}
     for j, band in enumerate(BANDS_CM):
         out.setdefault(absent.get(band, ()), []).append(j)
@@ -425,7 +420,7 @@ def _bands_by_gases(absent: dict[tuple[int, int], tuple[str, ...]]) -> dict[tupl
 
 
 def _channels(places: list[int]) -> tuple[FloatArray, list[slice]]:
-    """Channels of some bands [cm-1], those at a shared edge once in each, and the slice of each band."""
+    """Return the channels of some bands [cm-1], shared edges once, and the slice of each band."""
     grids = [_grid(*BANDS_CM[j]) for j in places]
     joined = np.unique(np.concatenate(grids))
     starts = [int(np.searchsorted(joined, grid[0])) for grid in grids]
@@ -433,14 +428,14 @@ def _channels(places: list[int]) -> tuple[FloatArray, list[slice]]:
 
 
 def _even(grid: FloatArray) -> FloatArray:
-    """Weights of a trapezoid on even channels [cm-1]."""
+    """Return the weights of the trapezoidal rule on even channels [cm-1]."""
     weights = np.full(grid.size, 5.0)
     weights[[0, -1]] = 2.5
     return weights
 
 
 def _path_transmittance(name: Spectroscopy, path: dict[str, float]) -> FloatArray:
-    """Band transmittances of a homogeneous path [1, (bands,)]."""
+    """Return the band transmittances of a homogeneous path [1, (bands,)]."""
     kelvin, profile = path["temperature_k"], homogeneous_air(path)
     out = np.empty(len(BANDS_CM))
     for gases, places in _bands_by_gases(ABSENT | BELOW).items():
@@ -461,7 +456,7 @@ def homogeneous_air(path: dict[str, float]) -> AirProfile:
 
 
 def _sky_light(name: Spectroscopy, profile: AirProfile, zenith: FloatArray) -> FloatArray:
-    """Band radiance of the sky at the sea [W m-2 sr-1, (zeniths, bands)]."""
+    """Return the band radiance of the sky at the sea [W m-2 sr-1, (zeniths, bands)]."""
     out = np.empty((zenith.size, len(BANDS_CM)))
     for gases, places in _bands_by_gases(ABSENT).items():
         nu, parts = _channels(places)
@@ -492,7 +487,7 @@ class AgainstMeasurements:
         return head + csv_text([names, *cells])
 
     def lines(self) -> list[str]:
-        """Return the rows as a text table, case by case, each with the sentence on what is left."""
+        """Return the rows as a text table, case by case, each with the sentence on the remaining difference."""
         out = []
         for (case, spectroscopy), group in groupby(self.rows, key=lambda row: (row.case, row.spectroscopy)):
             rows = list(group)
@@ -508,12 +503,12 @@ class AgainstMeasurements:
 
 
 def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
-    """Compute all that was measured, with ``lblrtm``, ``lowtran7`` or ``both``.
+    """Compare with all measurements and models, with ``lblrtm``, ``lowtran7`` or ``both``.
 
     Raises
     ------
     DomainError
-        Another word.
+        Another name of a spectroscopy.
     """
     chosen = chosen_spectroscopies(spectroscopy)
     rows: list[MeasuredRow] = []

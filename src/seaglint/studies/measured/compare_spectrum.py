@@ -1,4 +1,4 @@
-"""A user's measured spectrum of sky or sea beside the one that a scenario gives.
+"""Comparison of a user's measured spectrum of sky or sea with the spectrum of a scenario.
 
 LOWTRAN7's channels lie every 5 cm-1 and are averages over 20 cm-1. A finer spectrum is averaged to that with a triangle; of a coarser one
 ours is averaged to its resolution.
@@ -65,7 +65,7 @@ class ComparedBand:
 
 @dataclass(frozen=True, eq=False)
 class SpectrumComparison:
-    """Measured spectrum beside that of a scenario."""
+    """Measured spectrum beside the spectrum of a scenario."""
 
     wavenumber_cm: FloatArray  #: Samples of the comparison [cm-1, (n,)].
     #: ``measured``, ``ours``: Radiances at the resolution of the comparison [W m-2 sr-1 per cm-1, (n,)].
@@ -74,7 +74,7 @@ class SpectrumComparison:
     resolution_cm: float  #: That resolution, full width at half maximum [cm-1].
     elevation_deg: float  #: Direction looked at [deg]; negative towards the sea.
     bands: tuple[ComparedBand, ...]  #: Numbers by band.
-    notes: tuple[str, ...]  #: What was averaged, left out or assumed.
+    notes: tuple[str, ...]  #: Averages, omissions and assumptions.
     name: str  #: Name of the spectrum.
 
     def beside(self) -> SpectraBeside:
@@ -116,7 +116,7 @@ def compare_spectrum(
     depression_deg: float | None = None,
     spectroscopy: str | None = None,
 ) -> SpectrumComparison:
-    """Compare a measured spectrum with that of a scenario; see :func:`seaglint.compare_spectrum`.
+    """Compare a measured spectrum with the spectrum of a scenario; see :func:`seaglint.compare_spectrum`.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def _unbelievable(nu: FloatArray, measured: FloatArray) -> list[str]:
 
 
 def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLight) -> MeasuredLight:
-    """Return the spectrum of a file, of columns, or as it is.
+    """Return the spectrum of a file or of columns; a spectrum is returned unchanged.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLig
 
 
 def _elevation(scenario: Scenario, zenith_deg: float | None, depression_deg: float | None) -> float:
-    """Elevation looked at [rad]."""
+    """Return the elevation of the line of sight [rad]."""
     if zenith_deg is not None and depression_deg is not None:
         raise DataError("zenith_deg and depression_deg are both given; give the one for the sky or the one for the sea")
     height = scenario.sensor.height_m
@@ -189,7 +189,7 @@ def _elevation(scenario: Scenario, zenith_deg: float | None, depression_deg: flo
 
 
 def _inside(light: MeasuredLight) -> tuple[MeasuredLight, list[str]]:
-    """Part of a spectrum that the air's band laws cover."""
+    """Return the part of a spectrum that the air's band laws cover, and notes."""
     low, high = PROFILE_BAND_UM
     nu = light.wavenumber_cm
     keep = (nu >= 1e4 / high) & (nu <= 1e4 / low)
@@ -201,7 +201,7 @@ def _inside(light: MeasuredLight) -> tuple[MeasuredLight, list[str]]:
 
 
 def _resolution(light: MeasuredLight, stated: float | None) -> tuple[float, list[str]]:
-    """Resolution of a spectrum [cm-1], and what a user needs to know of it."""
+    """Return the resolution of a spectrum [cm-1], and notes on it."""
     notes = []
     nu = light.wavenumber_cm
     width = light.resolution_cm if stated is None else stated
@@ -224,9 +224,9 @@ def _resolution(light: MeasuredLight, stated: float | None) -> tuple[float, list
 
 
 def _sampled(light: MeasuredLight, width: float) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Parts of the spectrum without gaps, on multiples of 5 cm-1, at 20 cm-1 or coarser: wavenumbers and radiances."""
+    """Return the parts of the spectrum without gaps, on multiples of 5 cm-1, at 20 cm-1 or coarser: wavenumbers and radiances."""
     nu = light.wavenumber_cm
-    # An average needs samples all over; a spectrum that is not averaged is linear between those that it has.
+    # An average needs samples everywhere; a spectrum that is not averaged is linear between its samples.
     gap = 1.001 * (OURS_CM if width < FINE_SHARE * OURS_CM else 2.0 * width)
     starts = np.concatenate([[0], np.flatnonzero(np.diff(nu) > gap) + 1, [nu.size]])
     # Widths of triangles add by their squares; an average begins its width inside the samples, so that none is cut.
@@ -248,13 +248,13 @@ def _sampled(light: MeasuredLight, width: float) -> tuple[list[FloatArray], list
 
 
 def _multiples(low: float, high: float) -> FloatArray:
-    """Multiples of the channels' step from ``low`` to ``high`` [cm-1]."""
+    """Return multiples of the channels' step from ``low`` to ``high`` [cm-1]."""
     first, last = math.ceil(low / GRID_STEP_CM - 1e-9), math.floor(high / GRID_STEP_CM + 1e-9)
     return GRID_STEP_CM * np.arange(first, last + 1, dtype=np.float64)
 
 
 def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, spectroscopy: str | None) -> FloatArray:
-    """Spectrum of the scenario at some of the channels [W m-2 sr-1 per cm-1, (n,)], averaged to a resolution."""
+    """Return the spectrum of the scenario at some of the channels [W m-2 sr-1 per cm-1, (n,)], averaged to a resolution."""
     more = math.sqrt(max(width**2 - OURS_CM**2, 0.0))
     low, high = PROFILE_BAND_UM
     wide = _multiples(max(float(nu[0]) - more - GRID_STEP_CM, 1e4 / high), min(float(nu[-1]) + more + GRID_STEP_CM, 1e4 / low))
@@ -265,7 +265,7 @@ def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, sp
 
 
 def _of_band(scenario: Scenario, nu: FloatArray, spectroscopy: str | None) -> Scenario:
-    """Scenario over the wavelengths of channels, its air computed wherever the band laws reach."""
+    """Return the scenario over the wavelengths of channels, with air computed wherever the band laws reach."""
     air = scenario.atmosphere
     if isinstance(air, TableAtmosphereSettings):  # the same air, which knows no gap at 5.5-7.5 um
         held = {name: getattr(air, name) for name in type(air).model_fields if name in LowtranAtmosphere.model_fields and name != "source"}
@@ -297,7 +297,7 @@ def scene_spectrum(view: SeaView, elevation: float, azimuth: float) -> FloatArra
 
 
 def _sunlight(view: SeaView, elevation: float, azimuth: float, thermal: FloatArray, passed: FloatArray) -> FloatArray:
-    """Mirrored and scattered sunlight [W m-2 sr-1 per cm-1, (n,)]."""
+    """Return mirrored and scattered sunlight [W m-2 sr-1 per cm-1, (n,)]."""
     grid = view.atmosphere.wavenumber_cm
     out = np.zeros(grid.size)
     sunny = np.flatnonzero(grid >= 1e4 / SUNNY_UM)
@@ -317,7 +317,7 @@ def _sunlight(view: SeaView, elevation: float, azimuth: float, thermal: FloatArr
 
 
 def _bands(nu: FloatArray, ours: FloatArray, measured: FloatArray) -> list[ComparedBand]:
-    """Numbers of the usual bands that a part of the spectrum covers, and of the whole part."""
+    """Return the numbers of the usual bands that a part of the spectrum covers, and of the whole part."""
     low, high = 1e4 / float(nu[-1]), 1e4 / float(nu[0])
     chosen = [band for band in USUAL_BANDS if low <= band[0] and band[1] <= high]
     kelvin = (brightness_temperature(nu, ours), brightness_temperature(nu, measured))

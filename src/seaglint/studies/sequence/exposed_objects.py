@@ -1,7 +1,7 @@
-"""Plan of an exposure: when and where each part of each object is drawn, and its instants.
+"""Objects of a scenario on a detector's pixels during an exposure.
 
-Objects of a scenario on a detector's pixels: at their own places during an exposure, blurred by the optics, over a sea that is blurred
-by the platform's motion too.
+An :class:`ExposurePlan` has the place, time and instants of each part of each object. :class:`ExposedObjects` adds their light at these
+places, blurred by the optics, over a sea that is also blurred by the platform's motion.
 """
 
 from __future__ import annotations
@@ -61,11 +61,11 @@ from seaglint.objects.drawing.sample_sums import (
 )
 from seaglint.studies.sequence.scene_objects import SceneObjects
 
-SEGMENT: Final = 0.25  #: Longest way of an object between two pairs of instants [pixels].
+SEGMENT: Final = 0.25  #: Longest motion of an object between two pairs of instants [pixels].
 
-MOST_INSTANTS: Final = 8192  #: Largest number of instants of an exposure: 1000 pixels of way in the picture.
+MOST_INSTANTS: Final = 8192  #: Largest number of instants of an exposure: 1000 pixels of motion in the picture.
 
-APART: Final = 0.25  #: Way between two instants at which bodies that cross each other or the picture's edge are drawn [pixels].
+APART: Final = 0.25  #: Motion between two drawings of bodies that cross each other or the picture's edge [pixels].
 
 MOST_MEETINGS: Final = 128  #: Largest number of these instants in an exposure.
 
@@ -76,7 +76,7 @@ _GAUSS: Final = 0.5 / math.sqrt(3.0)  #: Places of a pair of instants about the 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A part to draw: its number, its path, the delay of its row or column, its instants about that, and the one it is drawn at [s].
+    """A part to draw: number, path, delay of its row or column, instants about that delay, and the instant of its drawing [s].
 
     ``image``: number of its image, of several in a mirage.
     """
@@ -107,12 +107,12 @@ class ExposurePlan:
 
     @cached_property
     def delays(self) -> tuple[FloatArray | None, FloatArray | None]:
-        """Time of each row and of each column after the frame's [s]; None where all have one."""
+        """Return the time of each row and of each column after the frame's [s]; None if all have one."""
         rows, columns = self.scan.row_delays(self.view.imager.rows), self.scan.column_delays(self.view.imager.columns)
         return (rows if rows.any() else None), (columns if columns.any() else None)
 
     def _delay(self, column: float, row: float) -> float:
-        """Time after the frame's at which an image point is taken [s]."""
+        """Return the time after the frame's at which an image point is taken [s]."""
         down, across = self.delays
         if down is not None:
             return float(np.interp(row - 0.5, np.arange(down.size), down))
@@ -122,13 +122,13 @@ class ExposurePlan:
 
     @cached_property
     def _longest(self) -> float:
-        """Time from the first to the last row or column [s]; 0 where all are taken at once."""
+        """Return the time from the first to the last row or column [s]; 0 if all are taken at once."""
         return max((float(delays.max()) for delays in self.delays if delays is not None), default=0.0)
 
     def _met(self, place: Callable[[float], tuple[float, float]]) -> float:
-        """Time after the frame's at which the readout passes something whose column and row are ``place`` of that time [s].
+        """Return the time after the frame's at which the readout passes an object with column and row ``place`` of that time [s].
 
-        The first crossing between two rows or columns, refined by bisection; where there is none, the time at which its first place is
+        The first crossing between two rows or columns, refined by bisection; without a crossing, the time at which its first place is
         taken.
         """
         if self._longest == 0.0:
@@ -149,7 +149,7 @@ class ExposurePlan:
         return signs[0]
 
     def _found(self, part: int, time: float) -> tuple[float, ImagePath]:
-        """Time after the frame's at which a part is met [s], and its path about that."""
+        """Return the time after the frame's at which the readout passes a part [s], and its path about that time."""
         drawn = self.drawer.parts[part]
         motion = self.drawer.bodies[drawn.body].motion
         middle, about = middle_of(drawn), 0.5 * self.view.imager.columns
@@ -164,7 +164,7 @@ class ExposurePlan:
         return delay, ImagePath.of(self.view, motion, middle, times, place(delay)[0])
 
     def drawings(self, time: float) -> list[Drawing]:
-        """Parts to draw in a frame, each in one or several shapes."""
+        """Return the parts to draw in a frame, each in one or several shapes."""
         exposure = self.model.exposure_time
         out, found = [], [self._found(number, time) for number in range(len(self.drawer.parts))]
         meetings = self._meetings(time, found)
@@ -193,9 +193,9 @@ class ExposurePlan:
             REPORTS.warning(text, name, length, widest)
 
     def _meetings(self, time: float, found: Sequence[tuple[float, ImagePath]]) -> list[int]:
-        """Number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
+        """Return the number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
 
-        What then hides it, and what is in the picture, changes with time: between two instants by :data:`APART` of way.
+        The bodies in front of it, and its part of the picture, change with time: it moves :data:`APART` between two instants.
         """
         half = 0.5 * self.model.exposure_time * np.linspace(-1.0, 1.0, 9)
         bodies = [part.body for part in self.drawer.parts]
@@ -217,9 +217,9 @@ class ExposurePlan:
         return out
 
     def _times(self, path: ImagePath, middle: float, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
-        """Instants about the middle of an exposure [s] and their weights: pairs of Gauss and Legendre on short segments.
+        """Return instants about the middle of an exposure [s] and their weights: Gauss-Legendre pairs on short segments.
 
-        A body that crosses more than the picture has its instants where it is in it.
+        The instants of a body that crosses more than the picture are in the picture.
         """
         if end <= begin:
             return np.zeros(1), np.ones(1)
@@ -258,7 +258,7 @@ class ExposurePlan:
         return times, np.full(times.size, share / times.size)
 
     def streaks(self, time: float, drawings: Sequence[Drawing]) -> tuple[Streak | None, ...]:
-        """Ways of the bodies during their exposures, by the middle of the first part of each; None behind the camera."""
+        """Return the streaks of the bodies during their exposures, by the middle of the first part of each; None behind the camera."""
         out: list[Streak | None] = [None] * len(self.drawer.bodies)
         half = 0.5 * self.model.exposure_time
         for drawing in drawings:
@@ -269,7 +269,7 @@ class ExposurePlan:
         return tuple(out)
 
     def _end(self, drawing: Drawing, time: float, half: float) -> float:
-        """Time at which the row or column that then sees the part begins or ends its exposure, ``half`` from its middle [s]."""
+        """Return the time at which the row or column at the part begins or ends its exposure, ``half`` from its middle [s]."""
 
         def place(delay: float) -> tuple[float, float]:
             column, row = drawing.path.at(np.array([time + delay + half]))[:, 0]
@@ -282,7 +282,7 @@ BOXES_ACROSS: Final = 24  #: Least number of boxes of light across an object.
 
 LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels of the sea's picture [pixels].
 
-IN_STEP: Final = 0.05  #: Way of an object within which rows or columns of a picture count as of one instant [pixels].
+IN_STEP: Final = 0.05  #: Motion of an object within which rows or columns of a picture count as of one instant [pixels].
 
 SUMMED: Final = [SEEN, DRY_INSIDE, DRY_SEEN]  #: Sums that are averaged over the instants of an exposure.
 
@@ -320,7 +320,7 @@ class ExposedObjects:
 
     @classmethod
     def of(cls, objects: SceneObjects, scene: Scene, track: Track, model: SensorModel, scan: ScanPattern, fine: int) -> ExposedObjects:
-        """Objects of a scene that is drawn ``fine`` times finer than the detector's pixels."""
+        """Return objects of a scene that is drawn ``fine`` times finer than the detector's pixels."""
         pixels = scene.pixels
         imager = replace(pixels, columns=pixels.columns // fine, rows=pixels.rows // fine)
         return cls(objects, track, imager, model, scan, fine)
@@ -343,7 +343,7 @@ class ExposedObjects:
         return self.imager.columns if self.imager.goes_round else 0
 
     def light(self, scene: Scene, time: float, sea: NDArray[np.float32], rates: tuple[float, float]) -> ObjectLight:
-        """Light of the objects in a frame.
+        """Return the light of the objects in a frame.
 
         Parameters
         ----------
@@ -389,7 +389,7 @@ class ExposedObjects:
     def _patches(
         self, scene: Scene, view: SeaView, time: float, drawings: Sequence[Drawing], light: Surroundings
     ) -> list[tuple[Drawing, PixelPatch, float]]:
-        """Patches of the parts in view with the number of their pixels along the side of one of the detector's."""
+        """Return patches of the parts in view with the number of their pixels along the side of a detector's pixel."""
         if isinstance(scene, RefractedScene):
             return self._refracted(scene, time, drawings)
         drawer, chosen = self.objects.drawer, []
@@ -415,11 +415,11 @@ class ExposedObjects:
         return [(drawing, patch, float(scale)) for (drawing, _, scale, *_), patch in zip(chosen, drawn, strict=True) if patch is not None]
 
     def _meets(self, drawing: Drawing, time: float) -> bool:
-        """True if the middle of a part is in front of the camera at all its instants."""
+        """Return true if the middle of a part is in front of the camera at all its instants."""
         return bool((drawing.path.at(time + drawing.delay + drawing.times)[0] > BEHIND).all())
 
     def _wide(self, stage: Stage, drawing: Drawing, time: float) -> Stage:
-        """Stage with the pixels from which the part comes into the picture during its exposure."""
+        """Return the stage with the pixels from which the part enters the picture during its exposure."""
         places = drawing.path.at(time + drawing.delay + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
         low, high = np.floor(places.min(axis=1)).astype(int), np.ceil(places.max(axis=1)).astype(int)
         (left, right), (top, bottom) = stage.columns, stage.rows
@@ -428,7 +428,7 @@ class ExposedObjects:
         return replace(stage, columns=(left, right), rows=(top - max(int(high[1]), 0), bottom - min(int(low[1]), 0)))
 
     def _own_stage(self, stage: Stage, one: Placed, drawing: Drawing, time: float) -> tuple[Stage, int]:
-        """Stage of a part with pixels as fine as its size needs, and their number along the side of the detector's."""
+        """Return the stage of a part with pixels as fine as its size needs, and their number along the side of a detector's pixel."""
         wide = self._wide(stage, drawing, time)
         if one.radius == 0.0:
             return wide, 1
@@ -442,14 +442,14 @@ class ExposedObjects:
         return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells, frame=frame), scale
 
     def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[Drawing]) -> list[tuple[Drawing, PixelPatch, float]]:
-        """Patches through air that bends lines of sight, in the fine pixels of the picture."""
+        """Return patches through air that bends lines of sight, in the fine pixels of the picture."""
         pose = self.track.at(time)
         stage = Stage(
             scene.pixels, pose, scene.seen_from(pose), _waves(scene, pose, time), (0, scene.pixels.columns), (0, scene.pixels.rows)
         )
         picture = refracted_picture(self.objects.drawer, stage, scene, time)
         parts = {id(part): number for number, part in enumerate(self.objects.drawer.parts)}
-        # drawn once: it has all instants of the exposure
+        # a part is drawn once through bent air, so its drawing takes all instants of the exposure
         whole: dict[int, Drawing] = {}
         for drawing in drawings:
             before = whole.get(drawing.part)
@@ -459,7 +459,7 @@ class ExposedObjects:
         return [(drawing, patch, float(self.fine)) for drawing, patch in numbered if drawing.times.size]
 
     def _boxes(self, patch: PixelPatch, scale: float, pose: Pose, backdrop: Backdrop, light: Surroundings) -> Boxes:
-        """Light of a patch as boxes at places in the detector's picture."""
+        """Return the light of a patch as boxes at places in the detector's picture."""
         if patch.clear > 0.0:
             column, row = float(patch.sums[ACROSS]) / scale, float(patch.sums[DOWN]) / scale
             solid = float(self.imager.solid_angle(pose.attitude, column, row))
@@ -472,7 +472,7 @@ class ExposedObjects:
         counted = patch.counted * area
         some = np.nonzero((cover > 0.0) | (radiance > 0.0))
         columns = patch.columns.astype(np.float64)
-        if self._circle:  # on either side of the seam they go on
+        if self._circle:  # columns continue across the seam of a panorama
             around = scale * self._circle
             columns = columns[0] + (columns - columns[0] + 0.5 * around) % around - 0.5 * around
         return Boxes(
@@ -480,14 +480,14 @@ class ExposedObjects:
         )  # fmt: skip
 
     def _instants(self, drawing: Drawing, middle: float, shift: tuple[float, float]) -> Instants:
-        """Shifts of a part and of the sea behind it at the instants of an exposure about ``middle`` [s]."""
+        """Return shifts of a part and of the sea behind it at the instants of an exposure about ``middle`` [s]."""
         places = drawing.path.at(middle + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
         return Instants(places[0], places[1], drawing.weights, shift[0] * drawing.times, shift[1] * drawing.times)
 
     def _blocks(
         self, drawing: Drawing, boxes: Boxes, time: float, shift: tuple[float, float]
     ) -> Iterator[tuple[tuple[int, int] | None, tuple[int, int] | None, Instants]]:
-        """Rows and columns (first and end; None for all) of which each has an instant of its own, with the part's instants there."""
+        """Yield rows and columns (first and end; None for all) with a separate instant each, and the part's instants there."""
         down, across = self._plan.delays
         own = self._instants(drawing, time + drawing.delay, shift)
         delays = down if down is not None else across
@@ -512,7 +512,7 @@ class ExposedObjects:
             yield ((begin, stop), None, instants) if down is not None else (None, (begin, stop), instants)
 
     def _speed(self, drawing: Drawing, middle: float) -> float:
-        """Speed of a part in the image [pixels s-1]."""
+        """Return the speed of a part in the image [pixels s-1]."""
         step = max(0.5 * self.model.exposure_time, SHORT)
         pair = drawing.path.at(np.array([middle - step, middle + step]))
         return float(np.hypot(*(pair[:, 1] - pair[:, 0]))) / (2.0 * step)
@@ -526,7 +526,7 @@ class ExposedObjects:
         behind_them: tuple[Backdrop, tuple[float, float]],
         light: Surroundings,
     ) -> tuple[BodySight, ...]:
-        """Sights of the bodies in the detector's pixels, averaged over the exposure."""
+        """Return the sights of the bodies in the detector's pixels, averaged over the exposure."""
         stands, every = self.objects.drawer.placed(pose, time)
         patches, shares = [], []
         for (part, image), parts in drawn.items():
@@ -539,7 +539,7 @@ class ExposedObjects:
         return sights(picture, patches, shares, self._circle, light)
 
     def _averaged(self, some: Sequence[tuple[PixelPatch, float, Drawing]], time: float, shift: tuple[float, float]) -> PixelPatch:
-        """Patch of a part with sums averaged over the instants of an exposure, places in the detector's pixels, and no pixels."""
+        """Return the patch of a part with sums averaged over the instants of an exposure, in the detector's pixels, without pixels."""
         sums, line, places, seen = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
         for patch, scale, drawing in some:
             instants, weight = self._instants(drawing, time + drawing.delay, shift), float(drawing.weights.sum())
@@ -550,7 +550,7 @@ class ExposedObjects:
             if patch.placed.radius > 0.0:
                 sums[[ACROSS, DOWN]] += weight * (own + patch.sums[SEEN] * offset)
             elif patch.clear > 0.0:
-                # of a point the mean place in the picture, or where it only comes near the picture, of all
+                # a point has its mean place in the picture; if it is never inside, the mean of all its places
                 share = weight * (1.0 if patch.lines[1].any() else 1e-9)
                 places, seen = places + share * (own + offset), seen + share
         if seen > 0.0:
@@ -563,7 +563,7 @@ class ExposedObjects:
     def _share(
         self, drawn: Sequence[tuple[Drawing, Boxes]], time: float, pose: Pose, behind_them: tuple[Backdrop, tuple[float, float]]
     ) -> BodyShare:
-        """Coverage and radiance of a part in the pixels of the picture, means over the exposure."""
+        """Return coverage and radiance of a part in the pixels of the picture, means over the exposure."""
         backdrop, shift = behind_them
         parts = [(block, boxes) for drawing, boxes in drawn if boxes.column.size for block in self._blocks(drawing, boxes, time, shift)]
         edges = np.array(
@@ -588,7 +588,7 @@ class ExposedObjects:
             first, end, begin, stop = max(first, top), min(end, bottom), max(begin, left), min(stop, right)
             if first < end and begin < stop:
                 count_pixels(counted[:, first - top : end - top, begin - left : stop - left], (begin, first), boxes, instants, backdrop)
-        if not counted.any():  # so fast that it passes between two columns or rows
+        if not counted.any():  # a fast part passes between the instants of two columns or rows
             for drawing, boxes in drawn:
                 count_pixels(counted, (left, top), boxes, self._instants(drawing, time + drawing.delay, shift), backdrop)
         rows_of, columns_of = np.arange(top, bottom), np.arange(left, right)
@@ -599,7 +599,7 @@ class ExposedObjects:
 
 
 def _waves(scene: Scene, pose: Pose, time: float) -> tuple[Levels, Surface] | None:
-    """Resolved waves of an instant before a sensor; None of a flat sea."""
+    """Return the resolved waves of an instant before a sensor; None of a flat sea."""
     if scene.waves is None:
         return None
     sea = scene.sea(pose, time)

@@ -1,7 +1,4 @@
-"""A scenario becomes one labelled image.
-
-Frames of a scenario one by one as labelled datasets, without files: what a store of the sequence would hold of each.
-"""
+"""Labelled datasets of a scenario without files: one image, or the frames of its sequence with the arrays of a store."""
 
 from __future__ import annotations
 
@@ -31,16 +28,16 @@ if TYPE_CHECKING:
 
 
 def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
-    """Image of a scenario at a time, as a labelled dataset.
+    """Compute the image of a scenario at a time, as a labelled dataset.
 
     Parameters
     ----------
     scenario : Scenario
-        What to render; its ``render.layers`` are left aside.
+        Scenario to render; its ``render.layers`` are ignored.
     time : float
         Time from the start [s].
     layers : collection of str
-        Of :data:`seaglint.base.schema.LAYERS`, to be there beside the radiance.
+        Further images, of :data:`seaglint.base.schema.LAYERS`.
 
     Returns
     -------
@@ -51,7 +48,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     Raises
     ------
     DomainError
-        A time that is not finite or outside the platform's track, or a layer that there is not.
+        A time that is not finite or outside the platform's track, or an unknown layer.
 
     Examples
     --------
@@ -109,7 +106,7 @@ def frame_datasets(
     Raises
     ------
     SeaglintError
-        A condition outside the models, frames that there are not, or electrons of a scenario without a detector.
+        A condition outside the models, frames that the scenario does not have, or electrons of a scenario without a detector.
     """
     numbers = require_numbers(frames, scenario.sensor.frames)
     report_out_of_view(scenario, numbers)
@@ -125,7 +122,7 @@ def frame_datasets(
 
 
 def require_numbers(frames: range | None, count: int) -> range:
-    """Return the numbers of frames, all of the scenario where none are given.
+    """Return the numbers of frames, by default all of the scenario.
 
     Raises
     ------
@@ -151,9 +148,9 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
     layout : Layout
         Layout of the sequence.
     position : int
-        Position of the frame among those of the layout.
+        Position of the frame in the layout.
     arrays : mapping
-        Arrays by variable, those of the truth of objects among them.
+        Arrays by variable, with the truth of objects.
     classes : tuple of str
         Class of each object.
     """

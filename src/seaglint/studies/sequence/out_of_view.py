@@ -1,7 +1,7 @@
-"""Objects that no frame of a sequence can show, found from geometry alone before anything is drawn.
+"""Objects that no frame of a sequence can show, by geometry alone before anything is drawn.
 
-An object is outside where a ball around it is outside the picture in all frames, or where its highest point stays behind the sea's horizon.
-Where waves, a rocking sensor or the time between two looks leave a doubt, nothing is said of it.
+An object is outside if a ball around it is outside the picture in all frames, or if its highest point stays behind the sea's horizon.
+Objects that waves, a rocking sensor or the time between two checks may bring into view are not reported.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.bodies import unchecked_bodies
 from seaglint.studies.build.scenario_physics import bends_by_profile
 
-MOST_LOOKS: Final = 4000  #: Places of objects at times that are looked at; of more, frames are left out.
+MOST_LOOKS: Final = 4000  #: Largest number of places of objects that are checked; of more, frames are left out.
 
-MOST_LINES: Final = 3  #: Objects that have a line each; more are summed up in one.
+MOST_LINES: Final = 3  #: Largest number of objects with a line each; more objects share one line.
 
 #: Angle by which refraction of a profile may raise or lower an object [rad]: more than in any mirage of a whole ship.
 BENT: Final = math.radians(1.0)
@@ -49,7 +49,7 @@ class OutOfView:
     azimuth: float
     elevation: float
     range: float  #: Distance along the sea [m].
-    #: Distance up to which its highest point stands above the horizon [m]; None where it is beside the picture.
+    #: Distance up to which its highest point is above the horizon [m]; None if it is beside the picture.
     seen_to: float | None = None
     time: float | None = None  #: Time of all this [s]; None where neither object nor sensor moves.
 
@@ -61,7 +61,7 @@ class OutOfView:
 
 
 def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
-    """Return the objects of a scenario that are in the view at none of some times [s].
+    """Return the objects of a scenario that are in view at no time of ``times`` [s].
 
     Examples
     --------
@@ -97,7 +97,7 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
 
 
 def _beside(body: Body, lift: float, spare: float, times: FloatArray, camera: tuple[Track, Imager]) -> OutOfView | None:
-    """Return the body where it is outside the picture at all times, and cannot cross it in between."""
+    """Return the body if it is outside the picture at all times, and cannot cross it in between."""
     track, pixels = camera
     size = reach_of(body) + lift
     gaps, steps, nearest = [], [], None
@@ -114,7 +114,7 @@ def _beside(body: Body, lift: float, spare: float, times: FloatArray, camera: tu
         if before is not None:
             steps.append(_step(before, (column, row), pixels))
         before = column, row
-    # between two looks, and in an exposure, it comes nearer by half a step at most
+    # between two checks, and in an exposure, it comes nearer by half a step at most
     if nearest is None or (steps and not min(gaps) > max(steps)):
         return None
     return _seen_at(body, *nearest)
@@ -148,7 +148,7 @@ def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: floa
 
 
 def _step(before: tuple[float, float], after: tuple[float, float], pixels: Imager) -> float:
-    """Return how far a place goes in the picture from one look to the next, the short way round a panorama [px]."""
+    """Return how far a place moves in the picture between two checks, the shorter distance around a panorama [px]."""
     if not math.isfinite(before[0]) or not math.isfinite(after[0]):
         return 0.0 if math.isinf(before[0]) and math.isinf(after[0]) else math.inf
     across = abs(after[0] - before[0])
@@ -158,7 +158,7 @@ def _step(before: tuple[float, float], after: tuple[float, float], pixels: Image
 
 
 def _behind_horizon(body: Body, lift: float, times: FloatArray, track: Track) -> OutOfView | None:
-    """Return the body where its highest point is behind the horizon at all times; it moves little on this scale between two of them."""
+    """Return the body if its highest point is behind the horizon at all times; it moves little on this scale between two of them."""
     margins = []
     for time in times:
         pose, placement = track.at(float(time)), body.motion.at(float(time))
@@ -181,7 +181,7 @@ def _seen_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: fl
 
 
 def times_of(scenario: Scenario, frames: Sequence[int] | None = None) -> FloatArray:
-    """Return the times of some frames, all of the scenario's by default [s]; of very many as many as are looked at."""
+    """Return the times of some frames, all of the scenario's by default [s]; of very many frames the times that are checked."""
     numbers = range(scenario.sensor.frames) if frames is None else frames
     places = range(len(numbers))
     if len(places) > MOST_LOOKS:
@@ -190,7 +190,7 @@ def times_of(scenario: Scenario, frames: Sequence[int] | None = None) -> FloatAr
 
 
 def report_out_of_view(scenario: Scenario, frames: Sequence[int] | None = None, *, times: FloatArray | None = None) -> None:
-    """Say which objects are in none of some frames, all of the scenario's by default, or at none of some times [s]."""
+    """Report the objects that are in no frame of ``frames``, all of the scenario's by default, or at no time of ``times`` [s]."""
     if not scenario.objects:
         return
     for line in lines_of(scenario, out_of_view(scenario, times_of(scenario, frames) if times is None else times)):
@@ -221,7 +221,7 @@ def _line(scenario: Scenario, one: OutOfView) -> str:
 
 
 def _looks(scenario: Scenario) -> str:
-    """Return where a standing sensor looks, as a clause."""
+    """Return the view of a standing sensor, as a clause."""
     sensor = scenario.sensor
     if scenario.platform is not None:
         return ""

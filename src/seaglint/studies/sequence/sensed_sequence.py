@@ -1,4 +1,4 @@
-"""A scenario with a sensor becomes a stored sequence of counts: drawn finer, blurred, integrated, read out."""
+"""Stored sequences of counts of a scenario with a sensor: drawn finer, blurred, integrated, read out."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from seaglint.studies.sequence.scene_objects import Drawn, count_numbers, motion
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
 from seaglint.studies.sequence.sequence_work import Kept, over
 
-#: Instants at which a picture with a rolling shutter is drawn: rows take that next to their own, at most a sixteenth of the reading off.
+#: Instants at which a picture with a rolling shutter is drawn: rows take the nearest, at most a sixteenth of the readout apart.
 ROLLING_PARTS: Final = 8
 
 
@@ -91,7 +91,7 @@ def render(
 
 
 def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tuple[Layout, Frame]:
-    """Layout and frames of a scenario with a detector: some frames where asked, with electrons and with radiance."""
+    """Return layout and frames of a scenario with a detector: some or all frames, with electrons and radiance if requested."""
     scenario, frames, electrons, radiance = settings
     run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
     return run.layout, run.images
@@ -99,12 +99,12 @@ def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class SensedSequence:
-    """Everything that is made before the first frame; make it with :func:`prepare_sensed`."""
+    """Preparation before the first frame; make it with :func:`prepare_sensed`."""
 
     fine: Sequence  #: The scene, drawn finer than the detector's pixels.
     sensed: SensedFrames  #: The sensor on it.
-    scan: ScanPattern  #: When columns and rows are taken.
-    layout: Layout  #: What the store holds.
+    scan: ScanPattern  #: Times at which columns and rows are taken.
+    layout: Layout  #: Layout of the store.
     fine_scenario: Scenario  #: The scenario that is drawn: more pixels, and no sensor.
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
@@ -126,7 +126,7 @@ class SensedSequence:
         return out
 
     def _truth(self, number: int, drawn: _Drawn) -> Mapping[str, NDArray[Any]]:
-        """Stored arrays of the objects of a frame, by variable of the group ``truth``."""
+        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``."""
         objects = drawn.objects
         assert objects is not None
         light, sea = drawn.light(number), binned_image(drawn.drawn(number).sea, self.sensed.oversampling)
@@ -175,18 +175,18 @@ class _Drawn:
 
 
 def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> Drawn:
-    """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
+    """Draw a fine picture with the sights of objects, each of its columns or rows at a separate instant.
 
     Parameters
     ----------
     sequence : Sequence
         The scene.
     way : ScanPattern
-        When columns and rows are taken.
+        Times at which columns and rows are taken.
     oversampling : int
-        Fine pixels in a pixel of the detector: these have one instant.
+        Fine pixels along a pixel of the detector, which share one instant.
     time : float
-        Of the frame [s].
+        Time of the frame [s].
     compose : bool
         Whether objects are drawn into it.
     """
@@ -216,13 +216,13 @@ def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float
 
 
 def binned_image(image: NDArray[np.floating[Any]], oversampling: int) -> NDArray[np.float64]:
-    """Means of an image over the detector's pixels."""
+    """Return means of an image over the detector's pixels."""
     rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
     return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
 
 
 def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
-    """Means of layers over the detector's pixels; ranges and slopes over what is seen of the sea."""
+    """Return means of layers over the detector's pixels; ranges and slopes over the visible sea."""
 
     def mean(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         return binned_image(image, oversampling)
@@ -243,15 +243,15 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
 def prepare_sensed(
     scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: Kept | None = None
 ) -> SensedSequence:
-    """Prepare the scene, drawn finer, and its sensor; also the way to single frames in Python. ``cached`` holds what scenes share.
+    """Prepare the scene, drawn finer, and its sensor, also for single frames in Python. ``cached`` holds the preparation that scenes share.
 
     Examples
     --------
     >>> from seaglint.scenario.load import parse_scenario
     >>> tables = {"optics": {"aperture_m": 0.02, "f_number": 2.0}, "detector": {"pitch_um": 15.0}}
     >>> small = parse_scenario({"sensor": {"pixels": [8, 4], **tables}, "sea": {"resolve_waves": False}})
-    >>> found = prepare_sensed(small).images(0)["signal"]
-    >>> found.shape, found.dtype
+    >>> signal = prepare_sensed(small).images(0)["signal"]
+    >>> signal.shape, signal.dtype
     ((4, 8), dtype('uint16'))
     """
     model = sensor_model(scenario)
@@ -314,7 +314,7 @@ def _require_track(sequence: Sequence, way: ScanPattern, pixels: tuple[int, int]
 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:
-    """Directions of the detector's pixels: means of those of the fine ones, of columns or rows, or of all pixels."""
+    """Return directions of the detector's pixels: means over the fine pixels, of columns or rows, or of all pixels."""
     if angles.ndim == 1:
         return np.asarray(angles.reshape(-1, n).mean(axis=1))
     rows, columns = angles.shape[0] // n, angles.shape[1] // n

@@ -1,10 +1,7 @@
-"""Named arrays of one case of a sweep.
+"""Results of one case of a sweep: one quantity of one scenario as named arrays.
 
-Views of a sea that scenarios of a sweep share: air, water and slopes are prepared once for all Suns over them.
-
-Mean radiance of the sea, and the air before it, at view angles instead of a picture's pixels.
-
-One quantity of one scenario as named arrays: what a sweep computes for each of its cases.
+:func:`computer` returns the function of a quantity. Mean radiance and air are computed for a picture's pixels or at view angles. Scenarios
+of a sweep share views of a sea: air, water and slopes are prepared once for all Suns over them.
 """
 
 from __future__ import annotations
@@ -63,7 +60,7 @@ class CaseResult:
         return sum(array.values.nbytes for arrays in (self.variables, self.coordinates) for array in arrays.values())
 
 
-MOST_KEPT: Final = 64  #: Views kept at a time: some 5 MB each.
+MOST_KEPT: Final = 64  #: Largest number of cached views: some 5 MB each.
 
 _SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
 
@@ -94,7 +91,7 @@ class SharedView:
 
 
 def forget_views() -> None:
-    """Forget all views: files that they were made of may have changed since."""
+    """Remove all cached views, because their files may have changed."""
     with _LOCK:
         _KEPT.clear()
 
@@ -117,7 +114,7 @@ def shared_view(scenario: Scenario, height: float) -> SharedView:
 def _key(scenario: Scenario, height: float) -> str:
     tables = set(_SUNLESS)
     if isinstance(scenario.atmosphere, FileAtmosphere):
-        tables |= {"sensor"}  # its columns are those of what is in view
+        tables |= {"sensor"}  # its columns are chosen by the sea in view
     text = scenario.model_dump_json(include=tables, exclude_none=True)
     if '"sounding"' in text or '"path"' in text:  # files are read at a date and a place
         text += scenario.model_dump_json(include={"time", "place"}, exclude_none=True)
@@ -127,8 +124,8 @@ def _key(scenario: Scenario, height: float) -> str:
 def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     """Return mean radiance, its components and apparent temperature at view angles.
 
-    Each value is that of a line of sight, as the mean map has it in the middle of a pixel that looks that way. The deviation of glint is
-    that of a pixel as large as the one in the middle of the picture. A moving sensor stands where it is at time 0.
+    Each value belongs to a line of sight, as in the mean map at the middle of a pixel in that direction. The deviation of glint is for a
+    pixel with the solid angle of the middle pixel of the picture. A moving sensor is at its place of time 0.
 
     Raises
     ------
@@ -187,7 +184,7 @@ def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
 
 
 def air_of_rows(scenario: Scenario) -> CaseResult:
-    """Return the same for the rows of an upright picture; NaN where they see no sea.
+    """Return the results of :func:`air_at` for the rows of an upright picture; NaN for rows without sea.
 
     Raises
     ------
@@ -275,12 +272,12 @@ def of_dataset(dataset: Any) -> CaseResult:
 
 
 def of_any(value: Any) -> CaseResult:
-    """Return the arrays of what a user's function returned.
+    """Return the arrays of the result of a user's function.
 
     Raises
     ------
     DataError
-        A value that is no number, no text, no mapping of them, and nothing of xarray.
+        A value that is no number, text, mapping of them, or array of xarray.
 
     Examples
     --------
@@ -322,7 +319,7 @@ def _image(scenario: Scenario) -> CaseResult:
 
 
 def _sensor(scenario: Scenario) -> CaseResult:
-    """Numbers of the data sheet; those of its tables as ``table_name``."""
+    """Return the numbers of the data sheet; numbers of its tables have names ``table_name``."""
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
     out: dict[str, NamedArray] = {}

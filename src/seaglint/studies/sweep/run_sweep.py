@@ -1,8 +1,6 @@
-"""One case of a sweep: its settings, its result, or why it failed.
+"""Computation of a sweep: one quantity of every case, assembled into a labelled dataset.
 
-Sweeps whose cases are computed when their values are read, with Dask.
-
-A sweep: one quantity of every case, assembled into a labelled dataset.
+A case that fails is left without values if the sweep continues. With ``lazy`` cases are computed when their values are read, with Dask.
 """
 
 from __future__ import annotations
@@ -65,12 +63,12 @@ Outcome = CaseResult | CaseFailure
 
 
 def compute_case(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], number: int) -> Outcome:
-    """Return the result of a case, or its failure where the sweep goes on.
+    """Return the result of a case, or its failure if the sweep continues after failures.
 
     Raises
     ------
     SeaglintError
-        What the scenario or the models refuse, or what the user's function raised; the message names the case.
+        A scenario that is refused, or an error of the user's function; the message names the case.
     """
     try:
         scenario = settings.plan.scenario(number)
@@ -98,7 +96,7 @@ def line_of(error: BaseException) -> str:
 def require_shape(
     settings: SweepSettings, number: int, name: str, array: NamedArray | None, shape: tuple[int, ...], dims: tuple[str, ...] | None = None
 ) -> None:
-    """Refuse an array of a case that is not of the shape, and of the dimensions, of the first case.
+    """Refuse an array of a case with other shape or dimensions than in the first case.
 
     Raises
     ------
@@ -114,7 +112,7 @@ def require_shape(
 
 
 def require_places(settings: SweepSettings, number: int, name: str, array: NamedArray | None, places: NDArray[Any]) -> None:
-    """Refuse a coordinate of a case that is not that of the first case.
+    """Refuse a coordinate of a case that differs from the first case.
 
     Raises
     ------
@@ -159,7 +157,7 @@ def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResul
 
 
 def _kind(values: NDArray[Any], keep_going: bool) -> np.dtype[Any]:
-    """Return the type of an array over all cases: whole numbers have none that is missing."""
+    """Return the type of an array over all cases: float for whole numbers that may be missing."""
     return np.dtype(np.float64) if keep_going and values.dtype.kind in "biu" else values.dtype
 
 
@@ -203,7 +201,7 @@ def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tu
         for number in numbers:
             try:
                 out.append((number, compute_case(settings, compute, number)))
-            except SeaglintError as error:  # no use in trying again
+            except SeaglintError as error:  # the failure would repeat in another worker
                 return [*out, (number, CaseFailure(line_of(error)))]
         return out
 
@@ -236,7 +234,7 @@ def sweep(
     at : mapping, optional
         View angles; see :class:`~seaglint.studies.sweep.sweep_plan.ViewAngles`.
     workers : Workers, optional
-        Who computes; this process by default.
+        Workers that compute; this process by default.
     threads : int, optional
         Processor threads of the kernels.
     keep_going : bool
@@ -251,7 +249,7 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        Dimensions are the swept keys, then those of the quantity.
+        Dimensions are the swept keys, then the dimensions of the quantity.
 
     Raises
     ------
@@ -278,12 +276,12 @@ def sweep(
 
 
 def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], most: int) -> None:
-    """Refuse more cases than allowed; the message says how long they would take and how much memory.
+    """Refuse more cases than allowed; the message estimates their time and memory.
 
     Raises
     ------
     DataError
-        Judged by the first two cases.
+        With an estimate from the first and the last case.
     """
     count = settings.plan.count
     if count <= most:
@@ -304,7 +302,7 @@ def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseRes
 
 
 def _can_be_sent(function: Callable[[Scenario], Any]) -> bool:
-    """Return true for a function that other processes can import: not one of a script, a notebook or another function."""
+    """Return true for a function that other processes can import, unlike a function of a script, a notebook or another function."""
     if getattr(function, "__module__", None) == "__main__":
         return False
     try:
@@ -355,12 +353,12 @@ class Gathered:
     band: Attributes | None = None
 
     def add(self, number: int, outcome: Outcome) -> None:
-        """Keep the outcome of a case.
+        """Add the outcome of a case.
 
         Raises
         ------
         DataError
-            A result whose arrays are not those of the first one.
+            A result with other arrays than the first one.
         """
         if isinstance(outcome, CaseFailure):
             self.failures[number] = outcome.text

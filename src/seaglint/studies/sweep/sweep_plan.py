@@ -1,8 +1,6 @@
-"""Keys of a scenario that a sweep varies: their values, and the coordinates that name them.
+"""Plan of a sweep: the varied keys with their values and coordinates, the cases, and the view angles.
 
-Cases of a sweep: a scenario with keys set to every combination of their values.
-
-View angles at which a sweep evaluates the sea instead of a picture's pixels.
+A case is the scenario with its keys set to one combination of their values.
 """
 
 from __future__ import annotations
@@ -115,7 +113,7 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
 
 
 def plain_values(given: Any) -> Any:
-    """Return the values of an array of pandas or xarray as a list, in its ``units`` where it states some; others stay as they are."""
+    """Return the values of an array of pandas or xarray as a list, with its ``units`` if it states them; other values are unchanged."""
     if isinstance(given, str | Mapping | Sequence) or not hasattr(given, "__array__"):
         return given
     values = np.atleast_1d(np.asarray(given)).tolist()
@@ -151,12 +149,12 @@ def _coordinate(name: str, key: Key | None, values: tuple[Any, ...]) -> NDArray[
         try:
             return np.array([_utc(value) for value in values], dtype="datetime64[ns]")
         except (TypeError, ValueError):
-            pass  # the scenario says what is wrong with it
+            pass  # the scenario reports the mistake
     return np.array([label(name, value) for value in values], dtype=np.str_)
 
 
 def _number(name: str, value: Any, unit: str) -> float | int:
-    """Return a value as a number in a unit; whether it is allowed is the scenario's to say."""
+    """Return a value as a number in a unit; the scenario checks its range."""
     if isinstance(value, str) and unit:
         try:
             return convert(value, unit)
@@ -173,7 +171,7 @@ def _utc(value: Any) -> np.datetime64:
 
 
 def label(name: str, value: Any) -> str:
-    """Return the text that stands for a value which is no number.
+    """Return the text of a value that is no number.
 
     >>> label("band", {"min_um": 3.5, "max_um": 4.15}), label("sea.slopes", {"kind": "flat"}), label("sea.resolve_waves", True)
     ('3.5-4.15', 'kind = flat', 'true')
@@ -232,7 +230,7 @@ class SweepPlan:
         ScenarioError
             A scenario with mistakes, or a key that does not exist.
         DataError
-            Values that are none.
+            Values that are no values of a key.
         """
         base, folder = _tables(source)
         plan = cls(base, folder, swept_keys(base, vary, folder))
@@ -283,7 +281,7 @@ class SweepPlan:
         return tuple(int(place) for place in np.unravel_index(number, self.shape))
 
     def named(self, number: int) -> str:
-        """Return what a case sets, for messages."""
+        """Return the assignments of a case, for messages."""
         return ", ".join(key.said(place) for key, place in zip(self.keys, self.places(number), strict=True))
 
     def scenario(self, number: int) -> Scenario:
@@ -304,7 +302,7 @@ class SweepPlan:
             raise ScenarioError(first, mistakes=error.mistakes[:1]) from None
 
     def check(self) -> None:
-        """Refuse values that no scenario may have before anything is computed: each value of a key beside the first ones of the others.
+        """Refuse values that no scenario may have before anything is computed: each value of a key with the first values of the others.
 
         Raises
         ------
@@ -318,7 +316,7 @@ class SweepPlan:
                     self.scenario(value * int(step))
 
     def base_scenario(self) -> Scenario:
-        """Return the scenario without changes; its first case where the scenario needs what is varied."""
+        """Return the scenario without changes; its first case if the scenario needs a varied key."""
         try:
             return parse_scenario(self.base, base=self.folder)
         except ScenarioError:
@@ -339,7 +337,7 @@ def _tables(source: Scenario | str | Path | Mapping[str, Any]) -> tuple[TomlTabl
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8-sig")), path.parent.absolute()
     except (OSError, ValueError, RecursionError):
-        load_scenario(path)  # it says what is wrong
+        load_scenario(path)  # raises with the mistake
         raise
 
 
@@ -372,7 +370,7 @@ class ViewAngles:
     """Angles of lines of sight to the sea. Make them with :meth:`of`."""
 
     zenith_deg: tuple[float, ...]  #: Zenith angles, at the sea, of the direction to the sensor [deg].
-    #: Azimuths of the lines of sight, clockwise from north [deg]; the sensor's own where there are none.
+    #: Azimuths of the lines of sight, clockwise from north [deg]; None is the sensor's azimuth.
     azimuth_deg: tuple[float, ...] | None = None
 
     @classmethod
@@ -405,7 +403,7 @@ class ViewAngles:
         return (ZENITH,) if self.azimuth_deg is None else (ZENITH, AZIMUTH)
 
     def elevations(self, height: float) -> FloatArray:
-        """Elevations of the lines of sight at a sensor's height [m] [rad, (zeniths,)]."""
+        """Return elevations of the lines of sight at a sensor's height [m] [rad, (zeniths,)]."""
         gamma = 0.5 * np.pi - np.radians(np.array(self.zenith_deg))
         return np.asarray(-(gamma + sea_arc(height, gamma) / EFFECTIVE_EARTH_RADIUS))
 

@@ -1,4 +1,4 @@
-"""Recordings become textures, textures become endless sequences, and both are compared."""
+"""Textures fitted to recordings, endless sequences sampled from textures, and comparisons of both."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ class HeldOut:
     """Fit of half of the data judged by the other half."""
 
     #: ``log_pseudo_likelihood``, ``independent_pixels``: Logarithm of the pseudo-likelihood per pixel of the half that the fit has not
-    #: seen, and that of independent pixels.
+    #: seen, of the fit and of independent pixels.
     log_pseudo_likelihood: float | None
     independent_pixels: float | None
-    reason: str | None = None  #: Why there is none.
+    reason: str | None = None  #: Reason of missing numbers.
 
     @property
     def note(self) -> str | None:
-        """Sentence where neighbours predict no pixel of the other half.
+        """Return a sentence if neighbours predict no pixel of the other half.
 
         Examples
         --------
@@ -100,7 +100,7 @@ class Fitted:
 
 
 def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES) -> Frames:
-    """Consecutive frames of a region, as many as hold ``most`` values, from the middle of the recording [u]."""
+    """Return consecutive frames of a region, as many as hold ``most`` values, from the middle of the recording [u]."""
     count = max(min(recording.frames, most // region.pixels), 1)
     first = (recording.frames - count) // 2
     frames = np.ascontiguousarray(region.of(recording.read(first, first + count)), np.float32)
@@ -110,7 +110,7 @@ def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES
 
 
 def detrended(frames: Frames) -> Frames:
-    """Frames whose slow changes of mean and contrast are taken off: both are everywhere what they are on average."""
+    """Return frames without slow changes of mean and contrast: both have their average everywhere."""
     from scipy.ndimage import uniform_filter
 
     image = frames.mean(axis=0, dtype=np.float64)
@@ -207,7 +207,7 @@ def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTextur
 
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
-    """The Gaussian texture of the same neighbourhood, to be compared with."""
+    """Return the Gaussian texture of the same neighbourhood, for comparison."""
     if not isinstance(texture, GaussianTexture) or (texture.marginal.kind == "gaussian" and texture.modulation is None):
         return None
     return _refit(texture, data, "gaussian")
@@ -225,7 +225,7 @@ def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianText
 
 
 def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
-    """Pseudo-likelihood of the half that a fit has not seen, beside that of independent Gaussian pixels."""
+    """Return the pseudo-likelihood of the half of the data that a fit has not seen, and of independent Gaussian pixels there."""
     half = len(data) // 2
     if len(data) >= 2 * STILL:
         seen, unseen = data[:half], data[half:]
@@ -247,7 +247,7 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
 
 
 def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, seed: int) -> Frames:
-    """Sample of the size of the data, cut from a torus so large that opposite borders are not alike."""
+    """Return a sample of the size of the data, cut from a torus so large that opposite borders are independent."""
     frames, rows, columns = data.shape
     if isinstance(texture, AutobinomialTexture):
         return texture.sample((1, rows, columns), seed)
@@ -289,7 +289,7 @@ def _layout(stored: StoredTexture, request: SampleRequest) -> Layout:
         frame_rate=stored.frame_rate or NOMINAL_RATE,
         band=None,
         variables=("texture",),
-        turning=True,  # nothing is known of where the pixels look
+        turning=True,  # the pixels of a texture have no known direction
         details={"texture": {"units": stored.units} if stored.units else {}},
         attributes=provenance(
             "Statistical texture, periodic in rows, columns and time",
@@ -304,7 +304,7 @@ def _layout(stored: StoredTexture, request: SampleRequest) -> Layout:
 
 
 def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
-    """Sample a texture in memory, labelled as the store is; arguments and errors of :func:`sample`."""
+    """Sample a texture in memory, with the labels of a store; arguments and errors of :func:`sample`."""
     import xarray as xr
 
     size, frames = request.size, request.frames
@@ -320,7 +320,7 @@ def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
 
 
 def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -> Frames:
-    """Frames of a texture on a torus [u, (frames, rows, columns)].
+    """Return frames of a texture on a torus [u, (frames, rows, columns)].
 
     Raises
     ------
@@ -375,7 +375,7 @@ def compare_textures(
     -------
     comparison : Comparison
     first, second : ndarray
-        What was compared [u].
+        Compared frames [u].
     likelihood : DataLikelihood or None
         Pseudo-likelihood of the data under the model, where one of the two is one.
 
@@ -419,7 +419,7 @@ def _name(given: Any) -> str:
 
 
 def latent_model(stored: StoredTexture) -> tuple[GaussMarkov, GaussianTexture]:
-    """The Gaussian field of a texture that can be laid on the sea.
+    """Return the Gaussian field of a texture that can be laid on the sea.
 
     Raises
     ------
