@@ -96,7 +96,7 @@ def schema() -> dict[str, Any]:
 
 
 def info(path: str | Path, *, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> ResultRecord:
-    """Describe the contents of a file and how it was made.
+    """Say what a file holds and how it was made.
 
     Parameters
     ----------
@@ -332,7 +332,7 @@ def likelihood(
     workers: int | Workers | None = None,
     progress: Progress | None = None,
 ) -> ResultRecord | xr.Dataset:
-    """Estimate how often glint is brighter than thresholds.
+    """How often glint is brighter than thresholds.
 
     Parameters
     ----------

@@ -145,7 +145,8 @@ OUTPUTS: Final[dict[DeckFormat, tuple[str, ...]]] = {
     "modtran6-json": (f"{NAME}.json", f"{NAME}.csv"),
 }
 
-REFRACTION_CM: Final = 2665.0  #: Wavenumber of the refractivity that bends the lines of sight [cm-1]: over the infrared it is equal to 1e-4.
+#: Wavenumber of the refractivity that bends the lines of sight [cm-1]: over the infrared it is equal to 1e-4.
+REFRACTION_CM: Final = 2665.0
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """The source article's Figs. 5 and 12: the chance of glint against the azimuth from the Sun, and two bodies over a glinting sea.
 
-Settings of the article for Fig. 5: 3-5 um, band means, isotropic slopes, one shadowed leg; depressions of 1.5 to 6 deg; time uniform over the day and
-the year, place uniform over the North Atlantic; a single look with its clouds, a trajectory over all depressions, and one widened by a
-field of view of 4 x 4 deg, both hidden by an overcast sky alone. The article does not state height and weather: 30 m and the packaged table here.
+Settings of the article for Fig. 5: 3-5 um, band means, isotropic slopes, one shadowed leg; depressions of 1.5 to 6 deg; time uniform over
+the day and the year, place uniform over the North Atlantic; a single look with its clouds, a trajectory over all depressions, and one
+widened by a field of view of 4 x 4 deg, both hidden by an overcast sky alone. The article does not state height and weather: 30 m and the
+packaged table here.
 
 The caption's threshold of 0.25 W cm-2 sr-1 is 2500 W m-2 sr-1. The Sun itself shows some 1e5 W m-2 sr-1 in 3-5 um, but of a sea with
 1 m/s of wind or more few facets mirror it: glint stays below a few hundred W m-2 sr-1. A thousandth of the caption's number,

@@ -56,9 +56,9 @@ CORRIDOR_SHARE: Final = 0.5  #: Mean mirrored Sun, as a share of its row's large
 
 #: Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
 #:
-#: Assumed: the article does not state the blur of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
-#: twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of resolution,
-#: at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
+#: Assumed: the article does not state the blur of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample
+#: about twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of
+#: resolution, at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
 BLUR_PX: Final = 1.2
 
 #: Blurs with which rates and correlation times are computed too [px], to show their dependence on the assumed blur.

@@ -119,7 +119,7 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
 
 
 def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
-    """Return the arcs along the sea of the nearest and farthest pixel [m], the latter None with the horizon in view; None for moving sensors."""
+    """Return arcs along the sea of the nearest and farthest pixel [m], the latter None with the horizon in view; None if it moves."""
     if scenario.platform is not None:
         return None
     pose, pixels = track(scenario).at(0.0), imager(scenario)

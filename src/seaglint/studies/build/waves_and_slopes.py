@@ -144,7 +144,7 @@ FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Mu
 
 
 def slopes(scenario: Scenario) -> SlopeStatistics:
-    """Return the slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction."""
+    """Return the slope statistics of the whole sea, with the covariances of longer waves; isotropic laws have no direction."""
     sea = spectrum(scenario)
     made = _law(scenario, sea)
     if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):

@@ -137,7 +137,7 @@ def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str |
 
 
 def _states_air(scenario: Scenario) -> bool:
-    """Return whether a scenario states the temperature of its air: a model atmosphere has the temperature of a climate, whatever the water."""
+    """Return whether a scenario states the temperature of its air: a model atmosphere has that of a climate, whatever the water."""
     match scenario.atmosphere:
         case wanted_air.LowtranAtmosphere(sounding=sounding, air_minus_sea_k=difference):
             return sounding is not None or difference is not None

@@ -484,7 +484,7 @@ def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[s
 def _wind_and_height(
     cases: Cases, air: BatchAtmosphere, extrapolate: bool, heights: tuple[float, float] | None = None
 ) -> tuple[FloatArray, FloatArray, Columns]:
-    """Return winds [m s-1], heights [m], and with ``extrapolate`` the column that marks values outside the table, or outside ``heights``."""
+    """Return winds [m s-1], heights [m], and with ``extrapolate`` a column of marks for values outside the table or ``heights``."""
     wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
     what = "m of the atmosphere tables" if heights is None else "m"
     height, high = _ranged(cases, "sensor_height_m", heights or air.height_range, (1e-3, TOP_OF_AIR), what, extrapolate)

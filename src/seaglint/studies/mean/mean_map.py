@@ -305,7 +305,7 @@ class RowAverage:
 
     @classmethod
     def of(cls, camera: Camera, horizon: float | None = None) -> RowAverage:
-        """Return elevations for the rows of a camera, from the top; ``horizon`` is the sea's horizon [rad] if refraction is not standard."""
+        """Return elevations for the rows of a camera, from the top; ``horizon`` [rad] is the sea's if refraction is not standard."""
         below = np.abs(camera.elevations + (horizon_depression(camera.height) if horizon is None else -horizon))
         points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
         points[below < 0.5 * camera.row_step] = CUT_POINTS

@@ -75,7 +75,8 @@ def render(
     progress : callable, optional
         Called with (frames done, frames in all).
     share : Share, optional
-        Render the units of the share alone, into a store that other shares write too; :func:`seaglint.store.sequence_store.finish_sequence` names it.
+        Render the units of the share alone, into a store that other shares write too;
+        :func:`seaglint.store.sequence_store.finish_sequence` names it.
     workers : Workers, optional
         Workers that render; this process by default. The bytes do not depend on them.
 

@@ -158,7 +158,8 @@ def sense(
     progress : callable, optional
         Called with (frames done, frames in all).
     share : Share, optional
-        Make the units of the share alone, in a store that other shares write too; :func:`seaglint.store.sequence_store.finish_sequence` names it.
+        Make the units of the share alone, in a store that other shares write too;
+        :func:`seaglint.store.sequence_store.finish_sequence` names it.
     workers : Workers, optional
         Workers that make the frames; this process by default. They read the recording themselves, which needs ``reopen``.
     reopen : Reopen, optional
