@@ -52,7 +52,7 @@ _ASSUMED: Final[Mapping[str, tuple[str, ...]]] = {
 }
 
 #: Meaning of keys that have no value.
-_LEFT_OUT: Final[Mapping[str, str]] = {
+_UNSET_MEANINGS: Final[Mapping[str, str]] = {
     "integration_time_s": "a whole frame",
     "well_capacity_e": "without limit",
 }
@@ -108,7 +108,7 @@ def camera(values: Mapping[str, Any]) -> CameraTables:
         if name.startswith("band"):
             band |= _band(name, value)
             continue
-        place, read = _placed(name, value)
+        place, read = _key_and_value(name, value)
         *above, key = place[1:]
         table = sensor.setdefault(above[0], {}) if above else sensor
         if key in table:
@@ -126,7 +126,7 @@ def camera(values: Mapping[str, Any]) -> CameraTables:
     ]
     if missing:
         raise ScenarioError(f"camera: misses {', '.join(missing)}; write e.g. {EXAMPLE}")
-    assumed = [*_kind(sensor["detector"], band, values), *_stated_at(sensor)]
+    assumed = [*_kind(sensor["detector"], band, values), *_assume_netd_lens(sensor)]
     if not band:
         assumed.append("band of 3.5 to 5 um, as none is given; add band_um=3.5-5")
     return CameraTables({"sensor": sensor, **({"band": band} if band else {})}, tuple(assumed))
@@ -193,7 +193,7 @@ def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | No
         }
         if name in lens:
             return f"{lens[name]:.4g}"
-        return "what the NETD needs" if name == "integration_time_s" and states_netd else _LEFT_OUT.get(name)
+        return "what the NETD needs" if name == "integration_time_s" and states_netd else _UNSET_MEANINGS.get(name)
     if isinstance(value, tuple):
         return f"[{', '.join(f'{one:.4g}' for one in value)}]"
     return f"{value:g}" if isinstance(value, int | float) else f'"{value}"' if isinstance(value, str) else f"{value}"
@@ -254,7 +254,7 @@ def _keys() -> dict[str, tuple[str, ...]]:
     return out
 
 
-def _placed(name: str, value: Any) -> tuple[tuple[str, ...], Any]:
+def _key_and_value(name: str, value: Any) -> tuple[tuple[str, ...], Any]:
     """Return the place of a key and its value in the unit of that place."""
     known = _keys()
     if name in known:
@@ -314,7 +314,7 @@ def _kind(detector: dict[str, Any], band: Mapping[str, Any], values: Mapping[str
     return [f"{taken}, from band and NETD; kind={other} makes it the other"]
 
 
-def _stated_at(sensor: dict[str, Any]) -> list[str]:
+def _assume_netd_lens(sensor: dict[str, Any]) -> list[str]:
     """Take a microbolometer's NETD as stated for its lens if the data sheet has no other f-number, and return this assumption."""
     detector, lens = sensor["detector"], sensor.get("optics", {}).get("f_number")
     if detector["kind"] != "thermal" or lens is None or "netd_f_number" in detector:

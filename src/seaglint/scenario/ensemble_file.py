@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.base.free_form import TomlTables
-from seaglint.scenario.load import parse_scenario, say_moments
+from seaglint.scenario.load import parse_scenario, report_moments
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, with_sensor
 from seaglint.scenario.records.ensemble_tables import Choice, Dataset, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
@@ -219,7 +219,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
     if isinstance(given, str):
         path = Path(given) if folder is None else folder / given
         raw, where, beside = read_toml(path, "base scenario"), str(path), path.parent
-        say_moments(raw, where)
+        report_moments(raw, where)
     elif isinstance(given, Mapping):
         raw, where, beside = dict(given), f"{name}: base", folder
         preset = raw.pop("preset", None)

@@ -53,11 +53,11 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
     except RecursionError:
         raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
     scenario = parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
-    say_moments(raw, str(path))
+    report_moments(raw, str(path))
     return scenario
 
 
-def say_moments(raw: Mapping[str, Any], name: str) -> None:
+def report_moments(raw: Mapping[str, Any], name: str) -> None:
     """Report the UTC time that is taken for dates and times without a zone, or without an hour, because it changes the Sun."""
     for key, moment, hour in _without_zone(raw):
         given, lacks = (moment.isoformat(), "") if hour else (f"{moment:%Y-%m-%d}", "no hour and ")

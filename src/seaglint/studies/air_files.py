@@ -26,12 +26,12 @@ from seaglint.base.reports import REPORTS
 from seaglint.formats.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
 from seaglint.formats.modtran.decks import AZIMUTHS, LOWTRAN7_CO2_PPMV, MANIFEST, Manifest, deck, json_deck, needed_lines
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.sun import sun_position
 from seaglint.store.outputs import made_folder, refuse_existing, write_text
 from seaglint.store.provenance import provenance
 from seaglint.studies.build import scenario_physics
-from seaglint.studies.build.profile_air import program_sounding, wanted_gases
+from seaglint.studies.build.profile_air import program_sounding, requested_gases
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,7 +65,7 @@ def export_air(scenario: Scenario) -> xr.Dataset:
     """
     import xarray as xr
 
-    if isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
+    if isinstance(scenario.atmosphere, requested_air.FileAtmosphere):
         raise ScenarioError(
             f"atmosphere.source = 'file': {scenario.atmosphere.path} is such a file already; copy it, or choose another source to export"
         )
@@ -212,8 +212,8 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
 def _carbon_dioxide(scenario: Scenario, form: str) -> float:
     """Return the carbon dioxide of the scenario [1e-6 of the volume]; report gases that decks cannot specify."""
     gases = OwnGases()
-    if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere):
-        gases = wanted_gases(scenario.atmosphere)
+    if isinstance(scenario.atmosphere, requested_air.TableAtmosphereSettings | requested_air.LowtranAtmosphere):
+        gases = requested_gases(scenario.atmosphere)
     co2 = LOWTRAN7_CO2_PPMV if gases.co2_ppmv is None else gases.co2_ppmv
     left = [name for name in ("ch4_ppmv", "n2o_ppmv", "ozone_du") if getattr(gases, name) is not None]
     if form == "tape5-lowtran7" and co2 != LOWTRAN7_CO2_PPMV:
@@ -230,12 +230,12 @@ def _air(scenario: Scenario) -> LowtranAir:
     if getattr(scenario.atmosphere, "air_minus_sea_k", None) is not None:
         raise ScenarioError("atmosphere.air_minus_sea_k is not in decks, which take the profile as it is; leave it out to write them")
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphereSettings(model=model):
+        case requested_air.TableAtmosphereSettings(model=model):
             aerosol = Aerosol(wind=wind, wind_24h=wind)
-        case (wanted_air.LowtranAtmosphere(model=model) | wanted_air.LowtranFortranAtmosphere(model=model)) as wanted:
-            longer = wanted.wind_24h_m_s
-            aerosol = Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer)
-            levels = program_sounding(wanted, scenario, scenario_physics.band(scenario))
+        case (requested_air.LowtranAtmosphere(model=model) | requested_air.LowtranFortranAtmosphere(model=model)) as requested:
+            wind_24h = wind if requested.wind_24h_m_s is None else requested.wind_24h_m_s
+            aerosol = Aerosol(requested.haze, requested.visibility_km, requested.air_mass_character, wind, wind_24h)
+            levels = program_sounding(requested, scenario, scenario_physics.band(scenario))
         case other:
             raise ScenarioError(
                 f"atmosphere.source = '{other.source}' is no air that MODTRAN could compute; "

@@ -209,7 +209,7 @@ _BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Va
 
 
 @dataclass(frozen=True)
-class FramesHeld:
+class SequenceFrames:
     """Frames of a sequence: their number, the number of written frames, completeness, the first number, and the rate [Hz]."""
 
     frames: int
@@ -220,7 +220,7 @@ class FramesHeld:
 
 
 @dataclass(frozen=True)
-class DirectionsHeld:
+class PictureDirections:
     """Directions and band of a picture."""
 
     #: ``azimuth_deg``, ``elevation_deg``: Of the first and last column and row; of a picture that is turned, the limits [deg].
@@ -237,9 +237,9 @@ class FileFacts:
     path: str
     title: str
     variables: list[str]  #: Names of its variables.
-    frames: FramesHeld | None  #: Frames of a sequence; None of a map.
+    frames: SequenceFrames | None  #: Frames of a sequence; None of a map.
     pixels: list[int]  #: Columns and rows.
-    directions: DirectionsHeld | None  #: Directions and band; None of a texture, whose pixels have neither.
+    directions: PictureDirections | None  #: Directions and band; None of a texture, whose pixels have neither.
     seed: int | None  #: Seed, as far as there is one.
     bytes: int  #: Size [B].
     provenance: JsonObject  #: Attributes about its making.
@@ -363,7 +363,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
         variables=sorted(map(str, dataset.data_vars)),
         frames=frames,
         pixels=[int(radiance.sizes["x"]), int(radiance.sizes["y"])],
-        directions=DirectionsHeld(
+        directions=PictureDirections(
             [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
             [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
             [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
@@ -394,8 +394,8 @@ def _texture_facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     )
 
 
-def _frames(dataset: xr.Dataset, count: int, done: int) -> FramesHeld:
-    return FramesHeld(count, done, done == count, int(dataset["frame"][0]), float(dataset.attrs["frame_rate_hz"]))
+def _frames(dataset: xr.Dataset, count: int, done: int) -> SequenceFrames:
+    return SequenceFrames(count, done, done == count, int(dataset["frame"][0]), float(dataset.attrs["frame_rate_hz"]))
 
 
 def _provenance(dataset: xr.Dataset) -> JsonObject:
@@ -412,12 +412,12 @@ def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str
         return _array_lines(facts, everything)
     nx, ny = facts.pixels
     out = [f"{facts.path}: {facts.title}"]
-    if (held := facts.frames) is not None:
-        state = "complete" if held.complete else f"UNFINISHED, {held.frames_done} done"
-        out.append(f"  frames            {held.frames} from number {held.first_frame} at {held.frame_rate_hz:g} Hz, {state}")
+    if (frames := facts.frames) is not None:
+        state = "complete" if frames.complete else f"UNFINISHED, {frames.frames_done} done"
+        out.append(f"  frames            {frames.frames} from number {frames.first_frame} at {frames.frame_rate_hz:g} Hz, {state}")
     if facts.directions is not None:
-        seen = facts.directions
-        (a0, a1), (e0, e1), (w0, w1) = seen.azimuth_deg, seen.elevation_deg, seen.band_um
+        view = facts.directions
+        (a0, a1), (e0, e1), (w0, w1) = view.azimuth_deg, view.elevation_deg, view.band_um
         out += [
             f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
             f"  band              {w0:g} to {w1:g} um",

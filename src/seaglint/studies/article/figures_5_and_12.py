@@ -92,7 +92,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
     :data:`AZIMUTHS` to both sides, exceeds (``probability_within``; the same draws look at all azimuths), and that a look in a direction
     drawn evenly among them does (``probability_averaged``, the mean of (a) up to theta_T).
     """
-    tell = report or (lambda done, total: None)
+    progress = report or (lambda done, total: None)
     rows: list[tuple[float, ...]] = []
     brightest, printed = 0.0, 0.0
     total = len(CASES) * (2 * AZIMUTHS.size - 1)
@@ -103,7 +103,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
         for azimuth in AZIMUTHS.tolist():
             sides = []
             for side in (1.0, -1.0) if azimuth > 0.0 else (1.0,):
-                tell(done, total)
+                progress(done, total)
                 sides.append(draw(model, azimuth=side * np.radians(azimuth)))
                 done += 1
             brightest = max(brightest, *(float(d.radiance.max()) for d in sides))
@@ -115,7 +115,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
                 here = estimate(both, sides[0].plan, weight=sides[0].weight)
                 any_ = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
                 rows.append((number, threshold, azimuth, here.value, here.low, here.high, any_.value, any_.low, any_.high))
-    tell(total, total)
+    progress(total, total)
     names = (
         "case", "threshold_w_m2_sr", "azimuth_deg", "probability", "interval_low", "interval_high",
         "probability_within", "within_low", "within_high",
@@ -232,7 +232,7 @@ def scene(pixels: int = PIXELS) -> Scenario:
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class Trajectories:
     """Positions of sensor and bodies in the vertical plane of the line of sight."""
 
     time: FloatArray  #: Of the frames [s].
@@ -243,7 +243,7 @@ class Ways:
     sight: tuple[float, float]  #: Elevations of the image's lower and upper edge [rad].
 
 
-def ways(scenario: Scenario, frames: range) -> Ways:
+def trajectories(scenario: Scenario, frames: range) -> Trajectories:
     """Return the positions of sensor and bodies over some frames."""
     sensor, track = scenario.sensor, scenario_physics.track(scenario)
     time = np.asarray(frames) / sensor.frame_rate_hz
@@ -256,7 +256,7 @@ def ways(scenario: Scenario, frames: range) -> Ways:
         places[body.name] = np.array([body.motion.at(float(t)).position for t in time])
     middle, half = start.attitude.elevation, 0.5 * math.radians(sensor.fov_deg[1])
     ahead = {name: (place[:, :2] - origin) @ look for name, place in places.items()}
-    return Ways(time, ahead, {name: place[:, 2] for name, place in places.items()}, (middle - half, middle + half))
+    return Trajectories(time, ahead, {name: place[:, 2] for name, place in places.items()}, (middle - half, middle + half))
 
 
 def shown_frame(frames: range) -> int:

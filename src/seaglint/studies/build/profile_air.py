@@ -35,8 +35,11 @@ from seaglint.formats.soundings.sounding import Continuation, Sounding, continua
 from seaglint.formats.tables.input_tables import read_track
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT
+
+AirWithSounding = requested_air.LowtranAtmosphere | requested_air.LowtranFortranAtmosphere  #: Tables of air that may have a sounding.
+ComputedAir = requested_air.TableAtmosphereSettings | requested_air.LowtranAtmosphere  #: Tables of air whose absorption is summed here.
 
 if TYPE_CHECKING:
     from seaglint.air.profile.profile_scattering import Scatterers
@@ -106,7 +109,7 @@ LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which no temperatures 
 ALMOST_NONE: Final = 1e-6  #: Factor of the removed water vapour [1]: an amount of 0 has no logarithm.
 
 
-def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere, scenario: Scenario) -> Sounding:
+def scenario_sounding(requested: AirWithSounding, scenario: Scenario) -> Sounding:
     """Return the sounding of a scenario at its place and time.
 
     Raises
@@ -114,12 +117,10 @@ def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranF
     DataError
         As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
     """
-    from seaglint.formats.soundings.sounding import read_sounding
-
-    assert wanted.sounding is not None  # callers asked
+    assert requested.sounding is not None  # callers checked
     place = None if scenario.place is None else (scenario.place.latitude_deg, scenario.place.longitude_deg)
     time: datetime | None = None if scenario.time is None else scenario.time.utc
-    return read_sounding(wanted.sounding, place, time)
+    return read_sounding(requested.sounding, place, time)
 
 
 def report_sounding(sounding: Sounding, model: str, scenario: Scenario, over: Band) -> None:
@@ -138,13 +139,11 @@ def report_sounding(sounding: Sounding, model: str, scenario: Scenario, over: Ba
 def report_air(scenario: Scenario, over: Band) -> None:
     """Report the sounding of a scenario, where it has one, for workers that prepare its air and print nothing."""
     air = scenario.atmosphere
-    if isinstance(air, wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere) and air.sounding is not None:
+    if isinstance(air, AirWithSounding) and air.sounding is not None:
         report_sounding(scenario_sounding(air, scenario), air.model, scenario, over)
 
 
-def program_sounding(
-    wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere, scenario: Scenario, over: Band
-) -> tuple[ProfileLevel, ...]:
+def program_sounding(requested: AirWithSounding, scenario: Scenario, over: Band) -> tuple[ProfileLevel, ...]:
     """Return the levels of a scenario's sounding for LOWTRAN7's program and for decks, none without one, and report the sounding.
 
     Raises
@@ -152,14 +151,14 @@ def program_sounding(
     DataError
         As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
     """
-    if wanted.sounding is None:
+    if requested.sounding is None:
         return ()
 
-    sounding = scenario_sounding(wanted, scenario)
-    report_sounding(sounding, wanted.model, scenario, over)
+    sounding = scenario_sounding(requested, scenario)
+    report_sounding(sounding, requested.model, scenario, over)
     if sounding.ozone_ppmv is not None:
-        REPORTS.warning("%s: LOWTRAN7's program and decks take no ozone of it but that of %s", sounding.path, wanted.model)
-    return levels_of(sounding, wanted.model)
+        REPORTS.warning("%s: LOWTRAN7's program and decks take no ozone of it but that of %s", sounding.path, requested.model)
+    return levels_of(sounding, requested.model)
 
 
 def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: Band) -> str:
@@ -209,9 +208,7 @@ OWN_OF_THE_PROFILE: Final = OwnGases()  #: Choice of gases that leaves the gases
 INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are searched [cm-1]: 4 um.
 
 
-def profile_atmosphere(
-    wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band
-) -> ProfileAtmosphere:
+def profile_atmosphere(requested: ComputedAir, scenario: Scenario, over: Band) -> ProfileAtmosphere:
     """Return the air over a band; equal air is one object, which caches its rays.
 
     Raises
@@ -219,39 +216,39 @@ def profile_atmosphere(
     ScenarioError
         A response file reaches beyond the air's band.
     """
-    _require_band(wanted, scenario, over)
+    _require_band(requested, scenario, over)
     wind = scenario.wind.speed_m_s
-    lowest = None if wanted.air_minus_sea_k is None else (wind, scenario.sea.temperature_k, wanted.air_minus_sea_k)
+    lowest = None if requested.air_minus_sea_k is None else (wind, scenario.sea.temperature_k, requested.air_minus_sea_k)
     choice = _Choice(
         HazeWeather(wind=wind, wind_24h=wind),
         (over.min_um, over.max_um),
-        wanted.levels,
+        requested.levels,
         _changes_height(scenario),
         lowest,
-        wanted.spectroscopy,
-        wanted_gases(wanted),
+        requested.spectroscopy,
+        requested_gases(requested),
     )
-    if isinstance(wanted, wanted_air.TableAtmosphereSettings):
-        return _kept(wanted.model, choice)
-    longer = wind if wanted.wind_24h_m_s is None else wanted.wind_24h_m_s
-    haze = HazeWeather(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, longer)
+    if isinstance(requested, requested_air.TableAtmosphereSettings):
+        return _cached_model_air(requested.model, choice)
+    longer = wind if requested.wind_24h_m_s is None else requested.wind_24h_m_s
+    haze = HazeWeather(requested.haze, requested.visibility_km, requested.air_mass_character, wind, longer)
     choice = replace(choice, haze=haze)
-    if wanted.sounding is None:
-        return _kept(wanted.model, choice)
-    sounding = scenario_sounding(wanted, scenario)
-    report_sounding(sounding, wanted.model, scenario, over)
-    profile = sounding.profile(wanted.model)
+    if requested.sounding is None:
+        return _cached_model_air(requested.model, choice)
+    sounding = scenario_sounding(requested, scenario)
+    report_sounding(sounding, requested.model, scenario, over)
+    profile = sounding.profile(requested.model)
     trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
     if trapped:
         layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
-        shown = "" if wanted.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
+        shown = "" if requested.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
         _log.warning("%s traps rays at %s: its sums bend them a little less%s", sounding.path, layers, shown)
-    return _made(profile, choice, sounding.provenance)
+    return _with_haze(_hazeless_air(profile, choice, sounding.provenance), choice)
 
 
-def wanted_gases(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) -> OwnGases:
+def requested_gases(requested: ComputedAir) -> OwnGases:
     """Return the gases of a scenario, with the default carbon dioxide of its spectroscopy."""
-    return OwnGases(wanted.co2_ppmv, wanted.ch4_ppmv, wanted.n2o_ppmv, wanted.ozone_du).of(wanted.spectroscopy)
+    return OwnGases(requested.co2_ppmv, requested.ch4_ppmv, requested.n2o_ppmv, requested.ozone_du).of(requested.spectroscopy)
 
 
 def model_air(
@@ -264,7 +261,7 @@ def model_air(
     """Return a model atmosphere with the Navy maritime aerosol at a wind [m s-1], at most 20, over wavelengths [um]."""
     wind = min(wind_speed, NAVY_AEROSOL_WIND[1])
     haze = HazeWeather(wind=wind, wind_24h=wind)
-    return _kept(model, _Choice(haze, edges, levels, spectroscopy=spectroscopy, gases=OwnGases().of(spectroscopy)))
+    return _cached_model_air(model, _Choice(haze, edges, levels, spectroscopy=spectroscopy, gases=OwnGases().of(spectroscopy)))
 
 
 def _changes_height(scenario: Scenario) -> bool:
@@ -322,20 +319,16 @@ class _HazelessAir:
 
 
 @lru_cache(maxsize=64)
-def _kept(model: str, choice: _Choice) -> ProfileAtmosphere:
-    return _with_haze(_kept_hazeless(model, replace(choice, haze=HazeWeather(), moving=False)), choice)
+def _cached_model_air(model: str, choice: _Choice) -> ProfileAtmosphere:
+    return _with_haze(_cached_hazeless_air(model, replace(choice, haze=HazeWeather(), moving=False)), choice)
 
 
 @lru_cache(maxsize=4)
-def _kept_hazeless(model: str, choice: _Choice) -> _HazelessAir:
-    return _hazeless(model_profile(model), choice, {})
+def _cached_hazeless_air(model: str, choice: _Choice) -> _HazelessAir:
+    return _hazeless_air(model_profile(model), choice, {})
 
 
-def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> ProfileAtmosphere:
-    return _with_haze(_hazeless(profile, choice, noted), choice)
-
-
-def _hazeless(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> _HazelessAir:
+def _hazeless_air(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> _HazelessAir:
     provenance: JsonObject = {**noted}
     if choice.lowest is not None:
         profile = with_marine_layer(profile, *choice.lowest)
@@ -359,9 +352,9 @@ def _with_haze(air: _HazelessAir, choice: _Choice) -> ProfileAtmosphere:
     )
 
 
-def _require_band(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band) -> None:
+def _require_band(requested: ComputedAir, scenario: Scenario, over: Band) -> None:
     """Refuse wavelengths of a response file outside the air's band; the records check the scenario's numbers."""
-    of_table = isinstance(wanted, wanted_air.TableAtmosphereSettings)
+    of_table = isinstance(requested, requested_air.TableAtmosphereSettings)
     inside = TABLE_BANDS_UM if of_table else (PROFILE_BAND_UM,)
     if any(low <= over.min_um and over.max_um <= high for low, high in inside):
         return

@@ -36,8 +36,8 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.variance import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
-from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records import atmosphere_table as requested_air
+from seaglint.scenario.records import sea_tables as requested_sea
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 from seaglint.scenario.records.view_tables import Keyframe
 from seaglint.scenario.sun import SunPosition, sun_position
@@ -45,7 +45,7 @@ from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.wave_field import WaveField
-from seaglint.studies.build.profile_air import profile_atmosphere, program_sounding
+from seaglint.studies.build.profile_air import ComputedAir, profile_atmosphere, program_sounding
 from seaglint.studies.build.waves_and_slopes import Waves, slopes, waves
 
 
@@ -99,20 +99,20 @@ def band(scenario: Scenario) -> Band:
 def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
     """Return the air, sampled over a band."""
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphereSettings() | wanted_air.LowtranAtmosphere() as wanted:
-            return profile_atmosphere(wanted, scenario, over)
-        case wanted_air.LowtranFortranAtmosphere() as wanted:
-            return _lowtran(scenario, wanted, over)
-        case wanted_air.FileAtmosphere(path=path):
+        case requested_air.TableAtmosphereSettings() | requested_air.LowtranAtmosphere() as requested:
+            return profile_atmosphere(requested, scenario, over)
+        case requested_air.LowtranFortranAtmosphere() as requested:
+            return _lowtran(scenario, requested, over)
+        case requested_air.FileAtmosphere(path=path):
             from seaglint.formats.air_file import read_atmosphere
 
             air, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
             if air.scattered is not None:
                 air.scattered.require_sun(sun_position(scenario).zenith, str(path))
             return air if seen is None else air.seen_between(*seen)
-        case wanted_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
+        case requested_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
-        case wanted_air.NoAtmosphere():
+        case requested_air.NoAtmosphere():
             return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
         case other:
             assert_never(other)
@@ -131,7 +131,7 @@ def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
     return (float(arc[sea].min()), float(arc.max()) if sea.all() else None) if sea.any() else None
 
 
-def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
+def _lowtran(scenario: Scenario, source: requested_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
     """Return LOWTRAN7's runs for this sensor height, band and wind, from the cache if it has them."""
     from seaglint.formats.lowtran.deck import Aerosol
     from seaglint.formats.lowtran.lowtran_sample import lowtran_atmosphere
@@ -189,9 +189,9 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
         if height == first.sensor_height:
             return first
         match scenario.atmosphere:
-            case wanted_air.LowtranFortranAtmosphere():
+            case requested_air.LowtranFortranAtmosphere():
                 return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
-            case wanted_air.FileAtmosphere():
+            case requested_air.FileAtmosphere():
                 raise ScenarioError(
                     f"platform: the sensor's height changes (sensor.height_m = {first.sensor_height:g}, platform {height:g} m), and "
                     "atmosphere.source = 'file' is made for one height; keep the height, or use another atmosphere"
@@ -204,7 +204,7 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
 
 def standing_view(scenario: Scenario, height: float) -> SeaView:
     """Return sea, air and Sun for a sensor at rest at a height [m] of its track, as of a scenario without platform."""
-    if scenario.platform is None or isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
+    if scenario.platform is None or isinstance(scenario.atmosphere, requested_air.FileAtmosphere):
         return view_at(scenario)(height)
     sensor = scenario.sensor.model_copy(update={"height_m": height})
     return view(scenario.model_copy(update={"sensor": sensor, "platform": None}))
@@ -293,9 +293,9 @@ def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
     kind = scenario.sea.slopes
     isotropic = (
         flat()
-        if isinstance(kind, wanted_slopes.FlatSlopes)
+        if isinstance(kind, requested_sea.FlatSlopes)
         else cox_munk_isotropic(
-            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, wanted_slopes.SpectrumSlopes) and kind.extrapolate
+            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, requested_sea.SpectrumSlopes) and kind.extrapolate
         )
     )
     return replace(seen or view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
@@ -458,7 +458,7 @@ AIR_AT: Final = 10.0  #: Height at which the temperature of the lowest air is ta
 def bends_by_profile(scenario: Scenario) -> bool:
     """Return true where lines of sight are to bend as in the scenario's own air."""
     air = scenario.atmosphere
-    return isinstance(air, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) and air.refraction == "profile"
+    return isinstance(air, ComputedAir) and air.refraction == "profile"
 
 
 def bending(scenario: Scenario, view: SeaView) -> Bending | None:

@@ -17,8 +17,7 @@ from seaglint.base.conventions import travel_azimuth
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import sea_tables as wanted
-from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records import sea_tables as requested_sea
 from seaglint.scenario.records.sea_tables import FlatSea
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
@@ -30,7 +29,7 @@ from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 
-_ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
+_FILE_KEYS: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
 
 
 @dataclass(frozen=True)
@@ -53,9 +52,9 @@ def waves(scenario: Scenario) -> Waves:
         A file that cannot be read, or has nothing near the requested time and place.
     """
     match scenario.sea.spectrum:
-        case wanted.FlatSea():
+        case requested_sea.FlatSea():
             return Waves(None)
-        case wanted.WaveSystems(systems=systems):
+        case requested_sea.WaveSystems(systems=systems):
             parts = [_system(scenario, system, f"sea.spectrum.systems[{i}]") for i, system in enumerate(systems)]
             spectra = tuple(part.spectrum for part in parts if part.spectrum is not None)
             return Waves(CombinedSpectrum(spectra) if spectra else None, tuple(source for part in parts for source in part.sources))
@@ -71,23 +70,23 @@ def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
 def has_wind_sea(scenario: Scenario) -> bool:
     """Return true where waves come from a model of the wind sea, alone or with other systems."""
     table = scenario.sea.spectrum
-    systems = table.systems if isinstance(table, wanted.WaveSystems) else (table,)
-    return any(isinstance(system, wanted.Elfouhaily | wanted.PiersonMoskowitz) for system in systems)
+    systems = table.systems if isinstance(table, requested_sea.WaveSystems) else (table,)
+    return any(isinstance(system, requested_sea.Elfouhaily | requested_sea.PiersonMoskowitz) for system in systems)
 
 
-def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
+def _system(scenario: Scenario, system: requested_sea.System, key: str) -> Waves:
     """Return the waves of one system, whose table has the dotted name ``key``."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match system:
-        case wanted.SpectrumFile():
+        case requested_sea.SpectrumFile():
             return _file(scenario, system, to, key)
-        case wanted.Jonswap():
+        case requested_sea.Jonswap():
             return Waves(_jonswap(system, to, key))
         case _ if speed == 0.0:
             return Waves(None)  # no wind, no wind sea
-        case wanted.Elfouhaily():
+        case requested_sea.Elfouhaily():
             return Waves(elfouhaily(speed, to))
-        case wanted.PiersonMoskowitz():
+        case requested_sea.PiersonMoskowitz():
             return Waves(_wind_sea(lambda wind: PiersonMoskowitzSpectrum.of_u10(wind, to), speed))
         case other:
             assert_never(other)
@@ -103,7 +102,7 @@ def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> Di
     return model(speed) if speed >= LIGHTEST else CalmSpectrum(model(LIGHTEST), speed / LIGHTEST)
 
 
-def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
+def _jonswap(system: requested_sea.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
     to = wind_to if system.from_deg is None else travel_azimuth(np.radians(system.from_deg))
     try:
         return JonswapSpectrum(
@@ -114,7 +113,7 @@ def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectru
         raise _mistake(name, f"{name}: {error}", error) from error
 
 
-def _file(scenario: Scenario, system: wanted.SpectrumFile, wind_to: float, key: str) -> Waves:
+def _file(scenario: Scenario, system: requested_sea.SpectrumFile, wind_to: float, key: str) -> Waves:
     from seaglint.formats.waves import WaveChoice, read_waves
 
     place = scenario.place if system.latitude_deg is None and system.site is None else None
@@ -127,7 +126,7 @@ def _file(scenario: Scenario, system: wanted.SpectrumFile, wind_to: float, key: 
     try:
         read = read_waves(system.path, choice, wind_to, format=None if system.format == "auto" else system.format)
     except DomainError as error:
-        if error.name not in _ASKED:
+        if error.name not in _FILE_KEYS:
             raise
         name = f"{key}.{error.name}"
         raise _mistake(name, f"{name} {error}", error) from error
@@ -146,43 +145,43 @@ FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Mu
 def slopes(scenario: Scenario) -> SlopeStatistics:
     """Return the slope statistics of the whole sea, with the covariances of longer waves; isotropic laws have no direction."""
     sea = spectrum(scenario)
-    made = _law(scenario, sea)
-    if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
-        return made
-    if made.directed is None or made.directed >= 1.0:
-        return made if sea is None else _nested(made, sea)
+    statistics = _law(scenario, sea)
+    if isinstance(scenario.sea.slopes, requested_sea.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
+        return statistics
+    if statistics.directed is None or statistics.directed >= 1.0:
+        return statistics if sea is None else _nested(statistics, sea)
     without_wind = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
-    return _nested(made, sea, spectrum(without_wind))
+    return _nested(statistics, sea, spectrum(without_wind))
 
 
 @lru_cache(maxsize=256)
-def _nested(made: SlopeStatistics, waves: DirectionalSpectrum | None, calm: DirectionalSpectrum | None = None) -> SlopeStatistics:
-    return nested_in(made, waves, calm)
+def _nested(statistics: SlopeStatistics, waves: DirectionalSpectrum | None, calm: DirectionalSpectrum | None = None) -> SlopeStatistics:
+    return nested_in(statistics, waves, calm)
 
 
 def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics:
     """Return the slope statistics by the scenario's slope law, which may be the spectrum of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.slopes:
-        case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
+        case requested_sea.CoxMunkIsotropic(extrapolate=extrapolate):
             return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkAnisotropic(extrapolate=extrapolate):
+        case requested_sea.CoxMunkAnisotropic(extrapolate=extrapolate):
             return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkGramCharlier(extrapolate=extrapolate):
+        case requested_sea.CoxMunkGramCharlier(extrapolate=extrapolate):
             return cox_munk_gram_charlier(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkSlick(extrapolate=extrapolate):
+        case requested_sea.CoxMunkSlick(extrapolate=extrapolate):
             return cox_munk_slick(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.BreonHenriot(extrapolate=extrapolate):
+        case requested_sea.BreonHenriot(extrapolate=extrapolate):
             return breon_henriot(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.SpectrumSlopes():
-            made = SlopeStatistics(0.0, 0.0, to) if sea is None else spectrum_slopes(sea)
+        case requested_sea.SpectrumSlopes():
+            statistics = SlopeStatistics(0.0, 0.0, to) if sea is None else spectrum_slopes(sea)
             if has_wind_sea(scenario):
-                made = at_least_residual(made)
-            if made.is_flat:
-                return made
-            _warn_of_few_slopes(made.mss, speed)
-            return made
-        case wanted_slopes.FlatSlopes():
+                statistics = at_least_residual(statistics)
+            if statistics.is_flat:
+                return statistics
+            _warn_of_few_slopes(statistics.mss, speed)
+            return statistics
+        case requested_sea.FlatSlopes():
             return flat()
         case other:
             assert_never(other)

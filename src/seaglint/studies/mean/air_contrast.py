@@ -16,8 +16,9 @@ from seaglint.base.free_form import JsonObject
 from seaglint.facet.sea_view import BandSum
 from seaglint.formats.soundings.air_summary import REFERENCE_HEIGHT
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.profile_air import ComputedAir
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,20 +62,20 @@ class AirContrast:
         >>> print(AirContrast(294.2, 288.15, 6.05, (5000.0,), (0.4,), "boat", False, True).line)
         air at 10 m 294.2 K, 6.0 K above the water; it leaves 40 % of a contrast at 5 km (boat); to state it: atmosphere.air_minus_sea_k
         """
-        unstated = [
+        assumed_keys = [
             key for key, stated in (("atmosphere.air_minus_sea_k", self.air_stated), ("sea.temperature_k", self.water_stated)) if not stated
         ]
-        if not unstated:
+        if not assumed_keys:
             return None
         difference = self.air_minus_water_k
         above = f"{abs(difference):.1f} K {'above' if difference >= 0.0 else 'below'} the water"
         shares = ", ".join(f"{100.0 * share:.2g} %" for share in self.contrast_left)
         ranges = ", ".join(f"{1e-3 * at:.2g}" for at in self.ranges_m)
         place = f" ({self.place})" if self.place else ""
-        it = "it" if len(unstated) == 1 else "them"
+        pronoun = "it" if len(assumed_keys) == 1 else "them"
         return (
             f"air at 10 m {self.air_k:.1f} K, {above}; it leaves {shares} of a contrast at {ranges} km{place}; "
-            f"to state {it}: {' and '.join(unstated)}"
+            f"to state {pronoun}: {' and '.join(assumed_keys)}"
         )
 
 
@@ -99,8 +100,8 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
     The share applies to a small difference of temperature at the water's temperature: it is the transmittance, weighted over the band by
     its response times the slope of Planck's law.
     """
-    wanted, height = scenario.atmosphere, scenario_physics.track(scenario).at(0.0).height
-    if not isinstance(wanted, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere | wanted_air.IsothermalAtmosphereSettings):
+    height = scenario_physics.track(scenario).at(0.0).height
+    if not isinstance(scenario.atmosphere, ComputedAir | requested_air.IsothermalAtmosphereSettings):
         return None
     band = scenario_physics.band(scenario)
     air = scenario_physics.atmosphere(scenario, band)
@@ -139,9 +140,9 @@ def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str |
 def _states_air(scenario: Scenario) -> bool:
     """Return whether a scenario states the temperature of its air: a model atmosphere has that of a climate, whatever the water."""
     match scenario.atmosphere:
-        case wanted_air.LowtranAtmosphere(sounding=sounding, air_minus_sea_k=difference):
+        case requested_air.LowtranAtmosphere(sounding=sounding, air_minus_sea_k=difference):
             return sounding is not None or difference is not None
-        case wanted_air.TableAtmosphereSettings(air_minus_sea_k=difference):
+        case requested_air.TableAtmosphereSettings(air_minus_sea_k=difference):
             return difference is not None
         case _:
             return True

@@ -64,8 +64,8 @@ def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
 
 def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
     """Return the slopes of a wind at 10 m towards an azimuth [rad], over waves of Elfouhaily's spectrum, a scenario's default."""
-    made = _law(kind, speed, towards, extrapolate)
-    return made if kind == SLOPE_KINDS[0] else replace(made, nesting=_nesting(kind, speed, extrapolate))
+    statistics = _law(kind, speed, towards, extrapolate)
+    return statistics if kind == SLOPE_KINDS[0] else replace(statistics, nesting=_nesting(kind, speed, extrapolate))
 
 
 def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
@@ -81,8 +81,8 @@ def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeSta
 @lru_cache(maxsize=4096)
 def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float, float], ...]:
     """Return the covariances of the longer waves along and across the wind, whatever its direction."""
-    made = _law(kind, speed, 0.0, extrapolate)
-    return nested_in(made, elfouhaily(speed, made.wind_to_azimuth) if speed > 0.0 else None).nesting
+    statistics = _law(kind, speed, 0.0, extrapolate)
+    return nested_in(statistics, elfouhaily(speed, statistics.wind_to_azimuth) if speed > 0.0 else None).nesting
 
 
 def continuous_rays(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
@@ -216,7 +216,7 @@ def evaluate_atmosphere(
     dip = np.empty(len(cases))
     for model, rows in groups:
         dip[rows] = airs[bands[0].label][str(model)].dip(height[rows])
-    _hits_sea(cases, depression, dip)
+    _require_sea(cases, depression, dip)
     parts = [(name, band, rows[i : i + _CHUNK]) for name, rows in groups for band in bands for i in range(0, rows.size, _CHUNK)]
     quantities = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
     columns: dict[str, FloatArray] = {f"{quantity}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in quantities}
@@ -241,7 +241,7 @@ def evaluate_atmosphere(
     with ThreadPoolExecutor(_THREADS) as pool:  # NumPy releases the interpreter; each part has separate rows
         for count in pool.map(fill, parts):
             done += count
-            _tell(progress, done, total)
+            _report(progress, done, total)
     return {**columns, **marks}
 
 
@@ -282,12 +282,12 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
         slopes = cox_munk_isotropic(float(str(key)), height=WIND_HEIGHT, extrapolate=extrapolate)
         # Rows of one wind share their facets: all wavelengths of a chunk are taken at all of its angles.
         for rows in (all_rows[i : i + 128] for i in range(0, all_rows.size, 128)):
-            _tell(progress, done, len(cases))
+            _report(progress, done, len(cases))
             angles, angle = np.unique(zenith[rows], return_inverse=True)
             waves, wave = np.unique(wavelength[rows], return_inverse=True)
             values[rows] = emissivity(angles, slopes, water, 1e4 / waves)[angle, wave]
             done += rows.size
-    _tell(progress, done, len(cases))
+    _report(progress, done, len(cases))
     return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
@@ -336,7 +336,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)
     temperature = cases.within(Column("sea_temperature_k", 260.0, 320.0, what="K"))
     ifov = 1e-3 * cases.within(Column("ifov_mrad", 0.0, 1000.0, above=True, what="mrad"))
-    _hits_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
+    _require_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
     directed = WIND_FROM in cases.header
     wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
     kinds = slope_kinds(cases, directed)
@@ -357,7 +357,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             of_rows = (height, sun, temperature, azimuth, wind_from, kinds)
             views = zip(*(values[same_air].tolist() for values in of_rows), strict=True)
             for (at, solar_zenith, kelvin, towards, origin, kind), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
-                _tell(progress, done, total)
+                _report(progress, done, total)
                 rows = same_air[of_air]
                 slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
@@ -371,7 +371,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
                 )
                 columns[f"std_W_m2_sr[{band.label}]"][rows] = np.sqrt(variance[:, 0])
                 done += rows.size
-    _tell(progress, done, total)
+    _report(progress, done, total)
     return {**columns, **marks}
 
 
@@ -419,7 +419,7 @@ def evaluate_scattered(
     dip = np.empty(len(cases))
     for key, rows in groups:
         dip[rows] = airs[bands[0].label][_model_of(key)].dip(height[rows])
-    _hits_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
+    _require_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
     cases.check(
         is_path | (elevation >= -dip * (1.0 - 1e-9)),
         "elevation_deg",
@@ -430,7 +430,7 @@ def evaluate_scattered(
     done, total = 0, len(cases) * len(bands)
     seen = [band for band in bands if scatters_in(band.edges)]
     for key, rows in parts:
-        _tell(progress, done, total)
+        _report(progress, done, total)
         for band in bands:
             air = airs[band.label][_model_of(key)]
             if levels == "continuous":
@@ -445,7 +445,7 @@ def evaluate_scattered(
         for band, values in zip(seen, light, strict=True):
             columns[f"scattered_W_m2_sr[{band.label}]"][rows] = values
         done += rows.size * len(bands)
-    _tell(progress, done, total)
+    _report(progress, done, total)
     return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
 
 
@@ -465,7 +465,7 @@ def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]
     return [(key, np.array(rows)) for key, rows in groups.items()]
 
 
-def _tell(progress: Progress | None, done: int, total: int) -> None:
+def _report(progress: Progress | None, done: int, total: int) -> None:
     if progress is not None:
         progress(done, total)
 
@@ -511,7 +511,7 @@ def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
     return np.radians(cases.within(Column(name, low, high, what="deg")))
 
 
-def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
+def _require_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
     """Refuse lines of sight that end in the sky; ``sign`` is -1 for a column of elevations."""
 
     def say(row: int) -> str:

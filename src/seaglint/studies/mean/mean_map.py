@@ -77,9 +77,9 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
     rows, columns = imager.rows, imager.columns
     out = np.empty((len(MAPS), rows * columns))
     dip, attitude = horizon_depression(pose.height), pose.attitude
-    size, tell = PIXEL_BLOCK // 4, progress or (lambda done, total: None)
+    size, report = PIXEL_BLOCK // 4, progress or (lambda done, total: None)
     for first in range(0, rows * columns, size):
-        tell(first, rows * columns)
+        report(first, rows * columns)
         pixels = np.arange(first, min(first + size, rows * columns))
         quarters = _points(pixels, columns, 2)
         elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *quarters)))
@@ -93,7 +93,7 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
             chosen, most = pixels[sides == side], PIXEL_BLOCK // side**2
             for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
                 out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
-    tell(rows * columns, rows * columns)
+    report(rows * columns, rows * columns)
     out[-1] = np.sqrt(out[-1])
     return {name: values.reshape(rows, columns) for name, values in zip(MAPS, out, strict=True)}
 
@@ -166,7 +166,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     else:
         require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
-        maps = over_pixels(imager, pose, _seen(scenario, view, length), progress)
+        maps = over_pixels(imager, pose, _components_along(scenario, view, length), progress)
     total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
     temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
     whole = azimuth.ndim == 2
@@ -241,10 +241,10 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
             along = partial(article_radiance, view)
         case other:
             assert_never(other)
-    tell = progress or (lambda done, total: None)
+    report = progress or (lambda done, total: None)
     maps = {name: np.empty((camera.rows, camera.columns)) for name in MAPS}
     for first in range(0, camera.rows, size):
-        tell(first, camera.rows)
+        report(first, camera.rows)
         some, part = rows.of_rows(first, min(first + size, camera.rows))
         fine = along(elevations[part], azimuths)
         variance = sea_variance(view, fine, elevations[part], solid_angle[part], length)
@@ -257,7 +257,7 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
             if mean_of_rows.shape[1] > 1:
                 mean_of_rows = mean_of_rows.reshape(-1, camera.columns, across).mean(axis=2)
             maps[name][first : first + size] = mean_of_rows
-    tell(camera.rows, camera.rows)
+    report(camera.rows, camera.rows)
     return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
 
 
@@ -269,7 +269,7 @@ def azimuths_across(view: SeaView, step: float) -> int:
     return max(math.ceil(3.0 * step / view.glint_width), math.ceil(step / _WIDEST))
 
 
-def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
+def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sights:
     """Return a function for components at scattered lines of sight, with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:

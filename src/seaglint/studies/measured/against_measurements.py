@@ -142,8 +142,8 @@ def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredR
     rows: list[MeasuredRow] = []
     spectra: list[SpectraBeside] = []
     for scene in SCENES:
-        held = shipped(scene.name).columns
-        nu, measured = held["wavenumber_cm"], 1e-3 * held["radiance_mw_m2_sr_cm"]
+        table = shipped(scene.name).columns
+        nu, measured = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
         light = {name: scene.spectrum(nu, name) for name in spectroscopies}
         made = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
         rows += made
@@ -153,8 +153,8 @@ def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredR
 
 def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredRow], list[SpectraBeside]]:
     """Return rows and spectrum of MODTRAN 4's zenith through rural haze of 23 km."""
-    held = shipped("modtran_sky").columns
-    nu, theirs = held["wavenumber_cm"], 1e-3 * held["radiance_mw_m2_sr_cm"]
+    table = shipped("modtran_sky").columns
+    nu, theirs = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
     profile, haze = model_profile("tropical"), HazeWeather("rural-23km", 23.0)
     title = "MODTRAN 4, zenith sky, tropical, rural haze of 23 km"
     parts = np.split(np.arange(nu.size), np.flatnonzero(np.diff(nu) > 20.0) + 1)
@@ -164,7 +164,8 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
         light[name] = np.concatenate([sums_with(name, profile, haze, nu[part]).along(0.0, 0.0).emitted for part in parts])
     for part in parts:
         within = {name: values[part] for name, values in light.items()}
-        bands = {band: said for band, said in SKY_BANDS.items() if 1e4 / band[1] >= nu[part][0] and 1e4 / band[0] <= nu[part][-1]}
+        low, high = nu[part][0], nu[part][-1]
+        bands = {band: uncertainty for band, uncertainty in SKY_BANDS.items() if 1e4 / band[1] >= low and 1e4 / band[0] <= high}
         rows += _light_rows(title, nu[part], theirs[part], within, bands, MODEL_REASONS)
     order = [row for name in spectroscopies for row in rows if row.spectroscopy == name]
     return order, [_beside(title, nu, theirs, light)._replace(reference="MODTRAN 4")]
@@ -172,8 +173,8 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
 
 def modtran_path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredRow], list[SpectraBeside]]:
     """Return rows and spectrum of MODTRAN 4's transmittance over 5 km at the sea, its aerosol divided out."""
-    held = shipped("modtran_path").columns
-    nu, theirs = held["wavenumber_cm"], held["transmittance"]
+    table = shipped("modtran_path").columns
+    nu, theirs = table["wavenumber_cm"], table["transmittance"]
     title = "MODTRAN 4, 5 km at the sea, tropical, no aerosol"
     profile = model_profile("tropical")
     ours = {name: sums_with(name, profile, NO_HAZE, nu).between(0.0, 0.0, 5000.0)[0] for name in spectroscopies}
@@ -213,17 +214,17 @@ def _light_rows(
     for name, ours in light.items():
         kelvin = brightness_temperature(nu, ours), theirs
         for band, uncertainty in bands.items():
-            found = band_difference(nu, ours, measured, band, kelvin)
+            difference = band_difference(nu, ours, measured, band, kelvin)
             yield MeasuredRow(
                 case=title,
                 quantity=f"{band[0]:g}-{band[1]:g} um",
                 spectroscopy=name,
                 unit="K",
-                ours=found.ours,
-                measured=found.measured,
-                difference_percent=found.percent,
-                difference_k=found.kelvin,
-                rms=found.rms,
+                ours=difference.ours,
+                measured=difference.measured,
+                difference_percent=difference.percent,
+                difference_k=difference.kelvin,
+                rms=difference.rms,
                 uncertainty=uncertainty,
                 reason=reasons[name],
             )
@@ -247,10 +248,10 @@ _SLOPE: Final = "Only waves up to 0.58 Hz are included; glint depends on shorter
 
 def buoy_spectrum() -> MeasuredSpectrum:
     """Return the spectrum that the program makes of the buoy's energy and four moments."""
-    held = shipped("cdip_spectrum").columns
-    first = -(held["a1"] + 1j * held["b1"])  # directions come from there, waves travel to the other side
-    second = held["a2"] + 1j * held["b2"]
-    bands = DirectionalMoments(held["frequency_hz"], held["energy_m2_hz"], first, second)
+    table = shipped("cdip_spectrum").columns
+    first = -(table["a1"] + 1j * table["b1"])  # directions come from there, waves travel to the other side
+    second = table["a2"] + 1j * table["b2"]
+    bands = DirectionalMoments(table["frequency_hz"], table["energy_m2_hz"], first, second)
     return spectrum_of(bands, WaveChoice(), 0.0, TITLE)[0]
 
 
@@ -269,8 +270,8 @@ def buoy_rows() -> list[MeasuredRow]:
         low, high = float(bands["low_hz"][i]), float(bands["high_hz"][i])
         k = [float(wavenumber(2.0 * np.pi * f)) for f in (low, high)]
         energy, theirs = spectrum.height_variance(k[1], k[0]), float(bands["energy_m2"][i])
-        said = f"{100.0 * bands['energy_error_m2'][i] / theirs:.0f} %"
-        rows.append(_buoy_row(f"energy, {low:g}-{high:g} Hz", "m2", energy, theirs, said, _ENERGY))
+        uncertainty = f"{100.0 * bands['energy_error_m2'][i] / theirs:.0f} %"
+        rows.append(_buoy_row(f"energy, {low:g}-{high:g} Hz", "m2", energy, theirs, uncertainty, _ENERGY))
     for i in range(bands["low_hz"].size):
         low, high = float(bands["low_hz"][i]), float(bands["high_hz"][i])
         ours, theirs = _mean_direction(spectrum, low, high), float(bands["from_deg"][i])
@@ -349,16 +350,16 @@ _UNCERTAINTY: Final = "about 1 % (k-distribution)"
 
 def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     """Return a row a band of the paths near the sea, and of those in the upper air."""
-    held = shipped("rrtmgp_paths").columns
+    table = shipped("rrtmgp_paths").columns
     rows = []
     for name in spectroscopies:
         ours = np.array(
-            [_path_transmittance(name, {key: float(values[i]) for key, values in held.items()}) for i in range(_path_size(held))]
+            [_path_transmittance(name, {key: float(values[i]) for key, values in table.items()}) for i in range(_path_size(table))]
         )
         for case, some in (("RRTMGP, paths of 400-1030 hPa", slice(0, NEAR)), ("RRTMGP, paths of 5-400 hPa", slice(NEAR, None))):
             for j, (low, high) in enumerate(BANDS_CM):
-                theirs, mine = held[f"transmittance_{low}-{high}"][some], ours[some, j]
-                there = held["pressure_hpa"][some] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
+                theirs, mine = table[f"transmittance_{low}-{high}"][some], ours[some, j]
+                there = table["pressure_hpa"][some] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
                 row = _row(case, (low, high), name, "1", mine[there], theirs[there])
                 rows.append(replace(row, reason=_COLD) if (low, high) == _COLD_CM else row)
     return rows
@@ -366,17 +367,17 @@ def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
 
 def sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     """Return a row a band of the skies: mean apparent temperature, differences of radiance and of temperature."""
-    held = shipped("rrtmgp_skies").columns
+    table = shipped("rrtmgp_skies").columns
     rows = []
-    cases = np.stack([held["model"], held["co2_ppmv"]], axis=1)
+    cases = np.stack([table["model"], table["co2_ppmv"]], axis=1)
     for name in spectroscopies:
-        ours = np.empty((_path_size(held), len(BANDS_CM)))
+        ours = np.empty((_path_size(table), len(BANDS_CM)))
         for model, co2 in np.unique(cases, axis=0):
             profile = with_gas(model_profile(MODELS[int(model)]), "CO2", float(co2))
             at = np.flatnonzero((cases == (model, co2)).all(axis=1))
-            ours[at] = _sky_light(name, profile, np.radians(held["zenith_deg"][at]))
+            ours[at] = _sky_light(name, profile, np.radians(table["zenith_deg"][at]))
         for j, (low, high) in enumerate(BANDS_CM):
-            theirs, mine = held[f"radiance_{low}-{high}_w_m2_sr"], ours[:, j]
+            theirs, mine = table[f"radiance_{low}-{high}_w_m2_sr"], ours[:, j]
             band, grid = Band.rectangular(1e4 / high, 1e4 / low), _grid(low, high)
             kelvin = [apparent_temperature(light, band, grid) for light in (mine, theirs)]
             row = _row("RRTMGP, skies at the sea", (low, high), name, "K", *kelvin)
@@ -386,8 +387,8 @@ def sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     return rows
 
 
-def _path_size(held: dict[str, FloatArray]) -> int:
-    return int(next(iter(held.values())).size)
+def _path_size(table: dict[str, FloatArray]) -> int:
+    return int(next(iter(table.values())).size)
 
 
 def _grid(low: float, high: float) -> FloatArray:

@@ -134,12 +134,12 @@ def compare_spectrum(
     ours_width = max(width, OURS_CM)
     ours = [_ours(scenario, nu, elevation, ours_width, spectroscopy) for nu in parts]
     nu = np.concatenate(parts)
-    found = (np.concatenate(ours), np.concatenate(measured))
-    if not found[0].any():
+    ours_joined, measured_joined = np.concatenate(ours), np.concatenate(measured)
+    if not ours_joined.any():
         raise DataError("the scenario has no light in this direction: no air above the sensor, or a black sky; choose another direction")
-    notes += _unbelievable(nu, found[1])
+    notes += _unbelievable(nu, measured_joined)
     bands = tuple(row for part, mine, theirs in zip(parts, ours, measured, strict=True) for row in _bands(part, mine, theirs))
-    return SpectrumComparison(nu, found[1], found[0], ours_width, math.degrees(elevation), bands, tuple(notes), light.name)
+    return SpectrumComparison(nu, measured_joined, ours_joined, ours_width, math.degrees(elevation), bands, tuple(notes), light.name)
 
 
 def _unbelievable(nu: FloatArray, measured: FloatArray) -> list[str]:
@@ -268,8 +268,8 @@ def _of_band(scenario: Scenario, nu: FloatArray, spectroscopy: str | None) -> Sc
     """Return the scenario over the wavelengths of channels, with air computed wherever the band laws reach."""
     air = scenario.atmosphere
     if isinstance(air, TableAtmosphereSettings):  # the same air, which knows no gap at 5.5-7.5 um
-        held = {name: getattr(air, name) for name in type(air).model_fields if name in LowtranAtmosphere.model_fields and name != "source"}
-        air = LowtranAtmosphere(**held)
+        shared = (type(air).model_fields.keys() & LowtranAtmosphere.model_fields.keys()) - {"source"}
+        air = LowtranAtmosphere(**{name: getattr(air, name) for name in shared})
     if spectroscopy is not None and "spectroscopy" in type(air).model_fields:
         air = air.model_copy(update={"spectroscopy": spectroscopy})
     band = scenario.band.model_copy(update={"min_um": 1e4 / float(nu[-1]), "max_um": 1e4 / float(nu[0]), "response": None})
@@ -323,6 +323,6 @@ def _bands(nu: FloatArray, ours: FloatArray, measured: FloatArray) -> list[Compa
     kelvin = (brightness_temperature(nu, ours), brightness_temperature(nu, measured))
     rows = []
     for band in [*chosen, (low, high)]:
-        found = band_difference(nu, ours, measured, band, kelvin)
-        rows.append(ComparedBand(band, found.ours, found.measured, found.kelvin, found.percent, found.rms))
+        difference = band_difference(nu, ours, measured, band, kelvin)
+        rows.append(ComparedBand(band, difference.ours, difference.measured, difference.kelvin, difference.percent, difference.rms))
     return rows

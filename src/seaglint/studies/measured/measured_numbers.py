@@ -128,13 +128,13 @@ def sums_with(spectroscopy: Spectroscopy, profile: AirProfile, haze: HazeWeather
 def with_gas(profile: AirProfile, gas: str, ppm: float) -> AirProfile:
     """Return a profile with a gas scaled to a mixing ratio at its lowest level [1e-6 of the volume]."""
     row = GASES.index(gas)
-    held = profile.gas.copy()
-    held[row] *= ppm / held[row, 0]
-    return replace(profile, gas=held)
+    amounts = profile.gas.copy()
+    amounts[row] *= ppm / amounts[row, 0]
+    return replace(profile, gas=amounts)
 
 
 def without_gases(profile: AirProfile, gases: tuple[str, ...]) -> AirProfile:
     """Return a profile without some gases."""
-    held = profile.gas.copy()
-    held[[GASES.index(gas) for gas in gases]] = 0.0
-    return replace(profile, gas=np.asarray(held))
+    amounts = profile.gas.copy()
+    amounts[[GASES.index(gas) for gas in gases]] = 0.0
+    return replace(profile, gas=np.asarray(amounts))

@@ -88,7 +88,7 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
             # rows and columns of scanners, and ends of exposures, are later than their frame
             end = min(float(looks[-1]) + 1.0 / scenario.sensor.frame_rate_hz, track.known[1], body.motion.known[1])
             at = np.append(looks, max(end, float(looks[-1])))
-        unseen = _beside(body, lift, spare, at, (track, pixels))
+        unseen = _outside_picture(body, lift, spare, at, (track, pixels))
         if unseen is None and not bends_by_profile(scenario):
             unseen = _behind_horizon(body, lift, at, track)
         if unseen is not None:
@@ -96,7 +96,7 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
     return tuple(found)
 
 
-def _beside(body: Body, lift: float, spare: float, times: FloatArray, camera: tuple[Track, Imager]) -> OutOfView | None:
+def _outside_picture(body: Body, lift: float, spare: float, times: FloatArray, camera: tuple[Track, Imager]) -> OutOfView | None:
     """Return the body if it is outside the picture at all times, and cannot cross it in between."""
     track, pixels = camera
     size = reach_of(body) + lift
@@ -117,7 +117,7 @@ def _beside(body: Body, lift: float, spare: float, times: FloatArray, camera: tu
     # between two checks, and in an exposure, it comes nearer by half a step at most
     if nearest is None or (steps and not min(gaps) > max(steps)):
         return None
-    return _seen_at(body, *nearest)
+    return _record_at(body, *nearest)
 
 
 def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: float) -> tuple[float, float, float]:
@@ -170,10 +170,10 @@ def _behind_horizon(body: Body, lift: float, times: FloatArray, track: Track) ->
     if margin <= (0.0 if len(times) == 1 else max(abs(a[0] - b[0]) for a, b in pairwise(margins))):
         return None
     pose = track.at(time)
-    return _seen_at(body, stand(body.motion.at(time), pose).place, pose, time, seen_to)
+    return _record_at(body, stand(body.motion.at(time), pose).place, pose, time, seen_to)
 
 
-def _seen_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: float | None = None) -> OutOfView:
+def _record_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: float | None = None) -> OutOfView:
     at = body.motion.at(time).position
     azimuth = math.degrees(math.atan2(place[0], place[1])) % 360.0
     elevation = math.degrees(math.atan2(place[2], math.hypot(place[0], place[1])))

@@ -40,8 +40,8 @@ from seaglint.studies.build.scenario_physics import bending, require_standard_re
 from seaglint.studies.build.waves_and_slopes import slopes
 from seaglint.studies.sequence.memory import require_memory
 from seaglint.studies.sequence.out_of_view import report_out_of_view
-from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of, motion_numbers
-from seaglint.studies.sequence.sequence_work import Kept, over
+from seaglint.studies.sequence.scene_objects import DrawnImage, SceneObjects, bodies_of, motion_numbers
+from seaglint.studies.sequence.sequence_work import SceneCache, spread_over
 
 NON_FINITE_SHARE = 1e-3  #: Share of a frame's pixels that may be without a number; more are an error.
 
@@ -94,7 +94,7 @@ def render(
     report_out_of_view(scenario, frames)
     with thread_limit(threads):
         layout, images = prepared_frames((scenario, frames))
-        spread = over(workers, prepared_frames, (scenario, frames))
+        spread = spread_over(workers, prepared_frames, (scenario, frames))
         return write_sequence(
             output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
         )
@@ -149,7 +149,7 @@ class Sequence:
         """Return the image at a time from the start [s]."""
         return self.drawn(time).layers
 
-    def drawn(self, time: float, columns: tuple[int, int] | None = None, *, compose: bool = True) -> Drawn:
+    def drawn(self, time: float, columns: tuple[int, int] | None = None, *, compose: bool = True) -> DrawnImage:
         """Return the image at a time [s] with the sights of objects; of ``columns`` alone, first and end, if requested.
 
         Without ``compose`` objects are left out.
@@ -157,7 +157,7 @@ class Sequence:
         scene, pose = self.scene_at(time), self.track.at(time)
         if self.objects is None:
             layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
-            return Drawn(layers, layers.radiance, ())
+            return DrawnImage(layers, layers.radiance, ())
         sea = scene.sea(pose, time)
         layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
@@ -231,7 +231,7 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
 
 
 def prepare_sequence(
-    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, cached: Kept | None = None
+    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, cached: SceneCache | None = None
 ) -> Sequence:
     """Prepare a sequence before its first frame, or for single frames in Python.
 

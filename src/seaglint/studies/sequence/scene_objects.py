@@ -117,7 +117,7 @@ BodiesOf = Callable[[WaveField | None], tuple[Body, ...]]  #: Bodies over a real
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
+class DrawnImage:
     """An image with objects, the radiance of the sea alone [W m-2 sr-1], and the sight of each object."""
 
     layers: Layers
@@ -125,20 +125,20 @@ class Drawn:
     sights: tuple[BodySight, ...]
 
     @classmethod
-    def beside(cls, parts: list[Drawn]) -> Drawn:
+    def beside(cls, parts: list[DrawnImage]) -> DrawnImage:
         """Return images side by side, from the left, without sights."""
         return cls(joined([part.layers for part in parts]), np.concatenate([part.sea for part in parts], axis=1), ())
 
     @classmethod
-    def below(cls, parts: list[Drawn]) -> Drawn:
+    def below(cls, parts: list[DrawnImage]) -> DrawnImage:
         """Return images one below the other, from the top, without sights."""
         layers = Layers({name: np.concatenate([part.layers[name] for part in parts], axis=0) for name in parts[0].layers})
         return cls(layers, np.concatenate([part.sea for part in parts], axis=0), ())
 
-    def rows(self, first: int, end: int) -> Drawn:
+    def rows(self, first: int, end: int) -> DrawnImage:
         """Return some rows alone, without sights."""
         cut = slice(first, end)
-        return Drawn(Layers({name: image[cut] for name, image in self.layers.items()}), self.sea[cut], ())
+        return DrawnImage(Layers({name: image[cut] for name, image in self.layers.items()}), self.sea[cut], ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +177,7 @@ class SceneObjects:
         window: tuple[tuple[int, int], tuple[int, int]],
         *,
         compose: bool = True,
-    ) -> Drawn:
+    ) -> DrawnImage:
         """Draw objects over the image of the sea in ``window = (columns, rows)``, first and end.
 
         Without ``compose`` the objects are left out, and only their shadows drawn.
@@ -188,7 +188,7 @@ class SceneObjects:
         if not compose:
             if self.shadows:
                 layers = shadowed(layers, stage, self.drawer.placed(pose, time)[1], self.drawer.light(stage.view))
-            return Drawn(layers, layers.radiance, ())
+            return DrawnImage(layers, layers.radiance, ())
         if isinstance(scene, RefractedScene):
             picture = refracted_picture(self.drawer, stage, scene, time)
         else:
@@ -199,7 +199,7 @@ class SceneObjects:
         if "object_id" in out:
             whole = numbers_of(sights, (stage.imager.rows, stage.imager.columns), around=stage.imager.goes_round)
             out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
-        return Drawn(out, layers.radiance, sights)
+        return DrawnImage(out, layers.radiance, sights)
 
     def truth(
         self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene, camera: tuple[Imager, Attitude]

@@ -34,7 +34,7 @@ from seaglint.store.sequence_store import Frame, check_output, write_sequence
 from seaglint.store.writers import Share
 from seaglint.studies.build.sensor_model import sensor_attributes, sensor_model
 from seaglint.studies.sequence.memory import BASE, require_room
-from seaglint.studies.sequence.sequence_work import over
+from seaglint.studies.sequence.sequence_work import spread_over
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,12 +47,12 @@ Rates = Callable[[int], tuple[float, float]]  #: Movement of the line of sight i
 Added = Callable[[int], NDArray[np.float32] | None]  #: Radiance that is added on the pixels of a frame [W m-2 sr-1, (rows, columns)].
 
 
-def nothing(number: int) -> None:
+def no_added_light(number: int) -> None:
     """Add no radiance."""
     return
 
 
-def still(number: int) -> tuple[float, float]:
+def no_rates(number: int) -> tuple[float, float]:
     """Return the rates of a platform that does not turn."""
     return (0.0, 0.0)
 
@@ -65,8 +65,8 @@ class SensedFrames:
     fine: Fine  #: ``fine(number)`` is the radiance of a frame.
     oversampling: int  #: Fine pixels along a pixel's side.
     first: int = 0  #: Number of the earliest frame: before it a thermal detector has seen the same image.
-    rates: Rates = still  #: ``rates(number)`` is the movement of the line of sight by the platform.
-    added: Added = nothing  #: ``added(number)`` is the radiance added on the pixels; None adds none.
+    rates: Rates = no_rates  #: ``rates(number)`` is the movement of the line of sight by the platform.
+    added: Added = no_added_light  #: ``added(number)`` is the radiance added on the pixels; None adds none.
     drawn: bool = False  #: Whether the pictures were drawn by this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`).
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
@@ -179,7 +179,7 @@ def sense(
         settings = (reopen, scenario, seed, oversampling, electrons)
         return write_sequence(
             output, layout, partial(frames.images, requested=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
-            share=share, spread=over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
+            share=share, spread=spread_over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
         )  # fmt: skip
 
 

@@ -32,9 +32,9 @@ from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLigh
 from seaglint.studies.sequence.memory import require_memory
 from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
-from seaglint.studies.sequence.scene_objects import Drawn, count_numbers, motion_numbers
+from seaglint.studies.sequence.scene_objects import DrawnImage, count_numbers, motion_numbers
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
-from seaglint.studies.sequence.sequence_work import Kept, over
+from seaglint.studies.sequence.sequence_work import SceneCache, spread_over
 
 #: Instants at which a picture with a rolling shutter is drawn: rows take the nearest, at most a sixteenth of the readout apart.
 ROLLING_PARTS: Final = 8
@@ -84,7 +84,7 @@ def render(
     with thread_limit(threads):
         settings = (scenario, frames, electrons, radiance)
         layout, images = prepared_frames(settings)
-        spread = over(workers, prepared_frames, settings)
+        spread = spread_over(workers, prepared_frames, settings)
         return write_sequence(
             output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
         )
@@ -125,7 +125,7 @@ class SensedSequence:
                 out[name] = averaged[name]
         return out
 
-    def _truth(self, number: int, drawn: _Drawn) -> Mapping[str, NDArray[Any]]:
+    def _truth(self, number: int, drawn: _FinePictures) -> Mapping[str, NDArray[Any]]:
         """Return the stored arrays of the objects of a frame, by variable of the group ``truth``."""
         objects = drawn.objects
         assert objects is not None
@@ -138,7 +138,7 @@ class SensedSequence:
 
 
 @dataclass(eq=False)
-class _Drawn:
+class _FinePictures:
     """Fine pictures of the sea by number, and the light of objects; the latest of both are cached.
 
     ``compose`` draws objects into the layers of the fine pictures too.
@@ -150,13 +150,13 @@ class _Drawn:
     objects: ExposedObjects | None
     rates: Rates
     compose: bool
-    latest: tuple[int, Drawn] | None = field(default=None)
+    latest: tuple[int, DrawnImage] | None = field(default=None)
     lit: tuple[int, ObjectLight] | None = field(default=None)
 
     def __call__(self, number: int) -> NDArray[np.float32]:
         return self.drawn(number).sea
 
-    def drawn(self, number: int) -> Drawn:
+    def drawn(self, number: int) -> DrawnImage:
         if self.latest is None or self.latest[0] != number:
             time = number / self.sequence.layout.frame_rate
             self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, time, compose=self.compose))
@@ -174,14 +174,14 @@ class _Drawn:
         return None if self.objects is None else self.light(number).added
 
 
-def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> Drawn:
+def drawn_in_time(sequence: Sequence, pattern: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> DrawnImage:
     """Draw a fine picture with the sights of objects, each of its columns or rows at a separate instant.
 
     Parameters
     ----------
     sequence : Sequence
         The scene.
-    way : ScanPattern
+    pattern : ScanPattern
         Times at which columns and rows are taken.
     oversampling : int
         Fine pixels along a pixel of the detector, which share one instant.
@@ -190,29 +190,29 @@ def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time:
     compose : bool
         Whether objects are drawn into it.
     """
-    if way.instantaneous:
+    if pattern.instantaneous:
         return sequence.drawn(time, compose=compose)
-    if way.kind == "staring":
-        return _rolled(sequence, way, oversampling, time, compose)
+    if pattern.kind == "staring":
+        return _rolled(sequence, pattern, oversampling, time, compose)
     columns = sequence.layout.shape[2] // oversampling
-    delays = way.column_delays(columns)
+    delays = pattern.column_delays(columns)
     parts, begin = [], 0
     for end in range(1, columns + 1):
         if end < columns and delays[end] == delays[begin]:
             continue
         parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling), compose=compose))
         begin = end
-    return Drawn.beside(parts)
+    return DrawnImage.beside(parts)
 
 
-def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, compose: bool) -> Drawn:
+def _rolled(sequence: Sequence, pattern: ScanPattern, oversampling: int, time: float, compose: bool) -> DrawnImage:
     rows = sequence.layout.shape[1] // oversampling
-    delays = way.row_delays(rows)
-    parts: list[Drawn] = []
+    delays = pattern.row_delays(rows)
+    parts: list[DrawnImage] = []
     for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
         instant = time + float(delays[some].mean())
         parts.append(sequence.drawn(instant, compose=compose).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
-    return Drawn.below(parts)
+    return DrawnImage.below(parts)
 
 
 def binned_image(image: NDArray[np.floating[Any]], oversampling: int) -> NDArray[np.float64]:
@@ -241,7 +241,7 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
 
 
 def prepare_sensed(
-    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: Kept | None = None
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: SceneCache | None = None
 ) -> SensedSequence:
     """Prepare the scene, drawn finer, and its sensor, also for single frames in Python. ``cached`` holds the preparation that scenes share.
 
@@ -257,16 +257,16 @@ def prepare_sensed(
     model = sensor_model(scenario)
     n = scenario.render.oversampling or model.oversampling
     require_memory(scenario, n, model)
-    sensor, way = scenario.sensor, scan(scenario)
+    sensor, pattern = scenario.sensor, scan(scenario)
     columns, rows = sensor.pixels
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
-    scanned = way.kind != "staring" and way.period > 0.0
+    scanned = pattern.kind != "staring" and pattern.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
     sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
     if isinstance(model.detector, PhotonPixels):
         sequence = sequence.counting(model.photons.counted)
-    _require_track(sequence, way, sensor.pixels)
+    _require_track(sequence, pattern, sensor.pixels)
 
     def rates(number: int) -> tuple[float, float]:
         return line_of_sight_rates(sequence.track, number / sequence.layout.frame_rate, model.exposure_time, sensor.projection)
@@ -274,9 +274,9 @@ def prepare_sensed(
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
     objects = None
     if sequence.objects is not None:
-        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, way, n)
+        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, n)
     compose = bool(radiance or derived or scenario.render.layers)
-    drawn = _Drawn(sequence, way, n, objects, rates, compose)
+    drawn = _FinePictures(sequence, pattern, n, objects, rates, compose)
     sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
     own = sequence.layout
     layout = replace(
@@ -297,19 +297,19 @@ def prepare_sensed(
             "title": "Infrared image sequence of a detector looking at the sea",
             "scenario": scenario.model_dump_json(exclude_none=True),
             **sensor_attributes(model, n),
-            "scan": way.kind,
-            "scan_period_s": way.period,
+            "scan": pattern.kind,
+            "scan_period_s": pattern.period,
         },
     )
-    return SensedSequence(sequence, sensed, way, layout.in_units(sensor.frames), fine)
+    return SensedSequence(sequence, sensed, pattern, layout.in_units(sensor.frames), fine)
 
 
-def _require_track(sequence: Sequence, way: ScanPattern, pixels: tuple[int, int]) -> None:
+def _require_track(sequence: Sequence, pattern: ScanPattern, pixels: tuple[int, int]) -> None:
     """Refuse keyframes that end before the last frame's last column or row."""
     layout = sequence.layout
     if layout.frames:
         columns, rows = pixels
-        delay = float(max(way.column_delays(columns).max(), way.row_delays(rows).max()))
+        delay = float(max(pattern.column_delays(columns).max(), pattern.row_delays(rows).max()))
         sequence.track.at(layout.frames[-1] / layout.frame_rate + delay)
 
 

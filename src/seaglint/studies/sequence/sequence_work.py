@@ -31,7 +31,7 @@ Made = TypeVar("Made", bound=Shareable)
 
 
 @dataclass(eq=False)
-class Kept:
+class SceneCache:
     """Cache of the latest prepared scene; memory does not grow with the number of scenes.
 
     Notes
@@ -91,7 +91,7 @@ def start(job: UnitJob) -> Callable[[int], UnitRecord]:
     return unit
 
 
-def over(workers: Workers | None, prepare: Prepare, settings: Any) -> Spread | None:
+def spread_over(workers: Workers | None, prepare: Prepare, settings: Any) -> Spread | None:
     """Return the function with which :func:`seaglint.store.sequence_store.write_sequence` spreads units; None without workers."""
     if workers is None:
         return None

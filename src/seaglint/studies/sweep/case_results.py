@@ -60,11 +60,11 @@ class CaseResult:
         return sum(array.values.nbytes for arrays in (self.variables, self.coordinates) for array in arrays.values())
 
 
-MOST_KEPT: Final = 64  #: Largest number of cached views: some 5 MB each.
+MOST_CACHED: Final = 64  #: Largest number of cached views: some 5 MB each.
 
 _SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
 
-_KEPT: Final[OrderedDict[str, SharedView]] = OrderedDict()
+_CACHED_VIEWS: Final[OrderedDict[str, SharedView]] = OrderedDict()
 _LOCK: Final = threading.Lock()
 
 
@@ -93,21 +93,21 @@ class SharedView:
 def forget_views() -> None:
     """Remove all cached views, because their files may have changed."""
     with _LOCK:
-        _KEPT.clear()
+        _CACHED_VIEWS.clear()
 
 
 def shared_view(scenario: Scenario, height: float) -> SharedView:
     """Return the view of a scenario from a height [m], from an earlier one that differs in nothing but the Sun and the picture."""
     key = _key(scenario, height)
     with _LOCK:
-        if key in _KEPT:
-            _KEPT.move_to_end(key)
-            return _KEPT[key]
+        if key in _CACHED_VIEWS:
+            _CACHED_VIEWS.move_to_end(key)
+            return _CACHED_VIEWS[key]
     made = SharedView(scenario_physics.standing_view(scenario, height))
     with _LOCK:
-        _KEPT[key] = made
-        while len(_KEPT) > MOST_KEPT:
-            _KEPT.popitem(last=False)
+        _CACHED_VIEWS[key] = made
+        while len(_CACHED_VIEWS) > MOST_CACHED:
+            _CACHED_VIEWS.popitem(last=False)
     return made
 
 

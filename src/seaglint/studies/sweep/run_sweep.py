@@ -269,10 +269,10 @@ def sweep(
         if lazy:
             template, values = lazy_arrays(settings, compute)
             return _dataset(settings, template, values, {})
-        gathered = Gathered(settings)
+        collected = CollectedCases(settings)
         for number, outcome in _outcomes(settings, compute, workers, progress):
-            gathered.add(number, outcome)
-    return gathered.dataset()
+            collected.add(number, outcome)
+    return collected.dataset()
 
 
 def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], most: int) -> None:
@@ -316,12 +316,12 @@ def _outcomes(
     settings: SweepSettings, compute: Callable[[Scenario], CaseResult], workers: Workers | None, progress: Progress | None
 ) -> Iterator[tuple[int, Outcome]]:
     """Yield numbers and outcomes of all cases as they finish."""
-    order, tell = settings.plan.order(), progress or (lambda done, total: None)
-    tell(0, len(order))
+    order, report = settings.plan.order(), progress or (lambda done, total: None)
+    report(0, len(order))
     if workers is None:
         for done, number in enumerate(order, start=1):
             yield number, compute_case(settings, compute, number)
-            tell(done, len(order))
+            report(done, len(order))
         return
     units, done = chunks(order, settings.plan.together(), workers.count), 0
     try:
@@ -332,7 +332,7 @@ def _outcomes(
                         raise DataError(result.text)
                     yield number, result
                     done += 1
-                tell(done, len(order))
+                report(done, len(order))
     except (AttributeError, ImportError, TypeError, pickle.PicklingError) as error:
         if callable(settings.what) and (isinstance(error, ImportError) or not _can_be_sent(settings.what)):
             raise BackendError(
@@ -343,7 +343,7 @@ def _outcomes(
 
 
 @dataclass(eq=False)
-class Gathered:
+class CollectedCases:
     """Results of cases as they come in, in arrays over all cases."""
 
     settings: SweepSettings

@@ -44,7 +44,7 @@ class SweptKey:
     coordinate: NDArray[Any]  #: Numbers in the unit of the key, dates, or texts [(values,)].
     attributes: dict[str, str]  #: ``units`` and ``long_name`` of the coordinate.
 
-    def said(self, place: int) -> str:
+    def assignment(self, place: int) -> str:
         """Return the assignment of one value, for messages."""
         value = self.coordinate[place]
         text = np.datetime_as_string(value, unit="s") if isinstance(value, np.datetime64) else f"{value:g}" if _is_number(value) else value
@@ -94,8 +94,8 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
     """
     given = plain_values(given)
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence | np.ndarray):
-        said = " ".join(repr(given).split())[:80]
-        raise DataError(f"vary: {name} = {said} is no list; give all values of the key in a list, such as [2, 5, 10]")
+        shown = " ".join(repr(given).split())[:80]
+        raise DataError(f"vary: {name} = {shown} is no list; give all values of the key in a list, such as [2, 5, 10]")
     values = tuple(value.item() if isinstance(value, np.generic) else value for value in given)
     if not values:
         raise DataError(f"vary: {name} has no values; give at least one")
@@ -107,8 +107,8 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
     coordinate = _coordinate(name, key, values)
     _, first, counts = np.unique(coordinate, return_index=True, return_counts=True)
     if (counts > 1).any():
-        said = SweptKey(name, values, coordinate, {}).said(int(first[counts > 1][0]))
-        raise DataError(f"vary: {said} is given twice; give each value of a key once")
+        repeated = SweptKey(name, values, coordinate, {}).assignment(int(first[counts > 1][0]))
+        raise DataError(f"vary: {repeated} is given twice; give each value of a key once")
     return SweptKey(name, values, coordinate, _attributes(key, coordinate))
 
 
@@ -282,7 +282,7 @@ class SweepPlan:
 
     def named(self, number: int) -> str:
         """Return the assignments of a case, for messages."""
-        return ", ".join(key.said(place) for key, place in zip(self.keys, self.places(number), strict=True))
+        return ", ".join(key.assignment(place) for key, place in zip(self.keys, self.places(number), strict=True))
 
     def scenario(self, number: int) -> Scenario:
         """Return the scenario of a case.
