@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -207,18 +207,10 @@ def export(scenario: SceneInput, output: str | Path | None = None, *, overwrite:
     >>> sg.atmosphere.export({"band": {"min_um": 3.9, "max_um": 4.0}}).path_transmittance.dims
     ('range_m', 'wavenumber_cm')
     """
-    from seaglint.formats.air_file import require_kind, write_atmosphere
-    from seaglint.store.outputs import refuse_existing
     from seaglint.studies.air_files import export_air
 
     loaded = scenario_of(scenario)
-    if output is not None:
-        require_kind(Path(output))
-        refuse_existing(Path(output), overwrite=overwrite)
-    air = export_air(loaded)
-    if output is not None:
-        write_atmosphere(air, Path(output), overwrite=overwrite)
-    return air
+    return _written(lambda: export_air(loaded), output, overwrite)
 
 
 def write(
@@ -292,15 +284,21 @@ def read(files: str | Path | Sequence[str | Path], output: str | Path | None = N
     >>> import seaglint as sg
     >>> sg.atmosphere.read("deck", "air.nc")  # doctest: +SKIP
     """
-    from seaglint.formats.air_file import require_kind, write_atmosphere
     from seaglint.formats.modtran.modtran_air import read_air
-    from seaglint.store.outputs import refuse_existing
 
     paths = [Path(files)] if isinstance(files, str | Path) else [Path(file) for file in files]
-    if output is not None:
-        require_kind(Path(output))
-        refuse_existing(Path(output), overwrite=overwrite, inputs=[path for path in paths if path.is_file()])
-    air = read_air(paths)
-    if output is not None:
-        write_atmosphere(air, Path(output), overwrite=overwrite)
+    return _written(lambda: read_air(paths), output, overwrite, [path for path in paths if path.is_file()])
+
+
+def _written(compute: Callable[[], xr.Dataset], output: str | Path | None, overwrite: bool, inputs: Sequence[Path] = ()) -> xr.Dataset:
+    """Return computed air, and write it to a file if one is requested, whose name is checked before the computation."""
+    from seaglint.formats.air_file import require_kind, write_atmosphere
+    from seaglint.store.outputs import refuse_existing
+
+    if output is None:
+        return compute()
+    require_kind(Path(output))
+    refuse_existing(Path(output), overwrite=overwrite, inputs=inputs)
+    air = compute()
+    write_atmosphere(air, Path(output), overwrite=overwrite)
     return air

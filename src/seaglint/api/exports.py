@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from seaglint.api.inputs_and_results import scenario_of
+from seaglint.api.inputs_and_results import arguments_of, scenario_of
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import ExportRequest
 
@@ -65,20 +65,8 @@ def export(
     from seaglint.plot.run_export import export_run
     from seaglint.store.sequence_store import open_sequence
 
-    opened = open_sequence(run) if isinstance(run, str | Path) else run
-    return export_run(
-        opened,
-        output,
-        variable=variable,
-        frames=frames,
-        dtype=dtype,
-        limits=limits,
-        colours=colours,
-        rate=rate,
-        scale=scale,
-        overwrite=overwrite,
-        progress=progress,
-    )
+    dataset = open_sequence(run) if isinstance(run, str | Path) else run
+    return export_run(**arguments_of(export_run, locals()))
 
 
 def export_sea(

@@ -6,6 +6,7 @@ a :class:`ResultRecord`: numbers and text by name, a picture, and HTML for a not
 
 from __future__ import annotations
 
+import inspect
 import reprlib
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
@@ -65,6 +66,12 @@ def request_of(record: type[Record], values: Mapping[str, Any], **others: Any) -
     """Return a request with the fields that are among some values, and others."""
     names = {field.name for field in fields(record)}  # type: ignore[arg-type]
     return record(**{name: value for name, value in values.items() if name in names} | others)
+
+
+def arguments_of(function: Callable[..., Any], values: Mapping[str, Any], **others: Any) -> dict[str, Any]:
+    """Return the arguments of a function that are among some values, and others."""
+    names = inspect.signature(function).parameters
+    return {name: value for name, value in values.items() if name in names} | others
 
 
 def recording_of(given: Any, reading: ReadingRequest) -> Recording:

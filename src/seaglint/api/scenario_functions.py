@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, scenario_of, team_of
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, scenario_of, team_of, with_band
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import MOST_CASES, LikelihoodRequest, MeanRequest, SweepRequest
 
@@ -204,7 +204,6 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     >>> found.radiance.dims, found.radiance.units
     (('y', 'x'), 'W m-2 sr-1')
     """
-    from seaglint.api.inputs_and_results import scenario_of, with_band
     from seaglint.store.netcdf import labelled
     from seaglint.studies.mean.mean_map import mean as computed
 
@@ -249,7 +248,6 @@ def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ())
     >>> found["range"].units, float(found.time)
     ('m', 0.5)
     """
-    from seaglint.api.inputs_and_results import scenario_of, with_band
     from seaglint.store.netcdf import labelled
     from seaglint.studies.sequence.labelled_frames import image as drawn
 
@@ -308,18 +306,8 @@ def sweep(
     from seaglint.studies.sweep.run_sweep import sweep as computed
 
     with team_of(workers, threads) as others:
-        return computed(
-            scenario,
-            vary,
-            what=what,
-            at=at,
-            workers=others,
-            threads=threads if workers is None else None,
-            keep_going=keep_going,
-            most_cases=most_cases,
-            lazy=lazy,
-            progress=progress,
-        )
+        own_threads = threads if workers is None else None
+        return computed(**arguments_of(computed, locals(), source=scenario, workers=others, threads=own_threads))
 
 
 @documented(LikelihoodRequest)

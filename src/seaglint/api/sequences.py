@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.api.inputs_and_results import ResultRecord, recording_of, request_of, scenario_of, team_of, with_band
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, recording_of, request_of, scenario_of, team_of, with_band
 from seaglint.base.free_form import TableRow
 from seaglint.base.parameters import documented
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
     from seaglint.formats.recording import RawLayout
+    from seaglint.store.writers import Share
 
 
 @documented(RenderRequest)
@@ -83,7 +84,6 @@ def render(
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
     """
-    from seaglint.store.location import place_of
     from seaglint.store.sequence_store import finish_sequence, open_sequence
     from seaglint.store.writers import Share
     from seaglint.studies.sequence.sensed_sequence import render as written
@@ -94,22 +94,9 @@ def render(
         return with_band(open_sequence(output))
     share = None if shard is None else Share.parse(shard)
     with team_of(workers, threads) as team:
-        path = written(
-            loaded,
-            output,
-            frames=frames,
-            electrons=electrons,
-            radiance=radiance,
-            threads=threads if workers is None else None,
-            workers=team,
-            resume=resume,
-            overwrite=overwrite,
-            progress=progress,
-            **({} if share is None else {"share": share}),
-        )
-    if share is not None and not place_of(path).taken():
-        return open_sequence(place_of(path).work, allow_partial=True)
-    return with_band(open_sequence(path))
+        own_threads = threads if workers is None else None
+        path = written(**arguments_of(written, locals(), scenario=loaded, workers=team, threads=own_threads))
+    return _opened(path, share)
 
 
 def frames(
@@ -225,43 +212,33 @@ def sense(
 
     from seaglint.base.errors import DataError
     from seaglint.formats.recording.labelled_arrays import Source, source_of
-    from seaglint.store.location import place_of
-    from seaglint.store.sequence_store import open_sequence
     from seaglint.store.writers import Share
     from seaglint.studies.sequence.sense import Reopen, prepare_sense, sensed_dataset
     from seaglint.studies.sequence.sense import sense as written
 
     loaded = scenario_of(scenario, sensor)
-    absent = tuple(missing)
-    reading = request_of(SenseRequest, locals(), missing=absent, workers=None)
+    reading = request_of(SenseRequest, locals(), missing=tuple(missing), workers=None)
     if isinstance(radiance, str | Path):
-        known, again = source_of(Path(radiance)), Reopen(Path(radiance), frame_rate, variable, channel, axes, absent)
+        source, reopen = source_of(Path(radiance)), Reopen(Path(radiance), reading)
     else:
         radiance = radiance.to_dataset(name="radiance") if isinstance(radiance, xr.DataArray) else radiance
-        known, again = Source.of(radiance) if isinstance(radiance, xr.Dataset) else None, None
+        source, reopen = Source.of(radiance) if isinstance(radiance, xr.Dataset) else None, None
         if workers is not None:
             raise DataError("workers read the radiance again by its name, and it is in memory; give a file, or leave workers out")
-    opened = recording_of(radiance, reading)
+    recording = recording_of(radiance, reading)
     if output is None:
-        images, layout = prepare_sense(opened, loaded, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
-        return sensed_dataset(images, layout)
+        return sensed_dataset(*prepare_sense(**arguments_of(prepare_sense, locals(), scenario=loaded)))
     share = None if shard is None else Share.parse(shard)
     with team_of(workers) as team:
-        path = written(
-            opened,
-            loaded,
-            output,
-            source=known,
-            seed=seed,
-            oversampling=oversampling,
-            electrons=electrons,
-            resume=resume,
-            overwrite=overwrite,
-            progress=progress,
-            share=share,
-            workers=team,
-            reopen=again,
-        )
+        path = written(**arguments_of(written, locals(), scenario=loaded, workers=team))
+    return _opened(path, share)
+
+
+def _opened(path: Path | str, share: Share | None) -> xr.Dataset:
+    """Return a written store; with a share of a store that is not finished, its frames so far."""
+    from seaglint.store.location import place_of
+    from seaglint.store.sequence_store import open_sequence
+
     if share is not None and not place_of(path).taken():
         return open_sequence(place_of(path).work, allow_partial=True)
     return with_band(open_sequence(path))
@@ -356,15 +333,12 @@ def ensemble(
     >>> [row["wind.speed_m_s"] for row in rows]
     [3.0, 3.0]
     """
-    from seaglint.api.inputs_and_results import team_of
     from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
     from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 
     resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
     with team_of(workers, threads) as others:
-        render_ensemble(
-            resolved, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
-        )
+        render_ensemble(**arguments_of(render_ensemble, locals(), ensemble=resolved, workers=others))
     return [scene.row for scene in draw(resolved)]
 
 
@@ -417,7 +391,6 @@ def dataset(
     >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
     PosixPath('small')
     """
-    from seaglint.api.inputs_and_results import team_of
     from seaglint.base.errors import DataError
     from seaglint.formats.dataset.dataset_writing import problems
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source

@@ -41,6 +41,9 @@ Refraction = Annotated[
 ]
 
 
+ScatteredSunlight = Annotated[bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")]
+
+
 class _Absorption(Record):
     """Keys of air whose absorption is summed here."""
 
@@ -84,9 +87,7 @@ class TableAtmosphereSettings(_Absorption):
     levels: Levels = "continuous"
     air_minus_sea_k: AirMinusSea = None
     refraction: Refraction = "standard"
-    scattered_sunlight: Annotated[
-        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
-    ] = True
+    scattered_sunlight: ScatteredSunlight = True
 
 
 class _Profile(Record):
@@ -130,9 +131,7 @@ class _Profile(Record):
         Annotated[float, Quantity("m/s", ge=0, le=NAVY_AEROSOL_WIND[1])] | None,
         Field(description="mean wind of the last 24 hours, navy-maritime only; default: that of [wind]"),
     ] = None
-    scattered_sunlight: Annotated[
-        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
-    ] = True
+    scattered_sunlight: ScatteredSunlight = True
 
     @model_validator(mode="after")
     def _visibility_needs_haze(self) -> Self:
@@ -161,9 +160,7 @@ class FileAtmosphere(Record):
 
     source: Literal["file"] = "file"
     path: Annotated[InputFile, Field(description="CSV or NetCDF (.nc) file for this sensor height, e.g. air.csv")]
-    scattered_sunlight: Annotated[
-        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
-    ] = True
+    scattered_sunlight: ScatteredSunlight = True
 
 
 class IsothermalAtmosphereSettings(Record):

@@ -71,9 +71,7 @@ class PhotonDetector(Record):
         if self.short_integration_time_s is not None and self.well_capacity_e is None:
             text = "is missing beside short_integration_time_s, which is taken where the well is full; add it"
             raise rule("sensor.detector.well_capacity_e", text)
-        if self.offset_counts >= (1 << self.bit_depth) - 1:
-            text = f"= {self.offset_counts:g} leaves nothing of {self.bit_depth} bits; give a lower offset or a greater bit_depth"
-            raise rule("sensor.detector.offset_counts", text, value=self.offset_counts)
+        _require_offset(self)
         return self
 
 
@@ -96,10 +94,15 @@ class ThermalDetector(Record):
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:
-        if self.offset_counts >= (1 << self.bit_depth) - 1:
-            text = f"= {self.offset_counts:g} leaves nothing of {self.bit_depth} bits; give a lower offset or a greater bit_depth"
-            raise rule("sensor.detector.offset_counts", text, value=self.offset_counts)
+        _require_offset(self)
         return self
+
+
+def _require_offset(detector: PhotonDetector | ThermalDetector) -> None:
+    """Refuse an offset that fills all counts."""
+    if detector.offset_counts >= (1 << detector.bit_depth) - 1:
+        text = f"= {detector.offset_counts:g} leaves nothing of {detector.bit_depth} bits; give a lower offset or a greater bit_depth"
+        raise rule("sensor.detector.offset_counts", text, value=detector.offset_counts)
 
 
 Detector = Annotated[
@@ -338,15 +341,11 @@ class Sensor(Record):
             detector = _DETECTOR.validate_python(raw["detector"], context=info.context)
             columns, rows = (int(n) for n in raw.get("pixels", _PIXELS))
         except (ValidationError, TypeError, ValueError):
-            return raw  # told where these are validated themselves
+            return raw  # their own validation reports the mistakes
         focal = next(iter(_focal_lengths(optics, detector).values()), None)
         if focal is None or columns < 1 or rows < 1:
             return raw
-        step = 1e-6 * detector.pitch_um / focal
-        if raw.get("projection") == "pinhole":
-            view = [2.0 * math.degrees(math.atan(0.5 * step * n)) for n in (columns, rows)]
-        else:
-            view = [math.degrees(step) * n for n in (columns, rows)]
+        view = _view_of(focal, detector, (columns, rows), raw.get("projection") == "pinhole")
         scan = raw.get("scan")
         if isinstance(scan, dict) and scan.get("kind") == "panoramic":
             view[0] = 360.0
@@ -412,6 +411,12 @@ def _focal_lengths(optics: Optics, detector: Detector) -> dict[str, float]:
     return out
 
 
+def _view_of(focal: float, detector: Detector, pixels: tuple[int, int], plane: bool) -> list[float]:
+    """Return the field of view of pixels behind a focal length [deg, (width, height)]."""
+    step = 1e-6 * detector.pitch_um / focal
+    return [2.0 * math.degrees(math.atan(0.5 * step * n)) if plane else math.degrees(step) * n for n in pixels]
+
+
 def _from_view(fov_deg: tuple[float, float], pixels: tuple[int, int], sensor: Sensor) -> float:
     """Return the focal length that the field of view has with the detector's pixels [m]; its height, which no scan changes."""
     assert sensor.detector is not None
@@ -440,12 +445,7 @@ def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) ->
     if focal / sensor.aperture_m < 0.5 * (1.0 - AGREEMENT):
         text = f"= {sensor.aperture_m:g} with a focal length of {focal:g} m is F/{focal / sensor.aperture_m:.2g}; no optics are below F/0.5"
         raise rule("sensor.optics.aperture_m", text, value=sensor.aperture_m, allowed=f"up to {2 * focal:g} m")
-    step = math.degrees(1e-6 * detector.pitch_um / focal)
-    width, height = (
-        (2.0 * math.degrees(math.atan(0.5 * math.radians(step) * n)) for n in sensor.pixels)
-        if sensor.projection == "pinhole"
-        else (step * n for n in sensor.pixels)
-    )
+    width, height = _view_of(focal, detector, sensor.pixels, sensor.projection == "pinhole")
     for name, value, own in (("width", width, sensor.fov_deg[0]), ("height", height, sensor.fov_deg[1])):
         if abs(value / own - 1.0) > AGREEMENT:
             text = (

@@ -13,9 +13,9 @@ likelihood given the histogram. The article does not state picture, levels and o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,17 +23,15 @@ from numpy.typing import NDArray
 from seaglint.air.protocol import slant_range
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, horizon_range, surface_range, view_zenith
 from seaglint.base.free_form import Attributes, TomlTables
-from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
-from seaglint.optics import sea_water
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.radiance.variance import capillary_length, sea_variance
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
-from seaglint.studies.build.profile_air import model_air
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
+from seaglint.studies.article.headline import MODEL, SEA_TEMPERATURE, article_sea
 from seaglint.studies.sequence.labelled_frames import image
 from seaglint.textures.autobinomial import Autobinomial, classes
 from seaglint.textures.autobinomial_fit import AutobinomialFit, fit
@@ -44,6 +42,8 @@ from seaglint.textures.regime import Regime, correlations, mean_field, regime
 if TYPE_CHECKING:
     import xarray as xr
 
+
+Item = TypeVar("Item")
 
 #: Straight down on half a metre a pixel; waves run down the picture, so that its crests lie along the rows.
 SCENE: Final[TomlTables] = {
@@ -65,8 +65,16 @@ SWEEPS: Final = 300
 MOLTEN_SLOPE: Final = 0.8
 
 
-def _silent_progress(done: int, total: int) -> None:
+def ignore_progress(done: int, total: int) -> None:
     """Ignore progress."""
+
+
+def reported(items: Sequence[Item], report: Progress) -> Iterator[tuple[int, Item]]:
+    """Yield items with their numbers; report the number of finished items before each and after the last."""
+    for number, item in enumerate(items):
+        report(number, len(items))
+        yield number, item
+    report(len(items), len(items))
 
 
 def glint_from_above() -> NDArray[np.float64]:
@@ -82,7 +90,7 @@ def weakened(model: Autobinomial, share: float, slope: float) -> Autobinomial:
     return model.with_parameters(np.array([alpha, *(factor * beta for beta in model.beta)]))
 
 
-def figure_10(report: Progress = _silent_progress) -> xr.Dataset:
+def figure_10(report: Progress = ignore_progress) -> xr.Dataset:
     """Autobinomial textures of the article's Fig. 10.
 
     Returns
@@ -98,11 +106,7 @@ def figure_10(report: Progress = _silent_progress) -> xr.Dataset:
     grey = GreyLevels.of(radiance, LEVELS)
     sea = grey.to_levels(radiance)
     offsets = [offset for one in classes(ORDER, isotropic=False) for offset in one]
-    results = []
-    for done, name in enumerate(TEXTURES):
-        report(done, len(TEXTURES))
-        results.append(_texture(sea, isotropic=name == "isotropic"))
-    report(len(TEXTURES), len(TEXTURES))
+    results = [_texture(sea, isotropic=name == "isotropic") for _, name in reported(TEXTURES, report)]
     pictures, fits, regimes = [row[0] for row in results], [row[1] for row in results], [row[2] for row in results]
     couplings = np.array([[[_of(one, offset, one.parameters) for offset in offsets] for one in pair] for pair in fits])
     errors = np.array([[[_of(one, offset, one.standard_errors) for offset in offsets] for one in pair] for pair in fits])
@@ -163,9 +167,6 @@ def _slope(result: AutobinomialFit, sea: NDArray[np.int16]) -> float:
     return mean_field(result.model, float(sea.mean()) / result.model.most)[0]
 
 
-MODEL: Final = "midlatitude-summer"
-SEA_TEMPERATURE: Final = 288.15
-
 PATH_BAND: Final = (3.0, 5.0)
 PATH_HEIGHT: Final = 130.0
 PATH_WINDS: Final = (1.0, 5.0, 10.0, 15.0, 20.0)
@@ -191,25 +192,6 @@ IMAGE_IFOV: Final = 1e-3  #: Side of the article's detector [rad].
 IMAGE_FIELD: Final = (50.0, 35.0)  #: Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg].
 
 
-def _silent(done: int, total: int) -> None:
-    pass
-
-
-def _view(band: Band, wind_speed: float, height: float) -> SeaView:
-    """Return the article's sea and air at a wind."""
-    return SeaView(
-        atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um), "lowtran", "lowtran7"),
-        band=band,
-        water=sea_water.article(),
-        slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),
-        sea_temperature=SEA_TEMPERATURE,
-        sensor_height=height,
-        solar_zenith=0.0,
-        shadowing=VIEWER,
-        background="blackbody",
-    )
-
-
 def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> Attributes:
     from seaglint.version import __version__
 
@@ -217,7 +199,7 @@ def _attributes(title: str, band: tuple[float, float], height: float, **more: An
     return {**common, "sensor_height_m": height, "sea_temperature_k": SEA_TEMPERATURE, **more}
 
 
-def figure_2(report: Progress = _silent) -> xr.Dataset:
+def figure_2(report: Progress = ignore_progress) -> xr.Dataset:
     """Path and boundary properties against range and zenith angle at several winds, 3-5 um, from 130 m down to the sea.
 
     Returns
@@ -239,9 +221,8 @@ def figure_2(report: Progress = _silent) -> xr.Dataset:
     zenith = np.concatenate([np.arange(0.0, 80.0, 2.0), np.arange(80.0, 90.01, 0.5)])
     paths: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_RANGE}
     skies: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_ZENITH}
-    for i, wind in enumerate(PATH_WINDS):
-        report(i, len(PATH_WINDS))
-        view = _view(band, wind, PATH_HEIGHT)
+    for _, wind in reported(PATH_WINDS, report):
+        view = article_sea(band, wind, PATH_HEIGHT)
         over = view.in_band
         spectral = view.atmosphere.transmittance(PATH_HEIGHT, arc)[..., over.grid]
         path = over(view.atmosphere.path_radiance(PATH_HEIGHT, arc))
@@ -251,7 +232,6 @@ def figure_2(report: Progress = _silent) -> xr.Dataset:
         paths["boundary_radiance_W_m2_sr"].append(path + spectral @ (over.weights * planck_wavenumber(over.wavenumber_cm, SEA_TEMPERATURE)))
         skies["solar_irradiance_W_m2"].append(over(view.atmosphere.solar_irradiance(np.radians(zenith))))
         skies["sky_radiance_W_m2_sr"].append(over(view.atmosphere.sky_radiance(np.radians(zenith), 0.0)))
-    report(len(PATH_WINDS), len(PATH_WINDS))
     blackbody = float(band.radiance(PATH_BLACKBODY, view.atmosphere.wavenumber_cm))
     return xr.Dataset(
         {name: (("wind_speed_m_s", "slant_range_m"), np.array(rows)) for name, rows in paths.items()}
@@ -271,7 +251,7 @@ _ALONG_RANGE: Final = ("transmittance", "transmittance_eq_9", "path_radiance_W_m
 _ALONG_ZENITH: Final = ("solar_irradiance_W_m2", "sky_radiance_W_m2_sr")
 
 
-def figure_3(report: Progress = _silent) -> xr.Dataset:
+def figure_3(report: Progress = ignore_progress) -> xr.Dataset:
     """Sunlight scattered by the sea and its apparent temperature against the zenith angles of Sun and sensor, at three winds.
 
     Returns
@@ -292,9 +272,8 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
     shape = (len(SURFACE_WINDS), sun.size, depression.size)
     maps = {name + way: np.zeros(shape) for way, _ in ways for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
     background = np.zeros((len(SURFACE_WINDS), depression.size))
-    for i, wind in enumerate(SURFACE_WINDS):
-        report(i, len(SURFACE_WINDS))
-        view = _view(band, wind, GLINT_HEIGHT)
+    for i, wind in reported(SURFACE_WINDS, report):
+        view = article_sea(band, wind, GLINT_HEIGHT)
         inverse = ApparentTemperature.create(band, view.atmosphere.wavenumber_cm)
         for j, zenith in enumerate(np.radians(sun)):
             for way, radiance in ways:
@@ -303,7 +282,6 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
                 maps["apparent_temperature_k" + way][i, j] = inverse(seen.total[:, 0])
                 if way == "":
                     background[i] = inverse((seen.path + seen.emission + seen.sky)[:, 0])
-    report(len(SURFACE_WINDS), len(SURFACE_WINDS))
     return xr.Dataset(
         {name: (("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg"), values) for name, values in maps.items()}
         | {"background_temperature_k": (("wind_speed_m_s", "sensor_zenith_deg"), background)},
@@ -318,7 +296,7 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
     )
 
 
-def figure_4(report: Progress = _silent) -> xr.Dataset:
+def figure_4(report: Progress = ignore_progress) -> xr.Dataset:
     """Images of the mirrored Sun, mean and standard deviation in detectors of 1 mrad, for three winds from three directions.
 
     Returns
@@ -340,15 +318,13 @@ def figure_4(report: Progress = _silent) -> xr.Dataset:
     length = capillary_length(0.07)
     shape = (len(IMAGE_WINDS), len(IMAGE_WIND_DIRECTIONS), elevation.size, azimuth.size)
     mean, deviation = (np.zeros(shape, dtype=np.float32) for _ in range(2))
-    for i, wind in enumerate(IMAGE_WINDS):
-        report(i, len(IMAGE_WINDS))
-        calm = replace(_view(band, wind, GLINT_HEIGHT), solar_zenith=float(np.radians(IMAGE_SUN)))
+    for i, wind in reported(IMAGE_WINDS, report):
+        calm = replace(article_sea(band, wind, GLINT_HEIGHT), solar_zenith=float(np.radians(IMAGE_SUN)))
         for j, wind_from in enumerate(IMAGE_WIND_DIRECTIONS):
             view = replace(calm, slopes=cox_munk_anisotropic(wind, np.radians(wind_from + 180.0), height=WIND_HEIGHT))
             components = mean_radiance(view, rows, np.radians(azimuth))
             mean[i, j] = components.sun
             deviation[i, j] = np.sqrt(sea_variance(view, components, rows, solid_angle, length))
-    report(len(IMAGE_WINDS), len(IMAGE_WINDS))
     dims = ("wind_speed_m_s", "wind_from_sun_deg", "elevation_deg", "azimuth_from_sun_deg")
     return xr.Dataset(
         {"solar_radiance_W_m2_sr": (dims, mean), "glint_std_W_m2_sr": (dims, deviation)},

@@ -33,7 +33,7 @@ from seaglint.instrument.figures_of_merit import blur_px as beyond_pixel
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
+from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS, ignore_progress
 from seaglint.studies.article.headline import ArticleRow, SensedRow
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.sensor_model import sensor_model
@@ -80,10 +80,6 @@ ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
     "glint": {3.0: (0.0096, 0.270), 3.5: (0.0050, 0.202)},
     "background": {3.0: (0.014, 0.292), 3.5: (None, None)},
 }
-
-
-def _silent(done: int, total: int) -> None:
-    """Ignore progress."""
 
 
 def scene(
@@ -137,7 +133,7 @@ def scene(
     )
 
 
-def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDArray[np.float32]:
+def sequence(scene: Scene, times: FloatArray, report: Progress = ignore_progress) -> NDArray[np.float32]:
     """Return the radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
     images = []
     report(0, times.size)
@@ -303,7 +299,7 @@ def _alarms(analysis: Analysis) -> dict[tuple[str, float], AlarmSummary]:
     }
 
 
-def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
+def table1(report: Progress = ignore_progress, frames: int = FRAMES) -> Table1:
     """Render the sequence and count its false alarms, as rendered and through the detector.
 
     Parameters

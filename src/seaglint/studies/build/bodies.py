@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, assert_never
+from typing import assert_never
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, Mistake, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.formats.mesh import METRES, read_mesh
-from seaglint.formats.tables.input_tables import OBJECT_COLUMNS, read_track
+from seaglint.formats.tables.input_tables import OBJECT_COLUMNS
 from seaglint.imaging.camera.pose import Track
 from seaglint.objects import solids as primitives
 from seaglint.objects.approach import CLEARANCE, first_contact
@@ -23,7 +23,7 @@ from seaglint.objects.motion import Course, Keyframed, Rest, east_north, rotatio
 from seaglint.objects.solids import Operation, combined, common_volume, placed, plume_in, solid
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import object_tables
-from seaglint.scenario.records.object_tables import Object, ObjectKeyframe
+from seaglint.scenario.records.object_tables import Object
 from seaglint.sea.wave_field import WaveField
 from seaglint.studies.build import scenario_physics
 
@@ -31,7 +31,8 @@ MOST_CHECKED = 33  #: Times at which objects are compared with each other.
 
 OVERLAP = 1e-6  #: Share of the smaller of two solids that they may have in common: solids that touch do not overlap.
 
-Parts = list[Solid | GasPlume | PointSource]
+Part = Solid | GasPlume | PointSource
+Parts = list[Part]
 # Temperature [K] and emissivity of parts that do not state their own.
 Material = tuple[float | None, float]
 
@@ -227,7 +228,7 @@ def _from_file(shape: object_tables.MeshFile, material: Material) -> Solid:
         raise DomainError(f"shape.path = '{shape.path}': {error}") from error
 
 
-def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Steered:
+def _motion(scenario: Scenario, item: Object, parts: Sequence[Part], origin: FloatArray) -> Steered:
     """Return the motion of an object on a flat sea."""
     trim = tuple(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg))
     if item.track is not None or item.keyframes is not None:
@@ -242,16 +243,9 @@ def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | Po
     return Course(start, item.speed_m_s * np.array([np.sin(towards), np.cos(towards), 0.0]))
 
 
-def _keyframed(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Keyframed:
-    columns: dict[str, Any]
-    if item.track is not None:
-        columns, names = read_track(item.track, OBJECT_COLUMNS)
-        where = f"track = '{item.track}': "
-    else:
-        keyframes, where = item.keyframes or (), ""
-        given = [name for name in ObjectKeyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
-        columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
-        names = [f"keyframes[{i}]" for i in range(len(keyframes))]
+def _keyframed(scenario: Scenario, item: Object, parts: Sequence[Part], origin: FloatArray) -> Keyframed:
+    columns, names = scenario_physics.keyframe_columns(item, OBJECT_COLUMNS)
+    where = "" if item.track is None else f"track = '{item.track}': "
     size = len(names)
     if "latitude_deg" in columns or "longitude_deg" in columns:
         ways = [name for name in ("latitude_deg", "longitude_deg") if name not in columns]
@@ -292,7 +286,7 @@ def _place(scenario: Scenario, item: Object) -> FloatArray:
     return np.array([item.east_m or 0.0, item.north_m or 0.0])
 
 
-def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> float:
+def _height(item: Object, parts: Sequence[Part]) -> float:
     """Return the height of an object's origin [m]."""
     if item.height_m is not None:
         return item.height_m
@@ -307,7 +301,7 @@ def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> 
     return -item.draught_m - float((corners @ turn.T)[:, 2].min())
 
 
-def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
+def _corners(parts: Sequence[Part]) -> FloatArray:
     """Return the vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
     corners = [part.vertices for part in parts if isinstance(part, Solid)]
     signs = np.stack(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)), axis=-1).reshape(-1, 3)
@@ -315,9 +309,7 @@ def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
     return np.concatenate(corners) if corners else np.zeros((0, 3))
 
 
-def _ridden(
-    item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, swell: Callable[[FloatArray], Swell | None]
-) -> Steered:
+def _ridden(item: Object, parts: Sequence[Part], base: Steered, swell: Callable[[FloatArray], Swell | None]) -> Steered:
     """Return a motion on the waves, over the waterline of the largest solid that the water cuts."""
     first = base.at(0.0)
     trim = rotation(0.0, *(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg)))
@@ -333,7 +325,7 @@ def _ridden(
     return base if waves is None else Afloat(base, waves, centre, half)
 
 
-def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, times: FloatArray) -> None:
+def _require_seen(scenario: Scenario, parts: Sequence[Part], base: Steered, times: FloatArray) -> None:
     """Refuse objects that are wholly under the sea or reach above the air."""
     corners = _corners(parts)
     if not len(corners):

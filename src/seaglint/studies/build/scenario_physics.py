@@ -7,7 +7,7 @@ profile of the air (:func:`bending`).
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, assert_never
 
@@ -23,7 +23,7 @@ from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.sea_view import SeaView
-from seaglint.formats.tables.input_tables import read_track
+from seaglint.formats.tables.input_tables import COLUMNS, read_track
 from seaglint.formats.tables.spectra import read_response
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
 from seaglint.imaging.camera.pose import Track
@@ -38,8 +38,9 @@ from seaglint.radiance.variance import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.records import sea_tables as requested_sea
+from seaglint.scenario.records.object_tables import Object
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
-from seaglint.scenario.records.view_tables import Keyframe
+from seaglint.scenario.records.view_tables import Platform
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
@@ -217,6 +218,17 @@ def imager(scenario: Scenario) -> Imager:
     return Imager(sensor.projection, width, height, *sensor.pixels)
 
 
+def keyframe_columns(moving: Platform | Object, allowed: Sequence[str]) -> tuple[dict[str, FloatArray], list[str]]:
+    """Return the columns of a track's file or of keyframes by their keys, and the names of the keyframes in messages."""
+    if moving.track is not None:
+        return read_track(moving.track, allowed)
+    keyframes = moving.keyframes or ()
+    # All keyframes have the keys of the first, which the records check.
+    given = [name for name in type(keyframes[0]).model_fields if getattr(keyframes[0], name) is not None] if keyframes else []
+    columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
+    return columns, [f"keyframes[{i}]" for i in range(len(keyframes))]
+
+
 def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
     """Return position and attitude of the sensor over the time of the scenario's frames; a platform that floats rides on ``waves``.
 
@@ -228,20 +240,11 @@ def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
     sensor, platform = scenario.sensor, scenario.platform
     rest = {"east_m": 0.0, "north_m": 0.0, "height_m": sensor.height_m, "azimuth_deg": sensor.azimuth_deg}
     rest |= {"elevation_deg": sensor.elevation_deg, "roll_deg": sensor.roll_deg}
-    if platform is None:
-        return Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
-    if platform.track is None and platform.keyframes is None:
+    if platform is None or (platform.track is None and platform.keyframes is None):
         still = Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
-        return afloat(scenario, still, waves, "platform: ")
-    columns: dict[str, FloatArray]
-    if platform.track is not None:
-        columns, names = read_track(platform.track)
-        where = f"{platform.track}: "
-    else:
-        keyframes = platform.keyframes or ()
-        given = [name for name in Keyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
-        columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
-        names, where = [f"keyframes[{i}]" for i in range(len(keyframes))], "platform: "
+        return still if platform is None else afloat(scenario, still, waves, "platform: ")
+    columns, names = keyframe_columns(platform, COLUMNS)
+    where = "platform: " if platform.track is None else f"{platform.track}: "
     size = len(names)
     filled = {name: columns.get(name, np.full(size, value)) for name, value in ({"time_s": 0.0} | rest).items()}
     values = {name.rsplit("_", 1)[0]: np.radians(v) if name.endswith("_deg") else v for name, v in filled.items()}

@@ -182,22 +182,8 @@ def modtran_path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Me
     for name, values in ours.items():
         for low, high in PATH_BANDS:
             inside = (nu >= 1e4 / high) & (nu <= 1e4 / low)
-            mean, their = float(values[inside].mean()), float(theirs[inside].mean())
-            rms = float(np.sqrt(np.mean((values - theirs)[inside] ** 2)))
-            percent = 100.0 * (mean / their - 1.0)
-            row = MeasuredRow(
-                case=title,
-                quantity=f"{low:g}-{high:g} um",
-                spectroscopy=name,
-                unit="1",
-                ours=mean,
-                measured=their,
-                difference_percent=percent,
-                rms=rms,
-                uncertainty="a model",
-                reason=MODEL_REASONS[name],
-            )
-            rows.append(row)
+            row = _mean_row(title, f"{low:g}-{high:g} um", name, "1", values[inside], theirs[inside])
+            rows.append(replace(row, uncertainty="a model", reason=MODEL_REASONS[name]))
     return rows, [SpectraBeside(title, "transmittance", nu, theirs, dict(ours.items()), "1", "MODTRAN 4")]
 
 
@@ -396,19 +382,17 @@ def _grid(low: float, high: float) -> FloatArray:
 
 
 def _row(case: str, band: tuple[int, int], name: Spectroscopy, unit: str, ours: FloatArray, theirs: FloatArray) -> MeasuredRow:
-    """Return a row of the means of many numbers."""
+    """Return a row of RRTMGP's band [cm-1]."""
+    row = _mean_row(case, f"{1e4 / band[1]:.3g}-{1e4 / band[0]:.3g} um", name, unit, ours, theirs)
+    return replace(row, uncertainty=_UNCERTAINTY, reason=_REASONS[name])
+
+
+def _mean_row(case: str, quantity: str, spectroscopy: str, unit: str, ours: FloatArray, theirs: FloatArray) -> MeasuredRow:
+    """Return a row of the means of many numbers, still without uncertainty and reason."""
     mean, their = float(ours.mean()), float(theirs.mean())
+    percent, rms = 100.0 * (mean / their - 1.0), float(np.sqrt(np.mean((ours - theirs) ** 2)))
     return MeasuredRow(
-        case=case,
-        quantity=f"{1e4 / band[1]:.3g}-{1e4 / band[0]:.3g} um",
-        spectroscopy=name,
-        unit=unit,
-        ours=mean,
-        measured=their,
-        difference_percent=100.0 * (mean / their - 1.0),
-        rms=float(np.sqrt(np.mean((ours - theirs) ** 2))),
-        uncertainty=_UNCERTAINTY,
-        reason=_REASONS[name],
+        case=case, quantity=quantity, spectroscopy=spectroscopy, unit=unit, ours=mean, measured=their, difference_percent=percent, rms=rms
     )
 
 

@@ -35,6 +35,7 @@ from seaglint.store.writers import Share
 from seaglint.studies.build.sensor_model import sensor_attributes, sensor_model
 from seaglint.studies.sequence.memory import BASE, require_room
 from seaglint.studies.sequence.sequence_work import spread_over
+from seaglint.studies.study_requests import ReadingRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -188,28 +189,15 @@ class Reopen:
     """A recording by name, for other processes."""
 
     path: Path
-    frame_rate: float | None = None
-    variable: str | None = None
-    channel: str | None = None
-    axes: str | None = None
-    missing: tuple[float, ...] = ()
+    reading: ReadingRequest = field(default_factory=ReadingRequest)
 
 
 def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, bool]) -> tuple[Layout, Frame]:
     """Return layout and frames in another process."""
-    from seaglint.formats.recording import open_recording
     from seaglint.formats.recording.labelled_arrays import source_of
 
     file, scenario, seed, oversampling, electrons = settings
-    opened = open_recording(
-        str(file.path),
-        frame_rate=file.frame_rate,
-        variable=file.variable,
-        channel=file.channel,
-        axes=file.axes,
-        missing=file.missing,
-    )
-    known = source_of(file.path)
+    opened, known = file.reading.opened(str(file.path)), source_of(file.path)
     frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
     return layout, partial(frames.images, requested=layout.variables)
 
