@@ -137,6 +137,7 @@ def path(
 
     even = {"temperature_k": temperature_k, "pressure_hpa": pressure_hpa}
     even |= {"vapour_pressure_hpa": vapour_pressure_hpa, "length_km": length_km}
+    # Numbers of both kinds of path are refused, because one kind would be ignored silently.
     require_one_kind(scenario is not None, range_m is not None, {**even, "band_um": band_um})
     if scenario is not None and range_m is not None:
         return path_air(scenario_of(scenario), range_m, target_height_m)

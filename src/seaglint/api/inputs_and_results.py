@@ -91,12 +91,14 @@ def recording_of(given: Any, reading: ReadingRequest) -> Recording:
     if isinstance(given, xr.DataArray):
         given = given.to_dataset(name=str(given.name or "values"))
     if isinstance(given, xr.Dataset):
+        # Recordings have time as their first axis; a dataset may have it anywhere.
         ordered = given.transpose("time", ...) if "time" in given.dims else given
         recording = of_dataset(ordered, "dataset", how)
     elif isinstance(given, Recording):
         recording = given
     else:
         recording = of_array(np.asarray(given), "array", how, ArrayFacts(reading.frame_rate, reading.units))
+    # Values that the user states replace those of the recording; values left out (None) do not.
     stated: dict[str, Any] = {"frame_rate": reading.frame_rate, "units": reading.units, "saturation": reading.saturation}
     return replace(recording, **{name: value for name, value in stated.items() if value is not None})
 
@@ -122,6 +124,7 @@ def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.Data
         given, attributes = xr.DataArray(values, dims=AXES[3 - values.ndim :] if values.ndim <= 3 else None), {}
     over = band if isinstance(band, Band) else band_of(attributes) if band is None else Band.rectangular(*band)
     grid = wavenumber_grid(over.min_um, over.max_um)
+    # Single precision remains single; whole numbers become double.
     kind = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
 
     def converted(values: NDArray[Any]) -> NDArray[np.floating[Any]]:
@@ -150,6 +153,7 @@ def with_band(dataset: xr.Dataset) -> xr.Dataset:
     from seaglint.store.netcdf import plain_attributes
 
     dataset.attrs = plain_attributes(dataset.attrs)
+    # A variable that is saved alone loses the attributes of its dataset, which hold the band.
     band = {key: dataset.attrs[key] for key in ("band_wavelength_um", "band_response")}
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("units") == VARIABLES["radiance"].units:

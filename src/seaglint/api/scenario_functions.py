@@ -128,6 +128,7 @@ def info(path: str | Path, *, variable: str | None = None, channel: str | None =
     """
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours
 
+    # A URL must not become a Path, which would shorten its two slashes to one.
     place = path if isinstance(path, str) and "://" in path else Path(path)
     if is_ours(place):
         values: Mapping[str, Any] = describe(place).as_dict()
@@ -306,6 +307,7 @@ def sweep(
     from seaglint.studies.sweep.run_sweep import sweep as computed
 
     with team_of(workers, threads) as others:
+        # Workers limit their threads themselves; the limit of this process would not reach them.
         own_threads = threads if workers is None else None
         return computed(**arguments_of(computed, locals(), source=scenario, workers=others, threads=own_threads))
 

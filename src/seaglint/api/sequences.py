@@ -94,6 +94,7 @@ def render(
         return with_band(open_sequence(output))
     share = None if shard is None else Share.parse(shard)
     with team_of(workers, threads) as team:
+        # Workers limit their threads themselves; the limit of this process would not reach them.
         own_threads = threads if workers is None else None
         path = written(**arguments_of(written, locals(), scenario=loaded, workers=team, threads=own_threads))
     return _opened(path, share)
@@ -217,6 +218,7 @@ def sense(
     from seaglint.studies.sequence.sense import sense as written
 
     loaded = scenario_of(scenario, sensor)
+    # Workers receive this record, so it must not hold the workers themselves.
     reading = request_of(SenseRequest, locals(), missing=tuple(missing), workers=None)
     if isinstance(radiance, str | Path):
         source, reopen = source_of(Path(radiance)), Reopen(Path(radiance), reading)

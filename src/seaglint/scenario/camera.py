@@ -141,6 +141,7 @@ def with_camera(raw: Mapping[str, Any], chosen: CameraTables) -> TomlTables:
     remaining = {key: value for key, value in own.items() if key not in (*TABLES, "fov_deg", "pixels")}
     bands = {"band": dict(chosen.tables["band"])} if "band" in chosen.tables else {}
     # what the optics see is known to the model alone
+    # The height of the view may follow from pixels and focal length, so a level camera is validated to read it.
     level = parse_scenario({**bands, "sensor": {**remaining, "elevation_deg": 0.0, **new}}, name="camera").sensor
     direction = {} if "elevation_deg" in new else {"elevation_deg": round(-(0.5 - ABOVE) * level.fov_deg[1], 3)}
     return {**raw, **bands, "sensor": {**remaining, **direction, **new}}
@@ -225,6 +226,7 @@ def _from_file(path: Path) -> dict[str, Any]:
 
 def _plain(text: str) -> Any:
     """Return a whole number, a number, a pair such as 640x512, true or false, or the text itself."""
+    # Data sheets write pairs with x, the sign ×, or an asterisk.
     pair = re.fullmatch(r"([0-9.]+)\s*[x×*]\s*([0-9.]+)", text)
     if pair is not None:
         return [_plain(pair[1]), _plain(pair[2])]
@@ -248,6 +250,7 @@ def _keys() -> dict[str, tuple[str, ...]]:
         for name in names:
             if name in TABLES:
                 continue
+            # A bare name belongs to the first table that has it; other tables need both names, as in optics.temperature_k.
             out.setdefault(name, ("sensor", *table, name))
             if table:
                 out[f"{table[0]}.{name}"] = ("sensor", *table, name)
@@ -259,15 +262,18 @@ def _key_and_value(name: str, value: Any) -> tuple[tuple[str, ...], Any]:
     known = _keys()
     if name in known:
         return known[name], value
+    # A key with another unit has the stem of the scenario's key and a different ending: focal_length_mm.
     stem, _, ending = name.rpartition("_")
     candidates = [other for other in known if other.rpartition("_")[0] == stem and stem]
     for other in candidates:
+        # The endings of scenario keys are units, so the first key whose unit the ending converts to is meant.
         key = key_at(known[other])
         assert key is not None
         unit = next((quantity.unit for quantity in key.quantities if quantity.unit), "")
         if not unit or isinstance(value, bool) or not isinstance(value, int | float | list):
             continue
         try:
+            # 17 significant digits pass the number through text without rounding.
             each = value if isinstance(value, list) else [value]
             read = [convert(f"{float(one):.17g} {_UNITS.get(ending, ending)}", unit) for one in each]
         except ValueError:

@@ -82,6 +82,7 @@ def _cut_side(side: int, angle: float, most: int | None, *, plane: bool) -> tupl
     """Pixels that stay of a side, an even number less so that its middle stays where it is, and their angle [deg]."""
     if most is None or side <= most:
         return side, angle
+    # The removed pixels must be even in number, else the middle would move by half a pixel.
     fewer = most - (side - most) % 2
     share = fewer / side
     return fewer, 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * angle)))) if plane else angle * share

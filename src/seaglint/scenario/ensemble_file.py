@@ -128,6 +128,7 @@ class Ensemble(Record):
             for key in law.keys if isinstance(law, Weather) else (law.key or "",):
                 if key in seen:
                     raise rule(f"vary[{i}].key", f"= '{key}' has two laws; leave one of them out", value=key)
+                # Laws are applied in order, so a law of a whole table would overwrite an earlier law of a key inside it.
                 inner = next((other for other in sorted(seen) if other.startswith(f"{key}.")), None)
                 if inner is not None:
                     raise rule(f"vary[{i}].key", f"= '{key}' would replace what was drawn for {inner}; put it before that law", value=key)
@@ -183,6 +184,7 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
             "ensemble = { scenes = 100 }, and laws of keys in tables [[vary]]"
         )
     try:
+        # The base is validated as a scenario below; here it would be free-form tables.
         ensemble = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
     except ValidationError as error:
         lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
@@ -261,6 +263,7 @@ def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> TomlTable
 
 def _described(error: ErrorDetails) -> tuple[str, Any, str]:
     """Return key, value and text of one mistake."""
+    # Pydantic adds the law's name to the location of a mistake in a union; the file has no such level.
     location = tuple(part for part in error["loc"] if part not in _TAGS)
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
     kind, given, context = error["type"], error["input"], error.get("ctx", {})

@@ -105,6 +105,7 @@ def named_key(dotted: str) -> Key | None:
     """
     parts = dotted.split(".")
     if parts[0] == "objects" and len(parts) > 1:
+        # The name or the number of an object is not a level of the records.
         parts.pop(1)
     return _key_at(tuple(part for part in parts if not part.isdecimal()))
 
@@ -158,6 +159,7 @@ def key_paths() -> tuple[str, ...]:
 
     def walk(record: type[BaseModel], above: tuple[str, ...], over: tuple[type[BaseModel], ...]) -> Iterator[str]:
         for key in fields_of(record, above):
+            # Tables are not keys that can be set to a number or text; their keys are walked below.
             if not key.records:
                 yield ".".join(key.path)
             for inner in key.records:

@@ -79,6 +79,7 @@ def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, datetime, bo
             moment = datetime.fromisoformat(given)
         except (ValueError, AttributeError):
             return
+        # A moment with a zone is exact; one without is taken as UTC and reported.
         if moment.tzinfo is None:
             yield above, moment, len(given) > len("2026-06-21")
 
@@ -91,6 +92,7 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
         explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
+        # A union reports a mistake once per kind; equal lines are printed once.
         mistakes = tuple({mistake.text: mistake for mistake in explained}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
@@ -182,6 +184,7 @@ def _unknown_key(location: Sequence[str | int]) -> str:
         return f"{_dotted(location)} does not go with this {tag} of {_dotted(table)}; leave it out or {change}"
     # Of other tables only a key of the very same name helps: a similar one (direction_deg, elevation_deg) means something else.
     exact = [path for path in key_paths() if path.rsplit(".", 1)[-1] == name]
+    # Keys of the same table may be misspelt; keys of other tables count with an equal name only.
     near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] + exact[:1]
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
     allowed = "" if near else f"; allowed here: {', '.join(here) or 'none'}"

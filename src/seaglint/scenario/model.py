@@ -60,6 +60,7 @@ class Scenario(Record):
     @model_validator(mode="before")
     @classmethod
     def _sun_by_default(cls, raw: Any) -> Any:
+        # A scenario without Sun, time and place has the default Sun.
         if isinstance(raw, dict) and not any(raw.get(key) is not None for key in ("time", "place", "sun")) and not _places_itself(raw):
             return {**raw, "sun": {}}
         return raw
@@ -103,6 +104,7 @@ class Scenario(Record):
     def _the_calendar_lasts(self) -> Self:
         if self.time is None:
             return self
+        # The Sun of every frame is computed, so the last frame must lie within these years too.
         left = (datetime(YEARS[1] + 1, 1, 1, tzinfo=UTC) - self.time.utc).total_seconds()
         if (self.sensor.frames - 1) / self.sensor.frame_rate_hz >= left:
             text = f"= {self.sensor.frames} at {self.sensor.frame_rate_hz:g} Hz end after the year {YEARS[1]}; give fewer or a higher rate"

@@ -34,9 +34,11 @@ def _box(size: list[float], at: list[float], **more: Any) -> TomlTables:
 
 def _hull(beam: float, length: float, depth: float, draught: float, bow: float) -> TomlTables:
     """Return a box whose bow is cut to a point, with its waterline at z = 0; ``bow`` is the length of the point [m]."""
+    # Each side of the bow runs over half the beam and the length of the point; `turn` is its angle to the keel.
     side, reach = 2.0 * beam + bow, math.hypot(0.5 * beam, bow)
     turn = math.degrees(math.atan2(0.5 * beam, bow))
     cuts = []
+    # Starboard and port side of the bow are cut by one box each.
     for sign in (1.0, -1.0):
         # a box whose side runs from the stem to where the bow begins
         aside, ahead = sign * (0.25 * beam + 0.5 * side * bow / reach), 0.5 * (length - bow) + 0.25 * side * beam / reach

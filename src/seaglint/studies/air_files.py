@@ -71,6 +71,7 @@ def export_air(scenario: Scenario) -> xr.Dataset:
         )
     air, height = scenario_physics.atmosphere(scenario, scenario_physics.band(scenario)), scenario.sensor.height_m
     arc = _arcs(height)
+    # Nodes are dense near the horizon, where the sky changes fastest with the angle.
     above = elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)
     zenith = 90.0 - np.degrees(np.minimum(above, 0.5 * np.pi))[::-1]
     below = np.degrees(horizon_depression(height) * grazing_share(np.linspace(0.0, 1.0, DIP_NODES)[1:]))
@@ -102,6 +103,7 @@ def export_air(scenario: Scenario) -> xr.Dataset:
             name: ((node, _AZIMUTH, "wavenumber_cm"), np.maximum(values, 0.0), {"units": _unit(name)})
             for name, (node, values) in lit.items()
         }
+        # Scattered sunlight holds for one Sun, so its zenith angle is stored beside it.
         azimuths, attributes = {_AZIMUTH: np.array(AZIMUTHS)}, {**attributes, "solar_zenith_deg": float(np.degrees(sun))}
     return xr.Dataset(
         variables,
@@ -124,9 +126,11 @@ def _unit(name: str) -> str:
 def _arcs(height: float) -> FloatArray:
     """Arcs [m] from the sensor's foot to behind the horizon, even in the logarithm of the slant path."""
     last = horizon_range(height) + horizon_range(HIGHEST_CREST)
+    # The slant path has no simple inverse, so the arcs of even steps are interpolated from many arcs.
     fine = np.concatenate([[0.0], np.geomspace(1e-3 * height, last, 4000)])
     x = np.log(slant_range(height, fine) / height)
     arc = np.interp(np.linspace(0.0, x[-1], PATH_NODES), x, fine)
+    # Interpolation may miss the two ends by rounding.
     arc[0], arc[-1] = 0.0, last
     return np.asarray(arc)
 
@@ -201,7 +205,9 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
         text = deck(lines, air, solar_deg, modtran=form == "tape5", co2_ppmv=co2)
     manifest = Manifest(tuple(lines), height, solar_deg, OUTPUTS[form])
     made_folder(folder)
+    # MODTRAN 5 reads the name of its deck from mod5root.in.
     contents = {DECKS[form]: text, MANIFEST: manifest.text()} | ({"mod5root.in": f"{NAME}\n"} if form == "tape5" else {})
+    # All names are checked before the first file is written.
     for name in contents:
         refuse_existing(folder / name, overwrite=overwrite)
     for name, content in contents.items():

@@ -74,6 +74,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     slant = slant_range(height, arcs, heights[:, None])
     lowest = lowest_height(height, np.broadcast_to(heights[:, None], slant.shape), slant)
     nu = air.wavenumber_cm
+    # The mean weights each wavenumber with the light of the water, whose contrast the path attenuates.
     glow = planck_wavenumber(nu, scenario.sea.temperature_k)
     mean = _in_band(transmittance * glow, band, nu) / _in_band(glow, band, nu)
     dims = ("target_height_m", "range_m")
@@ -138,11 +139,13 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     if beyond.any():
         raise DataError(f"zenith_deg = {angles[beyond][0]:g} is not in the sky, which ends at {lowest:.3f} deg; give angles of 0 to that")
     view = scenario_physics.standing_view(scenario, height)
+    # The whole radiance includes scattered sunlight; the thermal part alone comes from the air's spectra.
     whole = mean_radiance(view, 0.5 * np.pi - np.radians(angles), np.radians(azimuths)).total
     zenith, toward = np.meshgrid(np.radians(angles), np.radians(azimuths), indexing="ij")
     nu = air.wavenumber_cm
     spectra = np.broadcast_to(np.maximum(air.sky_radiance(zenith, toward, height), 0.0), (*zenith.shape, nu.size))
     thermal = _in_band(spectra, band, nu)
+    # Scattered sunlight is never negative: differences below 0 are errors of the two sums.
     sums = {"radiance": whole, "thermal_radiance": thermal, "scattered_radiance": np.maximum(whole - thermal, 0.0)}
     names = {"radiance": "radiance of the sky", "thermal_radiance": "emission of the air", "scattered_radiance": "scattered sunlight"}
     dims = ("zenith_deg", "azimuth_deg")
@@ -192,6 +195,7 @@ def require_one_kind(scenario: bool, ranges: bool, even: Mapping[str, Any]) -> N
     DataError
         A scenario without ranges, ranges without a scenario, numbers of even air beside a scenario, or too few of them.
     """
+    # First the names of given numbers of even air, then the names of missing ones.
     given, missing = ([name for name, value in even.items() if (value is not None) == there] for there in (True, False))
     if scenario and given:
         raise DataError(f"{', '.join(given)}: describe even air, and a scenario is given; leave them out, or leave the scenario out")

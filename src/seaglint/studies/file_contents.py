@@ -85,6 +85,7 @@ def is_ours(path: Path | str) -> bool:
         from seaglint.formats.recording.labelled_arrays import is_zarr
         from seaglint.store.sequence_store import is_sequence
 
+        # A Zarr store of another program is read as a recording.
         return is_sequence(path) or (path.suffix.lower() == ".zarr" and not (is_zarr(path) and _is_of_others(path)))
     return path.suffix.lower() == "" or (path.suffix.lower() in (".nc", ".nc4") and not _is_of_others(path))
 
@@ -356,6 +357,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     saturated = None
     if "saturated_share" in dataset:
         shares = dataset["saturated_share"].to_numpy()
+        # NaN is unequal to itself: frames that are not written are left out.
         saturated = [float(share) for share in shares[shares == shares]]
     return FileFacts(
         path=str(path),
@@ -365,6 +367,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
         pixels=[int(radiance.sizes["x"]), int(radiance.sizes["y"])],
         directions=PictureDirections(
             [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
+            # The first row is the top, so elevations of a turned picture begin with the maximum too.
             [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
             [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
         ),

@@ -105,6 +105,7 @@ class Likelihood(Record):
     def _ranges_ascend(self) -> Self:
         for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitudes_deg", "hours_utc"):
             pair = getattr(self, name)
+            # Longitudes may descend: such a region crosses the date line.
             if pair is not None and pair[0] > pair[1]:
                 text = f"= [{pair[0]:g}, {pair[1]:g}] goes down; give the lower number first"
                 raise rule(f"likelihood.{name}", text, value=pair)

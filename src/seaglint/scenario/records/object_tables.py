@@ -230,6 +230,7 @@ def with_names(items: Any) -> Any:
     """
     if not isinstance(items, Sequence) or isinstance(items, str):
         return items
+    # Names that are given are reserved first, so that numbered names never collide with them.
     taken = {item["name"] for item in items if isinstance(item, Mapping) and isinstance(item.get("name"), str)}
     out = []
     for item in items:
@@ -335,6 +336,7 @@ class Object(Record):
         if raw.get("shape") is not None and not _is_of_preset(raw["shape"], chosen.get("shape")):
             raise rule(f"objects ('{raw.get('name')}')", "has preset and shape; give one of them")
         if raw.get("draught_m") is not None:
+            # A draught replaces the height of the preset; both together would contradict.
             chosen.pop("height_m", None)
         return {**chosen, **{key: value for key, value in raw.items() if value is not None}}
 
@@ -355,6 +357,7 @@ class Object(Record):
         _require_place(self, where)
         for i, keyframe in enumerate(self.keyframes or ()):
             _require_place(keyframe, f"{where}.keyframes[{i}]")
+            # Interpolation needs each column at every keyframe.
             if keyframe.model_fields_set != (self.keyframes or ())[0].model_fields_set:
                 other = sorted(keyframe.model_fields_set ^ (self.keyframes or ())[0].model_fields_set)
                 raise rule(f"{where}.keyframes[{i}]", f"and keyframes[0] do not both have {', '.join(other)}; give them in all or in none")

@@ -105,6 +105,7 @@ def convert(text: str, unit: str) -> float:
     value, written = float(match[1]), match[2]
     if not written:
         raise ValueError(f"has no unit; write {match[1]} without quotes (in {unit}) or text such as '{example}'")
+    # Celsius has an offset, which a factor cannot express.
     if unit == "K" and written in CELSIUS:
         return value + 273.15
     factor = FACTORS.get(unit, {}).get(written)
@@ -199,6 +200,7 @@ class Quantity:
         if not finite:
             raise self._error(f"is not finite (allowed: {self.allowed})")
         if not self.holds(value):
+            # A number with a unit, or a count, has no other unit that could be meant.
             meant = "" if self.integer or isinstance(raw, str) else self.meant(value)
             raise self._error(f"is outside the allowed range: {self.allowed}{'; ' if self.advice else ''}{self.advice}{meant}")
         return value if self.integer else float(value)
@@ -272,6 +274,7 @@ class Record(BaseModel):
 
     def build(self, kind: type[_Built], **derived: Any) -> _Built:
         """Return the data class of the physics that has these values, by name in SI units; ``derived`` are what no key states."""
+        # Derived values replace keys of the same name, for example a default that follows from other tables.
         values = self.in_si() | derived
         return kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})  # type: ignore[arg-type]
 

@@ -383,6 +383,7 @@ class Sensor(Record):
         if self.projection == "pinhole" and max(width, height) > WIDEST_PINHOLE_DEG:
             text = f"= [{width:g}, {height:g}] is too wide for sensor.projection = 'pinhole'; allowed: up to {WIDEST_PINHOLE_DEG:g} deg"
             raise rule("sensor.fov_deg", f"{text}, or 'equal-angle'", value=self.fov_deg, allowed=f"up to {WIDEST_PINHOLE_DEG:g} deg")
+        # Width and height of pixels and view in opposite order hint at swapped numbers, so less oblong pixels are refused.
         reverse = (nx - ny) * (width - height) < 0
         most = {"auto": REVERSED_OBLONG if reverse else MOST_OBLONG, "square": 1.0 + SQUARE_PIXEL_TOLERANCE, "any": float("inf")}
         if max(dx, dy) > most[self.pixel_shape] * min(dx, dy):
@@ -391,6 +392,7 @@ class Sensor(Record):
                 f"for square pixels use pixels = [{nx}, {max(round(nx * height / width), 1)}], or set sensor.pixel_shape = 'any'"
             )
             raise rule("sensor.pixels", text, value=self.pixels)
+        # Rows of an equal-angle picture beyond the zenith would repeat directions of other columns.
         top, bottom = self.elevation_deg + 0.5 * height, self.elevation_deg - 0.5 * height
         if self.projection == "equal-angle" and (top > 90.0 or bottom < -90.0):
             reach = f"reaches from {bottom:g} to {top:g} deg; allowed is -90 to 90 deg, or sensor.projection = 'pinhole'"
@@ -442,6 +444,7 @@ def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) ->
     if optics.aperture_m is None and optics.f_number is None:
         text = "is missing: blur and light need the aperture; add it, or sensor.optics.f_number"
         raise rule("sensor.optics.aperture_m", text)
+    # The sine condition allows no f-number below 0.5.
     if focal / sensor.aperture_m < 0.5 * (1.0 - AGREEMENT):
         text = f"= {sensor.aperture_m:g} with a focal length of {focal:g} m is F/{focal / sensor.aperture_m:.2g}; no optics are below F/0.5"
         raise rule("sensor.optics.aperture_m", text, value=sensor.aperture_m, allowed=f"up to {2 * focal:g} m")
@@ -461,6 +464,7 @@ def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) ->
 
 def _require_steady(sensor: Sensor, optics: Optics, detector: Detector) -> None:
     """Refuse movement of the line of sight in an exposure that is too wide for the picture."""
+    # Pitch [um] over focal length [m] is the pixel's angle in microradians, the unit of jitter and drift.
     step, sides = detector.pitch_um / sensor.focal_length_m, sensor.pixels  # microradians, pixels
     most = max(SHAKEN[0] * min(sides), SHAKEN[1]) * step
     if optics.jitter_urad > most:
@@ -513,8 +517,10 @@ def _exposure(sensor: Sensor, detector: PhotonDetector) -> float | None:
 def _require_times(sensor: Sensor) -> None:
     """Refuse exposures and scans that do not fit into a frame."""
     frame, scan, detector = 1.0 / sensor.frame_rate_hz, sensor.scan, sensor.detector
+    # The margin lets an exposure equal to the frame pass after rounding.
     longest = frame * (1.0 + 1e-9)
     if isinstance(detector, PhotonDetector) and detector.integration_time_s is not None:
+        # Both exposures of a high dynamic range follow one another within the frame.
         whole = detector.integration_time_s + (detector.short_integration_time_s or 0.0)
         if whole > longest:
             rate = f"sensor.frame_rate_hz = {sensor.frame_rate_hz:g}"

@@ -92,6 +92,7 @@ class Platform(Record):
         if (self.track is None) == (self.keyframes is None):
             both = "are both given" if self.track is not None else "are both missing"
             raise rule("platform", f"track and keyframes {both}; give one of the two, or leave [platform] out")
+        # Interpolation needs each column at every keyframe.
         for name in Keyframe.model_fields if self.keyframes else ():
             given = [getattr(keyframe, name) is not None for keyframe in self.keyframes or ()]
             if any(given) and not all(given):
@@ -124,6 +125,7 @@ class BandSettings(Record):
     @classmethod
     def _edges(cls, raw: Any) -> Any:
         if isinstance(raw, dict) and raw.get("response") is None:
+            # The default edges apply only without a response file, which has its own edges.
             return {"min_um": 3.5, "max_um": 5.0} | {k: v for k, v in raw.items() if v is not None}
         return raw
 

@@ -67,6 +67,7 @@ def _values(text: str, where: str) -> list[Any]:
     start, stop, step = (Decimal(part) for part in whole.groups())
     if step == 0 or (stop - start) * step < 0:
         raise DataError(f"{where}: steps of {step} do not lead from {start} to {stop}; {FORMS}")
+    # Decimal numbers keep 0.1 steps exact, so that the end is included.
     count = int((stop - start) / step + Decimal("1e-9")) + 1
     if count > MOST_VALUES:
         raise DataError(f"{where}: has {count} values; give at most {MOST_VALUES} of one key, with a larger STEP")
@@ -147,6 +148,7 @@ def _parsed(text: str) -> MappedColumn:
     if name not in UNITS:
         raise ScenarioError(f"map='{text}': {name} has no unit; write {name}={column}")
     try:
+        # Two points give factor and offset of any linear unit, Celsius included.
         zero, one = (convert(f"{value} {unit}", UNITS[name]) for value in (0, 1))
     except ValueError as error:
         raise ScenarioError(f"map='{text}': {name} {error}") from None

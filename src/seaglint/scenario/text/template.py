@@ -161,6 +161,7 @@ def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
     keys = list(fields_of(type(record), path))
     plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
     for key in plain:
+        # A field of view that follows from the optics is written as a comment, else it would conflict after a change.
         follows = key.path == ("sensor", "fov_deg") and isinstance(record, Sensor) and record.fov_follows
         yield ("# " if follows else "") + _entry(key, getattr(record, key.path[-1]))
     for key in keys:
@@ -174,6 +175,7 @@ def _list(key: Key) -> Iterator[str]:
     record = key.records[0]
     yield f"#   [[{'.'.join(key.path)}]]  # {_first_line(record)}"
     for inner in fields_of(record, key.path):
+        # A union is shown with one line per kind.
         kinds = [kind for kind in inner.records if "kind" in kind.model_fields]
         if kinds:
             yield from (_kind(inner.path[-1], kind) for kind in kinds)

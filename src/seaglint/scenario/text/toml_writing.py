@@ -110,6 +110,7 @@ def stated(scenario: Scenario) -> TomlTables:
     """
     tables: TomlTables = scenario.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     try:
+        # model_copy changes values without marking them as set, so the stated keys are checked to give this scenario.
         same = Scenario.model_validate(tables) == scenario
     except ValidationError:
         same = False
@@ -145,6 +146,7 @@ def differing(scenario: Scenario) -> TomlTables:
 
 def _thin(table: TomlTables, same: Callable[[], bool]) -> None:
     """Remove every key of a table without which the scenario is the same."""
+    # Every key is removed on trial; keys that change the scenario are restored in their former order.
     order = list(table)
     for key in order:
         value = table.pop(key)

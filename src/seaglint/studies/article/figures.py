@@ -84,8 +84,10 @@ def glint_from_above() -> NDArray[np.float64]:
 
 def weakened(model: Autobinomial, share: float, slope: float) -> Autobinomial:
     """Return the field with couplings reduced to a slope of the mean field, and an unchanged mean."""
+    # The slope of the mean field is proportional to the couplings, so one factor scales them all.
     factor = slope / mean_field(model, share)[0]
     pull = 2.0 * model.most * sum(beta * len(one) for one, beta in zip(model.neighbours, model.beta, strict=True)) * factor
+    # The weaker pull of the neighbours is replaced in alpha, so that the mean level remains.
     alpha = np.log(share / (1.0 - share)) - pull * share
     return model.with_parameters(np.array([alpha, *(factor * beta for beta in model.beta)]))
 
@@ -148,6 +150,7 @@ def _texture(
     pseudo = fit(sea, LEVELS, ORDER, isotropic=isotropic)
     given = fit(sea, LEVELS, ORDER, isotropic=isotropic, method="monte-carlo-exchange", check=False)
     weak = weakened(pseudo.model, float(sea.mean()) / pseudo.model.most, MOLTEN_SLOPE)
+    # Exchanges keep the histogram, so they start from the picture's own levels in random order.
     shuffled = np.random.Generator(np.random.Philox(10)).permutation(sea.ravel()).reshape(sea.shape)
     drawn = [
         exchange(shuffled, given.model, SWEEPS, seed=10),
@@ -314,7 +317,9 @@ def figure_4(report: Progress = ignore_progress) -> xr.Dataset:
     azimuth = step * (np.arange(columns) - 0.5 * (columns - 1))
     elevation = -step * (np.arange(rows_down) + 0.5)
     rows = np.radians(elevation)
+    # Columns are steps of azimuth, which shrink with the cosine of elevation.
     solid_angle = IMAGE_IFOV**2 * np.cos(rows)
+    # The article's correlation time of glint is 70 ms (Eq. 17).
     length = capillary_length(0.07)
     shape = (len(IMAGE_WINDS), len(IMAGE_WIND_DIRECTIONS), elevation.size, azimuth.size)
     mean, deviation = (np.zeros(shape, dtype=np.float32) for _ in range(2))

@@ -102,6 +102,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
         within: dict[float, FloatArray] = {}
         for azimuth in AZIMUTHS.tolist():
             sides = []
+            # Winds come from anywhere, so both sides of the Sun are equally probable; azimuth 0 has one side.
             for side in (1.0, -1.0) if azimuth > 0.0 else (1.0,):
                 progress(done, total)
                 sides.append(draw(model, azimuth=side * np.radians(azimuth)))
@@ -110,7 +111,9 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
             printed = max(printed, *(float(np.average(d.illuminated * (d.radiance > PRINTED), weights=d.weight)) for d in sides))
             for threshold in THRESHOLDS:
                 above = [(d.radiance > threshold).astype(np.float64) for d in sides]
+                # The largest over all azimuths so far: glint at any azimuth up to this one.
                 within[threshold] = np.maximum(within.get(threshold, np.zeros(1)), np.max(above, axis=0))
+                # The mean of both sides uses all looks.
                 both = np.mean([d.illuminated * a for d, a in zip(sides, above, strict=True)], axis=0)
                 here = estimate(both, sides[0].plan, weight=sides[0].weight)
                 any_ = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
@@ -255,6 +258,7 @@ def trajectories(scenario: Scenario, frames: range) -> Trajectories:
     for body in bodies_of(scenario)(None):
         places[body.name] = np.array([body.motion.at(float(t)).position for t in time])
     middle, half = start.attitude.elevation, 0.5 * math.radians(sensor.fov_deg[1])
+    # Distances are projected on the first line of sight, the plane of the drawing.
     ahead = {name: (place[:, :2] - origin) @ look for name, place in places.items()}
     return Trajectories(time, ahead, {name: place[:, 2] for name, place in places.items()}, (middle - half, middle + half))
 

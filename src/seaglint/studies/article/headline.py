@@ -123,6 +123,7 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
     view = article_sea(_BAND, wind_speed, sensor_height)
     inverse = ApparentTemperature.create(_BAND, view.atmosphere.wavenumber_cm)
     depression = np.geomspace(1.05 * horizon_depression(sensor_height), np.radians(12.0), 120)
+    # Two searches over the Sun: steps of 2 deg, then of 0.3 deg around the best.
     coarse = max((_at(view, z, depression, inverse, radiance) for z in np.arange(60.0, 89.5, 2.0)), key=_temperature)
     centre = coarse.solar_zenith_deg
     return max((_at(view, z, depression, inverse, radiance) for z in centre + np.arange(-1.8, 1.81, 0.3)), key=_temperature)

@@ -186,6 +186,7 @@ def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates
         The corridor, (rows, columns).
     """
     laplacian = Laplacian()
+    # Filtered pixels at the border depend on repeated pixels, which are no sea.
     edge = laplacian.margin
     filtered = laplacian.apply(frames)[:, edge:-edge, edge:-edge]
     inner = mask[edge:-edge, edge:-edge]
@@ -325,9 +326,11 @@ def table1(report: Progress = ignore_progress, frames: int = FRAMES) -> Table1:
     wide = scene(frames=frames, margin=MARGIN)
     prepared = prepare_sequence(wide).scene
     images = sequence(prepared, np.arange(frames) / FRAME_RATE, report)
+    # Blur needs light from beyond the border, so a wider picture is rendered and cut afterwards.
     inner = np.s_[..., MARGIN:-MARGIN, MARGIN:-MARGIN]
     mask = corridor(prepared.view, scenario_physics.camera(wide))[inner]
     options = AnalysisOptions(mask=mask)
+    # A set, because the assumed blur is usually one of the others too.
     blurred = {blur: detector(blur).focal_plane(images)[inner] for blur in {BLUR_PX, *BLURS_PX}}
     return Table1(
         scene(frames=frames),

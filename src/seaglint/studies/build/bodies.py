@@ -65,6 +65,7 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
     start = track.at(0.0)
     origin = np.array([start.east, start.north])
     last = (scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz
+    # A long sequence is checked at some of its frames only.
     times = np.linspace(0.0, last, min(scenario.sensor.frames, MOST_CHECKED))
     swells: dict[float, Swell] = {}
 
@@ -136,6 +137,7 @@ def _built(shape: object_tables.Shape, above: Material) -> Parts:
     """Return the parts of a shape in the axes of the object or shape that contains it."""
     if isinstance(shape, object_tables.Point):
         return [PointSource(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2, shape.temperature_k)]
+    # A part without its own material has the material of the shape or object that contains it.
     own = (above[0] if shape.temperature_k is None else shape.temperature_k, above[1] if shape.emissivity is None else shape.emissivity)
     turn = rotation(*(float(np.radians(angle)) for angle in (shape.heading_deg, shape.pitch_deg, shape.roll_deg)))
     out: Parts = []
@@ -260,11 +262,13 @@ def _keyframed(scenario: Scenario, item: Object, parts: Sequence[Part], origin: 
     height = columns["height_m"] if "height_m" in columns else np.full(size, _height(item, parts))
     rest_angles = {"heading_deg": item.heading_deg or 0.0, "pitch_deg": item.pitch_deg, "roll_deg": item.roll_deg}
     angles = np.radians(np.stack([columns.get(name, np.full(size, value)) for name, value in rest_angles.items()], axis=1))
+    # Without any heading the forward end points along the motion.
     follows = "heading_deg" not in columns and item.heading_deg is None
     try:
         motion = Keyframed.create(
             np.asarray(columns["time_s"]), np.column_stack([place + origin, height]), angles, names, follows=follows, path=item.path
         )
+        # Both ends of the sequence must be inside the keyframes.
         motion.at(0.0)
         motion.at((scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz)
     except DomainError as error:
@@ -304,6 +308,7 @@ def _height(item: Object, parts: Sequence[Part]) -> float:
 def _corners(parts: Sequence[Part]) -> FloatArray:
     """Return the vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
     corners = [part.vertices for part in parts if isinstance(part, Solid)]
+    # The eight corners of the box around an ellipsoid.
     signs = np.stack(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)), axis=-1).reshape(-1, 3)
     corners += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, GasPlume)]
     return np.concatenate(corners) if corners else np.zeros((0, 3))
@@ -371,6 +376,7 @@ def _require_clear(placed: list[Body], track: Track, last: float) -> None:
 
 def _require_apart(placed: list[Body], times: FloatArray) -> None:
     """Refuse objects that overlap."""
+    # A ball around each body is a cheap first test before solids are intersected.
     reach = [float(np.linalg.norm(_corners(body.parts), axis=1).max(initial=0.0)) for body in placed]
     for time in times:
         now = [body.motion.at(float(time)) for body in placed]
@@ -395,6 +401,7 @@ def _overlap(one: Body, at: Placement, other: Body, there: Placement) -> bool:
         mine = placed(part, at.position - there.position, at.rotation)
         for beside in (p for p in other.parts if isinstance(p, Solid)):
             yours = placed(beside, np.zeros(3), there.rotation)
+            # Boxes that do not meet cannot hold solids that do.
             low = np.maximum(mine.vertices.min(axis=0), yours.vertices.min(axis=0))
             high = np.minimum(mine.vertices.max(axis=0), yours.vertices.max(axis=0))
             if np.all(low < high):

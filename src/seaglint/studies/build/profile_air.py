@@ -77,6 +77,7 @@ def _to_the_top(levels: FloatArray) -> tuple[ProfileLevel, ...]:
     top = float(levels[-1, 0]) / 1e3
     above = [float(z) for z in MODEL_LEVELS_KM if z > top + 0.2]  # closer levels make LOWTRAN7's layers degenerate
     room = MOST_LEVELS - min(len(above), LEVELS_ABOVE)
+    # LOWTRAN7 takes a limited number of levels for the sounding and the model above together.
     thinned = _thinned_levels(levels, room)
     while len(thinned) + len(above) > MOST_LEVELS:
         # The closest pair of the model's levels loses its upper one, never the last.
@@ -90,11 +91,13 @@ def _thinned_levels(levels: FloatArray, room: int) -> FloatArray:
     """Return the rows that interpolate the others best: ends first, then the worst interpolated one after the other."""
     if len(levels) <= room:
         return levels
+    # Differences of pressure, temperature and humidity become comparable in units of THINNING.
     scaled = np.column_stack([np.log(levels[:, 1]) / THINNING[0], levels[:, 2] / THINNING[1], levels[:, 3] / THINNING[2]])
     chosen = [0, len(levels) - 1]
     while len(chosen) < room:
         order = np.sort(chosen)
         guess = np.column_stack([np.interp(levels[:, 0], levels[order, 0], column[order]) for column in scaled.T])
+        # Chosen levels are interpolated exactly, so the worst level is always a new one.
         chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=1))))
     return np.asarray(levels[np.sort(chosen)])
 
@@ -183,6 +186,7 @@ def _thinned(profile: AirProfile, height: float) -> AirProfile:
     if step == 1:
         return profile
     last = profile.height.size - 1
+    # The lowest and the highest levels and the level of the change remain; others are thinned evenly.
     some = np.unique(np.r_[np.arange(0, last, step), last - np.arange(40), np.searchsorted(profile.height, height)])
     return replace(
         profile,
@@ -238,6 +242,7 @@ def profile_atmosphere(requested: ComputedAir, scenario: Scenario, over: Band) -
     sounding = scenario_sounding(requested, scenario)
     report_sounding(sounding, requested.model, scenario, over)
     profile = sounding.profile(requested.model)
+    # A duct bends rays more than the sums assume, which the user has to know.
     trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
     if trapped:
         layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
@@ -311,6 +316,7 @@ class _HazelessAir:
 
         key = (part.start, part.stop, part.step)
         if key not in self._scatterers:
+            # Rays are bent at one wavenumber for the whole band.
             middle = 0.5 * float(self.grid[0] + self.grid[-1])
             self._scatterers[key] = Scatterers(
                 self.profile, self.grid[part], middle, continuous=self.levels == "continuous", spectroscopy=self.spectroscopy
@@ -320,6 +326,7 @@ class _HazelessAir:
 
 @lru_cache(maxsize=64)
 def _cached_model_air(model: str, choice: _Choice) -> ProfileAtmosphere:
+    # Hazes and motion do not change the gases, so air of all winds shares one set of sums.
     return _with_haze(_cached_hazeless_air(model, replace(choice, haze=HazeWeather(), moving=False)), choice)
 
 

@@ -64,6 +64,7 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
         heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
         times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
         floating = FloatingTrack.create(floating, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
+    # Waves may lift a sensor out of the heights of the air, so the track is checked after it floats.
     covered = {"table": PROFILE_HEIGHTS, "lowtran": PROFILE_HEIGHTS, "lowtran-fortran": LOWTRAN_HEIGHTS}
     lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
     if floating.lowest < lowest or floating.highest > highest:
@@ -126,6 +127,7 @@ def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
     pose, pixels = track(scenario).at(0.0), imager(scenario)
     # The extremes lie on the border or at the nadir: a grid of at most 129 x 129 pixels comes close enough to both.
     across, down = (np.linspace(0.5, n - 0.5, min(n, 129)) for n in (pixels.columns, pixels.rows))
+    # The grid has pixel centres of the border rows and columns at its edges.
     sight = pixels.directions(pose.attitude, across, down[:, None])
     arc = surface_range(pose.height, -np.arcsin(np.clip(sight[..., 2], -1.0, 1.0)))
     sea = np.isfinite(arc)
@@ -178,6 +180,7 @@ def glint_length(scenario: Scenario) -> float:
 def sparkles(scenario: Scenario) -> Sparkles:
     """Return the sparkles below a pixel; ``auto`` draws none in the mean picture, without resolved waves."""
     mode = scenario.render.subpixel_glint
+    # Without resolved waves the picture is the mean over all slopes.
     mode = "off" if mode == "auto" and not scenario.sea.resolve_waves else mode
     return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode)
 
@@ -190,6 +193,7 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
         if height == first.sensor_height:
             return first
         match scenario.atmosphere:
+            # The program's air is computed for one height, so each height is another run.
             case requested_air.LowtranFortranAtmosphere():
                 return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
             case requested_air.FileAtmosphere():
@@ -225,6 +229,7 @@ def keyframe_columns(moving: Platform | Object, allowed: Sequence[str]) -> tuple
     keyframes = moving.keyframes or ()
     # All keyframes have the keys of the first, which the records check.
     given = [name for name in type(keyframes[0]).model_fields if getattr(keyframes[0], name) is not None] if keyframes else []
+    # Angles and lengths stay in the units of their keys; callers convert them.
     columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
     return columns, [f"keyframes[{i}]" for i in range(len(keyframes))]
 
@@ -250,6 +255,7 @@ def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
     values = {name.rsplit("_", 1)[0]: np.radians(v) if name.endswith("_deg") else v for name, v in filled.items()}
     try:
         keyframed = Track.create(values, names)
+        # Both ends of the sequence must be inside the keyframes.
         keyframed.at(0.0)
         keyframed.at((sensor.frames - 1) / sensor.frame_rate_hz)
     except DomainError as error:
@@ -401,6 +407,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
         )
     requested = 2.0 * np.pi / scenario.sea.shortest_wave_m
     limit = resolve_limit(spectral, statistics, RESOLVED_SHARE)
+    # The shortest geometric wave: as requested, as the energy rule allows, and as the spectrum has.
     cut = min(requested, limit, spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
@@ -481,6 +488,7 @@ def bending(scenario: Scenario, view: SeaView) -> Bending | None:
         )
     assert isinstance(view.atmosphere, ProfileAtmosphere)  # of the two kinds of air above
     profile = view.atmosphere.sums.profile
+    # A sensor below 10 m takes the air at its own height.
     lowest = float(np.interp(min(view.sensor_height, AIR_AT), profile.height, profile.temperature))
     return Bending(view.atmosphere.index, view.sensor_height, lowest)
 

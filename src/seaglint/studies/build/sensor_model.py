@@ -73,6 +73,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         SensorOptics,
         aperture=sensor.aperture_m,
         focal_length=sensor.focal_length_m,
+        # A scanner's motion blurs along rows as drift does.
         drift=(1e-6 * given.drift_along_urad_s + scan_rate(scenario), 1e-6 * given.drift_across_urad_s),
         solid_angle_law=given.solid_angle,
     )
@@ -90,6 +91,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         scenario.seed if seed is None else seed,
         frame,
         scanning=scan_rate(scenario) != 0.0,
+        # Only a full turn of equal angles closes, so that blur continues across the seam.
         circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
     )
     return _with_room(_with_stated_netd(_with_noise(model, scenario), scenario))
@@ -102,6 +104,7 @@ def _with_stated_netd(model: SensorModel, scenario: Scenario) -> SensorModel:
         return model
     try:
         if source.integration_time_s is None:
+            # Noise depends on the integration time through the correction temperatures, so it is built again.
             time = integration_time_for(model, source.netd_k, source.netd_temperature_k, _dwell(scenario))
             return _with_noise(replace(model, detector=replace(model.detector, integration_time=time)), scenario)
         read = read_noise_for(model, source.netd_k, source.netd_temperature_k)
@@ -152,6 +155,7 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
         return model
     line, corrected = model.readout, None
     if settings.corrected_at_k is not None:
+        # The correction is made on the signal without dark current.
         first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in settings.corrected_at_k)
         corrected = (first, second)
     return replace(model, noise=settings.build(DetectorNoise, corrected_at=corrected))
@@ -190,6 +194,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
     """
     if not track.turns or exposure <= 0.0:
         return (0.0, 0.0)
+    # At the ends of the track the exposure is shifted inside it, so that its length remains.
     end = min(time + 0.5 * exposure, float(track.time[-1]))
     begin = max(end - exposure, float(track.time[0]))
     if end <= begin:

@@ -82,6 +82,7 @@ def _system(scenario: Scenario, system: requested_sea.System, key: str) -> Waves
             return _file(scenario, system, to, key)
         case requested_sea.Jonswap():
             return Waves(_jonswap(system, to, key))
+        # Order matters: files and JONSWAP have waves without wind; the models of the wind sea below do not.
         case _ if speed == 0.0:
             return Waves(None)  # no wind, no wind sea
         case requested_sea.Elfouhaily():
@@ -116,6 +117,7 @@ def _jonswap(system: requested_sea.Jonswap, wind_to: float, key: str) -> Jonswap
 def _file(scenario: Scenario, system: requested_sea.SpectrumFile, wind_to: float, key: str) -> Waves:
     from seaglint.formats.waves import WaveChoice, read_waves
 
+    # The scenario's place is a default; a place or a site of the file's table replaces it.
     place = scenario.place if system.latitude_deg is None and system.site is None else None
     choice = system.build(
         WaveChoice,
@@ -190,6 +192,7 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
 @lru_cache(maxsize=64)
 def _warn_of_few_slopes(mss: float, speed: float) -> None:
     """Report once that a spectrum lacks the short waves that carry most of the slopes."""
+    # Cox and Munk's variance includes all waves, down to the shortest.
     expected = cox_munk_isotropic(speed, extrapolate=True).mss
     if mss < FEW_SLOPES * expected:
         log.warning(

@@ -110,6 +110,7 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
         return None
     place, at = ("", tuple(ranges)) if ranges is not None else _distance(scenario, height)
     over, water = BandSum.of(band, air), scenario.sea.temperature_k
+    # The slope of Planck's law, as the difference over one kelvin.
     warm, cold = (planck_wavenumber(over.wavenumber_cm, water + step) for step in (_STEP, -_STEP))
     weights = over.weights * (warm - cold)
     left = np.clip(air.transmittance(height, np.asarray(at), 0.0), 0.0, 1.0)[..., over.grid] @ weights / weights.sum()

@@ -93,7 +93,9 @@ def continuous_rays(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -
     out = np.empty((4, cases[0].size, wavenumber_cm.size))
     for i, (wind, height, depression, sun, sky) in enumerate(zip(*(values.tolist() for values in cases), strict=True)):
         sums = _at_wind(model, wind, wavenumber_cm)
+        # A depression at the horizon's dip must end on the sea; the margin keeps rounding from lifting it.
         down = sums.along(height, 0.5 * np.pi + max(depression, sums.air.dip(height) * (1.0 + 1e-9)))
+        # A Sun below the horizontal of the sea gives no direct light there.
         lit = sums.passed(0.0, sun) * sums.laws.source if sun <= 0.5 * np.pi else np.zeros(wavenumber_cm.size)
         out[:, i] = down.transmittance[-1], down.emitted, lit, sums.along(0.0, sky).emitted
     return out[0], out[1], out[2], out[3]
@@ -111,6 +113,7 @@ def continuous_light(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) 
 
 
 def _at_wind(model: str, wind: float, wavenumber_cm: FloatArray) -> AirSums:
+    # The aerosol model ends at this wind; stronger winds take its strongest aerosol.
     blown = min(wind, NAVY_AEROSOL_WIND[1])
     return AirSums(model_profile(model), HazeWeather(wind=blown, wind_24h=blown), wavenumber_cm, spectroscopy="lowtran7")
 
@@ -217,6 +220,7 @@ def evaluate_atmosphere(
     for model, rows in groups:
         dip[rows] = airs[bands[0].label][str(model)].dip(height[rows])
     _require_sea(cases, depression, dip)
+    # A part has one model and one band, so threads never write the same numbers.
     parts = [(name, band, rows[i : i + _CHUNK]) for name, rows in groups for band in bands for i in range(0, rows.size, _CHUNK)]
     quantities = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
     columns: dict[str, FloatArray] = {f"{quantity}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in quantities}
@@ -353,6 +357,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = model_air(model, speed, band.edges)
             over = BandSum.of(band.band, air)
+            # Tables of the sky are made once per air; the blackbody of other temperatures is exchanged below.
             surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
             of_rows = (height, sun, temperature, azimuth, wind_from, kinds)
             views = zip(*(values[same_air].tolist() for values in of_rows), strict=True)
@@ -419,6 +424,7 @@ def evaluate_scattered(
     dip = np.empty(len(cases))
     for key, rows in groups:
         dip[rows] = airs[bands[0].label][_model_of(key)].dip(height[rows])
+    # Rows of the sky pass this check with an infinite depression.
     _require_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
     cases.check(
         is_path | (elevation >= -dip * (1.0 - 1e-9)),
@@ -428,6 +434,7 @@ def evaluate_scattered(
     columns = {f"{q}_W_m2_sr[{band.label}]": np.zeros(len(cases)) for band in bands for q in ("scattered", "thermal")}
     parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
     done, total = 0, len(cases) * len(bands)
+    # Scattered sunlight is computed in bands where the air scatters; elsewhere its column remains 0.
     seen = [band for band in bands if scatters_in(band.edges)]
     for key, rows in parts:
         _report(progress, done, total)

@@ -81,11 +81,14 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
     for first in range(0, rows * columns, size):
         report(first, rows * columns)
         pixels = np.arange(first, min(first + size, rows * columns))
+        # Four points per pixel estimate its height and its distance from the horizon.
         quarters = _points(pixels, columns, 2)
         elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *quarters)))
+        # Points at a quarter and three quarters span half of the pixel, hence the factor 2.
         middle, spread = elevation.mean(axis=1), 2.0 * np.ptp(elevation, axis=1)
         below = np.abs(middle + dip)
         sides = np.where(imager.solid_angle(attitude, *quarters).mean(axis=1) < SMALL**2, 1, SIDE)
+        # Later lines refine pixels nearer to the horizon, so their order matters.
         sides[spread > ROW_SHARE * below] = SIDE
         sides[spread > SIDE * ROW_SHARE * below] = ROW_POINTS
         sides[0.5 * spread > below] = EDGE_POINTS
@@ -94,6 +97,7 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
             for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
                 out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
     report(rows * columns, rows * columns)
+    # Variances are averaged; the standard deviation comes last.
     out[-1] = np.sqrt(out[-1])
     return {name: values.reshape(rows, columns) for name, values in zip(MAPS, out, strict=True)}
 
@@ -231,8 +235,10 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
     azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
     beyond = None if bent is None or rays is None else air_beyond(view, bent, bent.beyond(rays))
     solid_angle = np.repeat(pixel_solid_angle(camera), rows.points)
+    # Blocks hold whole rows.
     size = max(BLOCK // azimuths.size, 1)
     match scenario.mean.mode:
+        # Large pictures interpolate between nodes of elevation; small ones are cheaper line by line.
         case "spectral" if camera.rows > size and elevations.size > NODES:
             along = MeanModel.prepare(view).map
         case "spectral":
@@ -250,6 +256,7 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
         variance = sea_variance(view, fine, elevations[part], solid_angle[part], length)
         if beyond is not None:
             share, added = (each[part, None] for each in beyond)
+            # Air beyond the standard path attenuates all parts and adds its own emission to the path.
             lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
             fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
         for name, values in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
@@ -308,9 +315,11 @@ class RowAverage:
         """Return elevations for the rows of a camera, from the top; ``horizon`` [rad] is the sea's if refraction is not standard."""
         below = np.abs(camera.elevations + (horizon_depression(camera.height) if horizon is None else -horizon))
         points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
+        # The row that the horizon cuts comes last, because it also fulfils the condition above.
         points[below < 0.5 * camera.row_step] = CUT_POINTS
         row = np.repeat(np.arange(camera.rows), points)
         starts = np.cumsum(points) - points
+        # Offsets within a pixel row, from -1/2 at the top to 1/2.
         part = (np.arange(row.size) - starts[row] + 0.5) / points[row] - 0.5
         return cls(camera.elevations[row] - part * camera.row_step, starts, points)
 

@@ -80,6 +80,7 @@ def _from_netd(scenario: Scenario, model: SensorModel) -> dict[str, float]:
 def mean_radiance(scenario: Scenario) -> float:
     """Return the mean radiance over the field of view [W m-2 sr-1] from a mean map of few pixels; a moving sensor is at its start."""
     sensor = scenario.sensor
+    # The mean needs neither detector nor turned picture; an upright grid of few pixels is fastest.
     plain = sensor.model_copy(
         update={
             **dict.fromkeys(TABLES),

@@ -75,6 +75,7 @@ class MeasuredScene:
         air = sums_with(spectroscopy, profile, NO_HAZE, wavenumber_cm)
         if self.height is None:
             return air.along(float(profile.height[0]), 0.0).emitted
+        # Zenith angle pi looks straight down; the mirrored sky is the zenith.
         down, sky = air.along(self.height, np.pi), air.along(0.0, 0.0).emitted
         # Slopes change the emissivity at the nadir by less than 1e-3: the sea is a mirror here.
         mirrored = reflectance(1.0, hale_querry_sea().index(wavenumber_cm))
@@ -157,6 +158,7 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
     nu, theirs = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
     profile, haze = model_profile("tropical"), HazeWeather("rural-23km", 23.0)
     title = "MODTRAN 4, zenith sky, tropical, rural haze of 23 km"
+    # The table has gaps between its bands; sums over each part need no channels in the gaps.
     parts = np.split(np.arange(nu.size), np.flatnonzero(np.diff(nu) > 20.0) + 1)
     rows: list[MeasuredRow] = []
     light: dict[Spectroscopy, FloatArray] = {}
@@ -167,6 +169,7 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
         low, high = nu[part][0], nu[part][-1]
         bands = {band: uncertainty for band, uncertainty in SKY_BANDS.items() if 1e4 / band[1] >= low and 1e4 / band[0] <= high}
         rows += _light_rows(title, nu[part], theirs[part], within, bands, MODEL_REASONS)
+    # Rows are grouped by spectroscopy, as in the other tables.
     order = [row for name in spectroscopies for row in rows if row.spectroscopy == name]
     return order, [_beside(title, nu, theirs, light)._replace(reference="MODTRAN 4")]
 
@@ -247,6 +250,7 @@ def buoy_rows() -> list[MeasuredRow]:
     total, error = float(bands["energy_m2"].sum()), float(np.sqrt(np.sum(bands["energy_error_m2"] ** 2)))
     height = 4.0 * np.sqrt(total)
     field = WaveField.create(spectrum, plan_tiles(spectrum, 1.0, 256), 0)
+    # The height is proportional to the root of the energy, so its relative error is half as large.
     spread = 0.5 * height * error / total
     rows = [_buoy_row("significant height", "m", field.significant_height, height, f"{spread:.2f} m", _ENERGY)]
     k_low, k_high = (float(wavenumber(2.0 * np.pi * f)) for f in (bands["low_hz"][0], bands["high_hz"][-1]))
@@ -261,6 +265,7 @@ def buoy_rows() -> list[MeasuredRow]:
     for i in range(bands["low_hz"].size):
         low, high = float(bands["low_hz"][i]), float(bands["high_hz"][i])
         ours, theirs = _mean_direction(spectrum, low, high), float(bands["from_deg"][i])
+        # The difference of directions is taken the shorter way around.
         ours = theirs + (ours - theirs + 180.0) % 360.0 - 180.0
         rows.append(_buoy_row(f"direction, {low:g}-{high:g} Hz", "deg", ours, theirs, "2 deg (compass)", _DIRECTION))
     return rows
@@ -355,6 +360,7 @@ def sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     """Return a row a band of the skies: mean apparent temperature, differences of radiance and of temperature."""
     table = shipped("rrtmgp_skies").columns
     rows = []
+    # Skies of one model and carbon dioxide share their air.
     cases = np.stack([table["model"], table["co2_ppmv"]], axis=1)
     for name in spectroscopies:
         ours = np.empty((_path_size(table), len(BANDS_CM)))
@@ -408,6 +414,7 @@ def _channels(places: list[int]) -> tuple[FloatArray, list[slice]]:
     """Return the channels of some bands [cm-1], shared edges once, and the slice of each band."""
     grids = [_grid(*BANDS_CM[j]) for j in places]
     joined = np.unique(np.concatenate(grids))
+    # Grids of bands are contiguous parts of the joined grid.
     starts = [int(np.searchsorted(joined, grid[0])) for grid in grids]
     return joined, [slice(start, start + grid.size) for start, grid in zip(starts, grids, strict=True)]
 

@@ -255,6 +255,7 @@ def _multiples(low: float, high: float) -> FloatArray:
 
 def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, spectroscopy: str | None) -> FloatArray:
     """Return the spectrum of the scenario at some of the channels [W m-2 sr-1 per cm-1, (n,)], averaged to a resolution."""
+    # Widths of triangles add by their squares.
     more = math.sqrt(max(width**2 - OURS_CM**2, 0.0))
     low, high = PROFILE_BAND_UM
     wide = _multiples(max(float(nu[0]) - more - GRID_STEP_CM, 1e4 / high), min(float(nu[-1]) + more + GRID_STEP_CM, 1e4 / low))
@@ -304,13 +305,16 @@ def _sunlight(view: SeaView, elevation: float, azimuth: float, thermal: FloatArr
     if view.solar_zenith >= 0.5 * np.pi or sunny.size < 2:
         return out
     shape = passed * view.atmosphere.solar_irradiance(view.solar_zenith)
+    # Mirrored and scattered sunlight is summed per part and distributed by the shape of the direct sunlight.
     edges = np.unique(np.linspace(sunny[0], grid.size - 1, min(BLOCKS, sunny.size - 1) + 1).round().astype(int))
     for first, last in pairwise(edges):
         band = Band.rectangular(1e4 / float(grid[last]), 1e4 / float(grid[first]))
         part = replace(view, band=band)
         weights = band.weights(grid)
         excess = float(mean_radiance(part, elevation, azimuth).total[0, 0]) - float(thermal @ weights)
+        # An opaque part has no direct sunlight to give the shape.
         form = shape if float(shape @ weights) > 0.0 else np.ones(grid.size)
+        # Parts share their edges; each edge belongs to the part that begins there, the last one to the last part.
         inside = slice(first, last + 1 if last == grid.size - 1 else last)
         out[inside] = max(excess, 0.0) * form[inside] / float(form @ weights)
     return out

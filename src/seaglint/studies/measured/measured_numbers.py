@@ -69,6 +69,7 @@ def band_difference(
     temperatures = apparent_temperature(light, band, wavenumber_cm)
     inside = weights > 0.0
     rms = float(np.sqrt(np.nanmean((kelvin[0] - kelvin[1])[inside] ** 2))) if inside.any() else float("nan")
+    # A band without measured light has no relative difference.
     percent = float(100.0 * (light[0] / light[1] - 1.0)) if light[1] > 0.0 else float("nan")
     return BandDifference(float(temperatures[0]), float(temperatures[1]), percent, rms)
 

@@ -142,7 +142,9 @@ class ExposurePlan:
         for k in range(CROSSINGS):
             if signs[k] >= 0.0 >= signs[k + 1]:
                 low, high = float(ends[k]), float(ends[k + 1])
+                # 40 halvings resolve a part of the readout to its last bits.
                 for _ in range(40):
+                    # `ahead` falls through zero where the readout meets the object.
                     half = 0.5 * (low + high)
                     low, high = (half, high) if ahead(half) > 0.0 else (low, half)
                 return 0.5 * (low + high)
@@ -159,6 +161,7 @@ class ExposurePlan:
             return place_in_image(self.view, motion, middle, min(max(time + delay, first), last), about)
 
         delay = self._met(place)
+        # The path must cover the exposure of every row or column that may see the part.
         spare = max(0.5 * self.model.exposure_time, SHORT) + self._longest
         times = (time + delay - spare, time + delay + spare)
         return delay, ImagePath.of(self.view, motion, middle, times, place(delay)[0])
@@ -197,6 +200,7 @@ class ExposurePlan:
 
         The bodies in front of it, and its part of the picture, change with time: it moves :data:`APART` between two instants.
         """
+        # Nine instants bound the motion during an exposure.
         half = 0.5 * self.model.exposure_time * np.linspace(-1.0, 1.0, 9)
         bodies = [part.body for part in self.drawer.parts]
         ways = [path.at(time + delay + half) for delay, path in found]
@@ -207,6 +211,7 @@ class ExposurePlan:
         for n, body in enumerate(bodies):
             low, high = boxes[n]
             way = 0.0
+            # A panorama has no left and right edge.
             sides = slice(1, 2) if self._circle else slice(0, 2)
             if (((low < 0.0) & (high > 0.0)) | ((low < edge) & (high > edge)))[sides].any():
                 way = float(np.hypot(*np.ptp(ways[n], axis=1)))
@@ -223,6 +228,7 @@ class ExposurePlan:
         """
         if end <= begin:
             return np.zeros(1), np.ones(1)
+        # A coarse path decides whether the part is in front of the camera, and how far it moves.
         coarse = np.linspace(begin, end, 65)
         places = path.at(middle + coarse)
         front = places[0] > BEHIND
@@ -237,6 +243,7 @@ class ExposurePlan:
             share, begin, end = float(last - first) / (end - begin), float(first), float(last)
         widest = max(self.view.imager.columns, self.view.imager.rows)
         if length > widest:
+            # A fast part is inside the picture for a short share of the exposure, which a fine search finds.
             dense = np.linspace(begin, end, 65537)
             column, row = path.at(middle + dense)
             spare = self.margin
@@ -246,11 +253,13 @@ class ExposurePlan:
             if not inside.any():
                 return np.zeros(0), np.zeros(0)
             some = np.flatnonzero(inside)
+            # One step more at both ends, so that the entry into the picture is included.
             first, last = float(dense[max(some[0] - 1, 0)]), float(dense[min(some[-1] + 1, dense.size - 1)])
             part = (last - first) / (end - begin)
             share, begin, end, length = share * part, first, last, length * part
         if length < 1e-6:
             return np.array([0.5 * (begin + end)]), np.array([share])
+        # Each segment has two instants.
         segments = min(max(math.ceil(length / SEGMENT), 1), MOST_INSTANTS // 2)
         edges = np.linspace(begin, end, segments + 1)
         centres, width = 0.5 * (edges[1:] + edges[:-1]), (end - begin) / segments
@@ -433,10 +442,12 @@ class ExposedObjects:
         if one.radius == 0.0:
             return wide, 1
         size = wide.size_of(one)
+        # Small bodies need the nodes of the blur; large ones take the fine pixels of the sea.
         scale = self._local.nodes if size < LARGE else self.fine
         while scale * size < BOXES_ACROSS:
             scale *= 2
         columns, rows = ((scale * a, scale * b) for a, b in (wide.columns, wide.rows))
+        # Finer pixels need fewer samples each for the same number across the detector's pixel.
         cells = max(math.ceil(FEWEST_CELLS * self.fine / scale), 2)
         frame = (0, scale * self.imager.columns, 0, scale * self.imager.rows)
         return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells, frame=frame), scale
@@ -462,10 +473,12 @@ class ExposedObjects:
         """Return the light of a patch as boxes at places in the detector's picture."""
         if patch.clear > 0.0:
             column, row = float(patch.sums[ACROSS]) / scale, float(patch.sums[DOWN]) / scale
+            # A point has no area, so its light is spread over the solid angle of one pixel.
             solid = float(self.imager.solid_angle(pose.attitude, column, row))
             counted, radiance = point_light(patch, solid, behind(backdrop, column, row), light)
             values = [np.array([v]) for v in (column, row, counted, radiance, 0.0)]
             return Boxes(values[0], values[1], values[2], values[3], values[4], 0.0)
+        # A fine pixel is this part of a detector's pixel.
         area = 1.0 / scale**2
         cover = patch.planes[COVER] * area
         radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0) * area
@@ -494,6 +507,7 @@ class ExposedObjects:
         if delays is None or boxes.column.size == 0 or drawing.times.size == 0:
             yield None, None, own
             return
+        # Rows or columns follow one another in equal time steps.
         tick = abs(float(delays[1] - delays[0])) if delays.size > 1 else 0.0
         way = self._speed(drawing, time + drawing.delay) * tick
         places, moves = (boxes.row, own.down) if down is not None else (boxes.column, own.across)
@@ -504,6 +518,7 @@ class ExposedObjects:
         if way * (end - first) < IN_STEP:
             yield None, None, own
             return
+        # So many rows or columns share an instant, within which the part moves less than IN_STEP.
         chunk = max(int(IN_STEP / way), 1)
         for begin in range(first, end, chunk):
             stop = min(begin + chunk, end)
@@ -552,6 +567,7 @@ class ExposedObjects:
             elif patch.clear > 0.0:
                 # a point has its mean place in the picture; if it is never inside, the mean of all its places
                 share = weight * (1.0 if patch.lines[1].any() else 1e-9)
+                # The tiny weight counts only if the point is never inside the picture.
                 places, seen = places + share * (own + offset), seen + share
         if seen > 0.0:
             sums[[ACROSS, DOWN]] = places / seen
@@ -593,6 +609,7 @@ class ExposedObjects:
                 count_pixels(counted, (left, top), boxes, self._instants(drawing, time + drawing.delay, shift), backdrop)
         rows_of, columns_of = np.arange(top, bottom), np.arange(left, right)
         pixel = np.broadcast_to(self.imager.solid_angle(pose.attitude, columns_of + 0.5, rows_of[:, None] + 0.5), counted.shape[1:])
+        # The mean radiance of the covered part of each pixel.
         image = counted[2] / np.where(counted[0] > 0.0, counted[0], 1.0)
         columns_of = columns_of % self._circle if self._circle else columns_of
         return BodyShare(rows_of, columns_of, counted[0], counted[1], image, pixel, TOUCHED * float(counted[0].max()))

@@ -62,6 +62,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     if not math.isfinite(time):
         raise DomainError(f"time = {time:g} s is not finite; give seconds from the start")
     requested = require_layers([layers] if isinstance(layers, str) else layers)
+    # An image has one time, so objects of later frames are not reported.
     report_out_of_view(scenario, times=np.array([time]))
     settings = scenario.render.model_copy(update={"layers": requested, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
@@ -168,6 +169,7 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
         **{name: ((), float(values[position]), VARIABLES[name].attributes) for name, values in layout.poses.items()},
     }
     if layout.start is not None:
+        # NumPy's datetimes have no zone; they are UTC by convention.
         moment = layout.start.astimezone(UTC).replace(tzinfo=None) + timedelta(seconds=time)
         coordinates["utc"] = ((), np.datetime64(moment, "ns"))
     variables: dict[str, Any] = {

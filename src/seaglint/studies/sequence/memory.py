@@ -48,6 +48,7 @@ def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel 
     if not scanned and scenario_physics.upright_camera(scenario) is None:
         each = BYTES_PER_RESAMPLED_PIXEL
     if bends_by_profile(scenario):
+        # Refraction by a profile draws additional finer rows.
         rows *= 1 + FINER
     pixels = columns * rows * each * (2 if scenario.render.layers else 1)
     waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
@@ -100,6 +101,7 @@ def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel
     if there is None or need <= there:
         return
     (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
+    # The finest oversampling that fits is recommended.
     coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n, model) <= there), None)
     drawn = f" drawn {oversampling} x {oversampling} finer (render.oversampling)" if oversampling > 1 else ""
     remedy = "fewer pixels or a smaller render.tile_size"
@@ -125,6 +127,7 @@ def require_mean_memory(scenario: Scenario, sights: int | None = None) -> None:
     there = memory_available()
     if there is None or need <= there:
         return
+    # Memory grows with the pixels, so sides shrink with the root of the ratio.
     side = math.sqrt((there - BASE) / max(need - BASE, 1)) if there > BASE else 0.0
     fewer = [2 ** math.floor(math.log2(side * size)) if side * size >= 1.0 else 1 for size in (columns, rows)]
     raise ScenarioError(
@@ -143,6 +146,7 @@ def require_memory_of_all(scenarios: Iterable[Scenario]) -> None:
     """
     seen: set[str] = set()
     for scenario in scenarios:
+        # The azimuth does not change the memory, so scenes that differ in it alone are checked once.
         drawn = (scenario.sensor.model_copy(update={"azimuth_deg": 0.0}), scenario.render, scenario.sea.resolve_waves)
         key = repr((drawn, scenario.platform is None, scenario.atmosphere.source))
         if key in seen:

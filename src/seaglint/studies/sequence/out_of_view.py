@@ -78,7 +78,9 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
     looks = np.asarray(times, float)
     looks = looks if looks.size <= most else looks[np.unique(np.linspace(0, looks.size - 1, most).round().astype(int))]
     floats = {item.name for item in scenario.objects if item.floats}
+    # Angles by which the picture may differ from this geometry; objects within them are not reported.
     spare = (BENT if bends_by_profile(scenario) else 0.0) + (ROCKED if scenario.platform is not None and scenario.platform.floats else 0.0)
+    # Wind waves grow with the square of the wind; swell is included as a constant.
     heave = HEAVED[0] + HEAVED[1] * scenario.wind.speed_m_s**2
     found = []
     for body in placed:
@@ -123,6 +125,7 @@ def _outside_picture(body: Body, lift: float, spare: float, times: FloatArray, c
 def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: float) -> tuple[float, float, float]:
     """Column and row of a place, and how far a ball around it is outside the picture [px]; below 0 where it may be inside."""
     far = float(np.linalg.norm(place))
+    # The angular radius of a ball is the arcsine of radius over distance; a sensor inside it sees it everywhere.
     angle = (math.asin(size / far) if size < far else math.pi) + spare
     seen = lens(pixels, pose.attitude)
     column, row, ahead = image_point(seen, (float(place[0]), float(place[1]), float(place[2])), 0.5 * pixels.columns)
@@ -130,6 +133,7 @@ def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: floa
         return column, row, -1.0
     if pixels.projection == "pinhole":
         wide, high = math.tan(0.5 * pixels.width), math.tan(0.5 * pixels.height_angle)
+        # Angle from the optical axis; a plane picture ends at its corner.
         off = math.acos(max(-1.0, min(1.0, float(pose.attitude.axes[2] @ place) / far)))
         if off - angle >= math.atan(math.hypot(wide, high)):
             apart = (off - angle - math.atan(math.hypot(wide, high))) / max(seen.across[1], 1e-12)
@@ -141,6 +145,7 @@ def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: floa
     else:
         elevation = seen.down[0] + seen.down[1] * row
         reach = math.cos(elevation)
+        # Columns are steps of azimuth, so a ball is wider in azimuth by the cosine of elevation.
         across = math.asin(math.sin(angle) / reach) / seen.across[1] if angle < 0.5 * math.pi and math.sin(angle) < reach else math.inf
         down = angle / -seen.down[1]
     gap = max(-column - across, column - pixels.columns - across, -row - down, row - pixels.rows - down)
@@ -165,6 +170,7 @@ def _behind_horizon(body: Body, lift: float, times: FloatArray, track: Track) ->
         top = max(float(placement.position[2]) + reach_of(body) + lift, 0.0)
         arc = math.hypot(placement.position[0] - pose.east, placement.position[1] - pose.north)
         seen_to = horizon_range(pose.height) + (horizon_range(top) if top > 0.0 else 0.0)
+        # Horizon of the sensor plus horizon of the object's top: the farthest arc at which it is visible.
         margins.append((arc - seen_to, float(time), seen_to))
     margin, time, seen_to = min(margins)
     if margin <= (0.0 if len(times) == 1 else max(abs(a[0] - b[0]) for a, b in pairwise(margins))):

@@ -119,6 +119,7 @@ class MovingSun:
 
     def scene(self, first: Scene, time: float) -> Scene:
         """Return the scene of a time from the start [s]; ``first`` is the scene of the start."""
+        # Step 0 is the start, whose scene is prepared already.
         step = sun_step(self._scenario, time)
         if step == 0:
             return first
@@ -202,6 +203,7 @@ class Sequence:
         drawn = self.drawn(time)
         arrays: dict[str, NDArray[Any]] = dict(drawn.layers)
         radiance = drawn.layers.radiance
+        # Single pixels without a number are accepted; many are a fault.
         bad = int(radiance.size - np.isfinite(radiance).sum())
         if bad > NON_FINITE_SHARE * radiance.size:
             raise DataError(
@@ -223,6 +225,7 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
     if step is None or waves is None:
         return
     shortest = 2.0 * np.pi / waves.tiles[-1].k_max
+    # Coarser steps miss waves, finer ones take time without effect.
     if not shortest / 200.0 <= step <= 0.5 * shortest:
         raise DomainError(
             f"render.step_m = {step:g} m does not suit waves down to {shortest:.3g} m: "
@@ -292,6 +295,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     view = scene.view
     objects = SceneObjects.of(bodies_of(scenario), sea.waves, shadows=scenario.render.object_shadows)
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
+    # A turning sensor has directions in every frame; the layout holds those of the first.
     azimuth, elevation = scene.directions(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()

@@ -62,9 +62,11 @@ def motion_numbers(
         if streak is None:
             continue
         place = np.array([labels["column_px"][n], labels["row_px"][n]])
+        # In a mirage the drawn image is displaced from the geometric path.
         shift = place - streak.middle if mirage and np.isfinite(place).all() else np.zeros(2)
         out["velocity_column_px_s"][n], out["velocity_row_px_s"][n] = streak.velocity
         out["motion_px"][n] = streak.length
+        # A streak of length L has the variance L^2/12 along it, L^2/24 averaged over both directions.
         out["blur_px"][n] = math.sqrt(blur**2 + streak.length**2 / 24.0)
         for name, value in zip(ends, (streak.ends + shift).ravel(), strict=True):
             out[name][n] = value
@@ -87,6 +89,7 @@ def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.floa
     out = {name: np.full(len(windows), math.nan) for name in names}
     line, rows, columns = model.readout, *seen.shape
     kept = 1.0 - model.optics.stray_share
+    # An object out of the picture has no counts (NaN).
     for n, window in enumerate(windows):
         if window is None:
             continue
@@ -103,8 +106,10 @@ def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.floa
         out["counts_peak"][n] = out["counts_snr"][n] = 0.0
         if amount == 0.0:
             continue
+        # Light and dark parts that cancel have no centre.
         if abs(total) > LEAST_SUM * amount:
             column = float((added * i).sum()) / total
+            # Columns of a panorama continue across the seam.
             out["counts_column_px"][n] = (column + 0.5) % columns - 0.5 if model.circle else column
             out["counts_row_px"][n] = float((added * j).sum()) / total
         down, across = np.unravel_index(int(np.abs(added).argmax()), added.shape)

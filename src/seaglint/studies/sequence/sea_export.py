@@ -217,6 +217,7 @@ def export_sea(
     waves = sea.waves
     spacing = waves.tiles[-1].spacing if spacing is None else spacing
     if extent is None:
+        # Fine spacing shrinks the default patch, so that its number of points is bounded.
         side = min(DEFAULT_EXTENT, (DEFAULT_POINTS - 1) * spacing)
         extent = (side, side)
     patch = SeaPatch(centre, extent, spacing)
@@ -258,6 +259,7 @@ def _sampled(waves: WaveField, time: float, patch: SeaPatch) -> NDArray[np.float
 
 def _read(tile: Tile, spline: NDArray[np.float32], x: FloatArray, y: FloatArray) -> NDArray[np.float64]:
     """Return height [m] and slopes [1] of a tile's cubic B-spline at points."""
+    # Rotated into the tile and scaled to its cells in one step.
     c, s = math.cos(tile.rotation) / tile.spacing, math.sin(tile.rotation) / tile.spacing
     u, v = c * x + s * y, c * y - s * x
     i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
@@ -265,6 +267,7 @@ def _read(tile: Tile, spline: NDArray[np.float32], x: FloatArray, y: FloatArray)
     height, along, across = np.zeros((3, *u.shape))
     for m in range(4):
         for k in range(4):
+            # Tiles are periodic.
             z = spline[(j + m - 1) % tile.n, (i + k - 1) % tile.n]
             height += b[m] * a[k] * z
             along += b[m] * da[k] * z

@@ -76,6 +76,7 @@ class SensedFrames:
         detector = self.model.detector
         if not isinstance(detector, ThermalPixels) or detector.time_constant == 0.0:
             return self.model.expose(self.seen(number), number)
+        # A thermal detector adds earlier frames with exponentially falling weights.
         weights = lag_weights(detector.time_constant, self.model.frame_interval)
         seen = np.zeros(1, np.float64)
         # The frame itself comes last, so that it is cached for its labels.
@@ -224,6 +225,7 @@ def prepare_sense(
     shape = _divided((recording.rows, recording.columns), times, recording.source)
     rows, columns = shape
     _require_blur(model, shape, times, recording.source)
+    # A recording narrower than the scenario's picture is no full turn.
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
 
     numbers = range(recording.frames) if known.frames is None or len(known.frames) != recording.frames else known.frames
@@ -332,6 +334,7 @@ def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
     """Return the given oversampling, or the oversampling of the recording's pixels."""
     if given is not None or known.step is None:
         return 1 if given is None else given
+    # The step between rows is taken, which no scan changes.
     ratio = model.ifov / known.step[1]
     nearest = max(round(ratio), 1)
     if abs(ratio / nearest - 1.0) > AGREEMENT:

@@ -195,6 +195,7 @@ def drawn_in_time(sequence: Sequence, pattern: ScanPattern, oversampling: int, t
     if pattern.kind == "staring":
         return _rolled(sequence, pattern, oversampling, time, compose)
     columns = sequence.layout.shape[2] // oversampling
+    # Columns with equal delay are drawn together.
     delays = pattern.column_delays(columns)
     parts, begin = [], 0
     for end in range(1, columns + 1):
@@ -231,6 +232,7 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
     out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
     for name in over_sea:
         seen = np.isfinite(layers[name])
+        # Distances are averaged over the sea only, weighted with its share of each fine pixel.
         share = layers["coverage"] if "coverage" in layers else seen.astype(np.float32)
         weight = mean(np.where(seen, share, 0.0))
         total = mean(np.where(seen, share * np.nan_to_num(layers[name]), 0.0))
@@ -259,6 +261,7 @@ def prepare_sensed(
     require_memory(scenario, n, model)
     sensor, pattern = scenario.sensor, scan(scenario)
     columns, rows = sensor.pixels
+    # The drawn scenario has no sensor tables; the detector is applied to its pictures.
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = pattern.kind != "staring" and pattern.period > 0.0
@@ -275,6 +278,7 @@ def prepare_sensed(
     objects = None
     if sequence.objects is not None:
         objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, n)
+    # Objects are composed into the fine picture only if a written layer needs it; counts add them separately.
     compose = bool(radiance or derived or scenario.render.layers)
     drawn = _FinePictures(sequence, pattern, n, objects, rates, compose)
     sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)

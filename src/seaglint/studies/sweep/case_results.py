@@ -82,6 +82,7 @@ class SharedView:
 
     def lines(self, view: SeaView, elevation: FloatArray, azimuth: FloatArray) -> SeaLines:
         """Return lines of sight of :meth:`under` at elevations and azimuths [rad]."""
+        # Lines depend on directions and slopes, not on the Sun.
         key = (elevation.tobytes(), azimuth.tobytes(), view.hiding.law_bands(view.slopes))
         if key not in self._lines:
             if self._surface is None:
@@ -103,6 +104,7 @@ def shared_view(scenario: Scenario, height: float) -> SharedView:
         if key in _CACHED_VIEWS:
             _CACHED_VIEWS.move_to_end(key)
             return _CACHED_VIEWS[key]
+    # Preparation runs outside the lock; two threads may prepare the same view, and the last one is cached.
     made = SharedView(scenario_physics.standing_view(scenario, height))
     with _LOCK:
         _CACHED_VIEWS[key] = made
@@ -142,6 +144,7 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
         seen = article_radiance(view, elevation, azimuth)
     else:
         seen = shared.lines(view, elevation, azimuth).under(view)
+    # The deviation of glint depends on the size of a pixel, which view angles do not have.
     pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
     variance = sea_variance(view, seen, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
     temperature = apparent_temperature(seen.total, view.band, view.atmosphere.wavenumber_cm)

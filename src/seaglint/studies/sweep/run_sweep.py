@@ -148,6 +148,7 @@ def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResul
     shapes = tuple((name, values.shape, _kind(values, settings.keep_going).str) for name, values in named.items())
     count, shape = settings.plan.count, settings.plan.shape
     cases = [dask.delayed(_case, pure=False)(settings, number, shapes, places) for number in range(count)]
+    # Each case is a block of one value along every swept key.
     ones = (1,) * len(shape)
     arrays = {
         name: _joined(array, [array.from_delayed(case[name], (*ones, *size), dtype=np.dtype(kind)) for case in cases], shape)
@@ -163,6 +164,7 @@ def _kind(values: NDArray[Any], keep_going: bool) -> np.dtype[Any]:
 
 def _joined(array: Any, parts: list[Any], shape: tuple[int, ...]) -> Any:
     """Return arrays of one case each as one array over all of them."""
+    # Blocks are joined along the last key first, because it varies fastest in the order of the cases.
     for axis in range(len(shape) - 1, -1, -1):
         size = shape[axis]
         parts = [array.concatenate(parts[first : first + size], axis=axis) for first in range(0, len(parts), size)]
@@ -288,6 +290,7 @@ def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseRes
         return
     seconds, size = 0.0, 0
     try:
+        # The second timing counts, because the first case also compiles kernels and reads files.
         for number in (0, count - 1):  # the first one also compiles and prepares
             start = time.perf_counter()
             size = compute(settings.plan.scenario(number)).size
@@ -389,6 +392,7 @@ class CollectedCases:
         self.first = first
         for name, array in _all(first).items():
             values = array.values
+            # Whole numbers, booleans and texts cannot be missing, so their type changes if cases may fail.
             kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else None
             if kind is None:
                 kind = np.dtype(object) if values.dtype.kind in "UO" else np.dtype(np.float64)
@@ -430,6 +434,7 @@ class CollectedCases:
 def _same_along(array: NDArray[Any], axis: int) -> bool:
     """Return true where all values along an axis are the same; missing ones are."""
     first = np.take(array, [0], axis=axis)
+    # NaN is unequal to itself; two missing values count as equal.
     return bool(np.all((array == first) | ((array != array) & (first != first))))
 
 

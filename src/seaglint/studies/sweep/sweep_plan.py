@@ -268,6 +268,7 @@ class SweepPlan:
 
     def order(self) -> list[int]:
         """Return the numbers of all cases, in an order in which neighbours share most of their preparation."""
+        # Keys of the air vary slowest, because air takes most of the preparation.
         ranks = [_rank(key.name) for key in self.keys]
         axes = sorted(range(len(self.keys)), key=lambda axis: (ranks[axis], axis))
         return [int(number) for number in np.arange(self.count).reshape(self.shape).transpose(axes).ravel()]
@@ -309,6 +310,7 @@ class SweepPlan:
         ScenarioError
             Naming the case.
         """
+        # Steps in the case number from one value of a key to the next, as in a row-major array.
         place = np.cumprod([1, *self.shape[:0:-1]])[::-1]
         if sum(self.shape) <= MOST_CHECKED:
             for size, step in zip(self.shape, place, strict=True):
@@ -349,6 +351,7 @@ def chunks(order: Sequence[int], together: int, workers: int) -> list[tuple[int,
     >>> chunks(range(6), 6, 2)
     [(0,), (1,), (2,), (3,), (4,), (5,)]
     """
+    # At least two units for each worker, so that none waits long for the last one.
     size = max(min(together, len(order) // (2 * workers)), 1) if workers > 1 else max(together, 1)
     return [tuple(order[first : first + size]) for first in range(0, len(order), size)]
 
@@ -404,6 +407,7 @@ class ViewAngles:
 
     def elevations(self, height: float) -> FloatArray:
         """Return elevations of the lines of sight at a sensor's height [m] [rad, (zeniths,)]."""
+        # The zenith angle at the sea and the arc to it give the elevation at the sensor over the effective Earth.
         gamma = 0.5 * np.pi - np.radians(np.array(self.zenith_deg))
         return np.asarray(-(gamma + sea_arc(height, gamma) / EFFECTIVE_EARTH_RADIUS))
 

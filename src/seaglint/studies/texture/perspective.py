@@ -99,6 +99,7 @@ class PeriodicField:
         power = np.zeros(self._rows.size)
         for number in numbers:
             profile = self._profile(number)
+            # Edges of a row are nearly equally spaced, so one width serves for the variance.
             width = np.diff(self._edges, axis=1).mean(axis=1)
             # Footprints of the same width everywhere around the period.
             starts = np.arange(profile.shape[1], dtype=float)[None, :] + np.zeros((self._rows.size, 1))
@@ -132,6 +133,7 @@ class PeriodicField:
 def _running(values: FloatArray, places: FloatArray) -> FloatArray:
     """Return the integral of periodic steps (lines, n) from 0 to places (lines or 1, m), in steps."""
     lines, n = values.shape
+    # The integral of a step function is linear between the cumulative sums.
     sums = np.concatenate([np.zeros((lines, 1)), np.cumsum(values, axis=1)], axis=1)
     periods = np.floor(places / n)
     rest = places - periods * n
@@ -163,6 +165,7 @@ def fluctuation(g: FloatArray, mean: FloatArray, std: FloatArray, tails: Tails) 
     shape = 1.0 / ratio**2
     upper = u > 0.0
     value = np.empty(u.size)
+    # The upper half uses the complement, which keeps digits in the far tail.
     value[upper] = special.gammainccinv(shape[upper], special.ndtr(-u[upper]))
     value[~upper] = special.gammaincinv(shape[~upper], special.ndtr(u[~upper]))
     out[lively] = mean[lively] * value / shape
@@ -220,6 +223,7 @@ def place(
         seed = scenario.seed if request.seed is None else request.seed
         feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
         metres = feet.finest() if request.cell is None else request.cell
+        # The loop must be longer than the correlation in time, else its ends would be correlated.
         deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
         need, what = BYTES_PER_PIXEL * deep * int(np.prod(request.size)), f"a field of {deep} x {request.size[0]} x {request.size[1]} cells"
         require_room(need, what, "give a smaller size, or fewer sensor.frames")
@@ -231,6 +235,7 @@ def place(
         else:
             lively = total - means["path_radiance"].to_numpy().astype(np.float64)
             spread = lively * (_contrast(texture.marginal.variance, texture.marginal.mean) * plane.averaging)[:, None]
+        # Path and emission do not fluctuate with the texture.
         still = total - lively
 
         def image(number: int) -> dict[str, FloatArray]:

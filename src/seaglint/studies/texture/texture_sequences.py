@@ -115,6 +115,7 @@ def detrended(frames: Frames) -> Frames:
 
     image = frames.mean(axis=0, dtype=np.float64)
     trend = trend_surface(image)
+    # One trend for all frames, so that changes in time remain.
     left = frames - trend
     power = (left**2).mean(axis=0)
     # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
@@ -226,6 +227,7 @@ def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianText
 
 def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
     """Return the pseudo-likelihood of the half of the data that a fit has not seen, and of independent Gaussian pixels there."""
+    # Long sequences are split in time, short ones into left and right halves.
     half = len(data) // 2
     if len(data) >= 2 * STILL:
         seen, unseen = data[:half], data[half:]
@@ -252,6 +254,7 @@ def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, se
     if isinstance(texture, AutobinomialTexture):
         return texture.sample((1, rows, columns), seed)
     far = texture.reach
+    # The torus is larger than the sample, so that opposite borders of the cut sample are independent.
     deep = max(2 * frames if frames >= STILL else frames, 4 * far[0] + 1)
     wide = [max(math.ceil(1.25 * n), 4 * r + 1) for n, r in zip((rows, columns), far[1:], strict=True)]
     return np.ascontiguousarray(texture.sample((min(deep, frames + 32), *wide), seed)[:frames, :rows, :columns])
