@@ -221,12 +221,7 @@ def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:
 
 
 def _evaluated(
-    given: CasesInput,
-    compute: Callable[..., Any],
-    extrapolate: bool,
-    output: str | Path | None,
-    overwrite: bool,
-    progress: Progress | None,
+    given: CasesInput, compute: Callable[..., Any], extrapolate: bool, output: str | Path | None, overwrite: bool, progress: Progress | None
 ) -> xr.Dataset:
     """Read the cases, compute, write the CSV file where one is requested, and label the results."""
     import xarray as xr

@@ -101,12 +101,7 @@ def render(
 
 
 def frames(
-    scenario: SceneInput,
-    frames: range | None = None,
-    *,
-    electrons: bool = False,
-    radiance: bool = False,
-    sensor: str | None = None,
+    scenario: SceneInput, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, sensor: str | None = None
 ) -> Iterator[xr.Dataset]:
     """Frames of a scenario one by one, without files, with the truth of its objects.
 

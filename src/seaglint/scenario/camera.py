@@ -52,10 +52,7 @@ _ASSUMED: Final[Mapping[str, tuple[str, ...]]] = {
 }
 
 #: Meaning of keys that have no value.
-_UNSET_MEANINGS: Final[Mapping[str, str]] = {
-    "integration_time_s": "a whole frame",
-    "well_capacity_e": "without limit",
-}
+_UNSET_MEANINGS: Final[Mapping[str, str]] = {"integration_time_s": "a whole frame", "well_capacity_e": "without limit"}
 
 _ONLY_PHOTON: Final = frozenset(PhotonDetector.model_fields) - frozenset(ThermalDetector.model_fields)
 _ONLY_THERMAL: Final = frozenset(ThermalDetector.model_fields) - frozenset(PhotonDetector.model_fields)

@@ -14,14 +14,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.free_form import TomlTables
-from seaglint.base.limits import (
-    LOWTRAN_BAND_UM,
-    LOWTRAN_HEIGHTS,
-    NAVY_AEROSOL_WIND,
-    PROFILE_BAND_UM,
-    PROFILE_HEIGHTS,
-    TABLE_BANDS_UM,
-)
+from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, PROFILE_BAND_UM, PROFILE_HEIGHTS, TABLE_BANDS_UM
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.object_tables import Object, in_degrees, with_names

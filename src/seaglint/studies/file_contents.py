@@ -307,13 +307,22 @@ def _array_lines(facts: ArrayFile, everything: bool) -> list[str]:
     """Return the facts of arrays as lines of text."""
     out = [f"{facts.path}: {facts.title}", f"  dimensions        {', '.join(f'{name} {size}' for name, size in facts.sizes.items())}"]
     out.append("  variables         " + ", ".join(f"{name} [{unit}]" if unit else name for name, unit in facts.variables.items()))
-    if facts.scenario is not None:
-        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
-            out.append(f"  scene             {scene_line(facts.scenario)}")
-    out.append(f"  file              {facts.bytes / 1e6:.1f} MB")
+    out += [*_scene(facts.scenario), f"  file              {facts.bytes / 1e6:.1f} MB"]
+    return [*out, *_making(facts, everything)]
+
+
+def _scene(scenario: JsonObject | None) -> list[str]:
+    """Return the line on the scene; none for a scenario that is missing, of an older version, or damaged."""
+    with suppress(KeyError, TypeError, ValueError):
+        return [] if scenario is None else [f"  scene             {scene_line(scenario)}"]
+    return []
+
+
+def _making(facts: FileFacts | ArrayFile, everything: bool) -> list[str]:
+    """Return the attributes on the making of a file, or the command that prints them."""
     if everything:
-        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
-    return [*out, f"  how it was made   seaglint info --all {facts.path}"]
+        return [f"  {key:17} {value}" for key, value in facts.provenance.items()]
+    return [f"  how it was made   seaglint info --all {facts.path}"]
 
 
 def describe(path: Path | str) -> FileFacts | ArrayFile:
@@ -427,9 +436,7 @@ def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str
         ]
     else:
         out.append(f"  pixels            {nx} x {ny}, periodic along every axis")
-    if facts.scenario is not None:
-        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
-            out.append(f"  scene             {scene_line(facts.scenario)}")
+    out += _scene(facts.scenario)
     if facts.summary is not None:
         out.append(f"  radiance          {facts.summary.line}")
     if shares := facts.saturated_share:
@@ -437,12 +444,5 @@ def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str
             f"  saturated         {100 * sum(shares) / len(shares):.3g} % of the pixels, {100 * max(shares):.3g} % in the worst frame"
         )
     named = facts.variables if everything else [name for name in facts.variables if name not in _BOOKS]
-    out += [
-        f"  variables         {', '.join(named)}",
-        f"  file              {facts.bytes / 1e6:.1f} MB, seed {facts.seed}",
-    ]
-    if everything:
-        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
-    if facts.provenance:
-        out.append(f"  how it was made   seaglint info --all {facts.path}")
-    return out
+    out += [f"  variables         {', '.join(named)}", f"  file              {facts.bytes / 1e6:.1f} MB, seed {facts.seed}"]
+    return [*out, *_making(facts, everything)] if facts.provenance else out

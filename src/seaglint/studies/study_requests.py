@@ -78,8 +78,7 @@ class ReadingRequest:
     ] = ()
     saturation: Annotated[float | None, Parameter("value from which on the sensor is saturated", "Recording")] = None
     raw: Annotated[
-        Any,
-        Parameter("layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0", "Recording", "raw"),
+        Any, Parameter("layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0", "Recording", "raw")
     ] = None
 
     def opened(self, path: str | Path) -> Recording:
@@ -104,8 +103,7 @@ class WorkRequest:
     """Parameters of a run: threads, workers, and existing output."""
 
     threads: Annotated[
-        int | None,
-        Parameter("processor threads; default: all", "Run", least=1, detail="The bytes do not depend on them."),
+        int | None, Parameter("processor threads; default: all", "Run", least=1, detail="The bytes do not depend on them.")
     ] = None
     workers: Annotated[
         int | None,
@@ -135,10 +133,7 @@ class AnalysisRequest(ReadingRequest):
     ] = None
     rows: Annotated[
         tuple[float, float], Parameter("part of the rows to analyse", form="shares", detail="Shares of the height from the top [1].")
-    ] = (
-        0.0,
-        1.0,
-    )
+    ] = (0.0, 1.0)
     filter: Annotated[
         Any,
         Parameter(
@@ -354,8 +349,7 @@ class SweepRequest(WorkRequest):
         ),
     ] = ()
     threads: Annotated[
-        int | None,
-        Parameter("processor threads of each process; default: all", "Run", least=1, detail="Results do not depend on them."),
+        int | None, Parameter("processor threads of each process; default: all", "Run", least=1, detail="Results do not depend on them.")
     ] = None
     keep_going: Annotated[
         bool, Parameter("leave cases that fail without values (NaN) and compute the others; without it the first failure ends the sweep")

@@ -80,10 +80,7 @@ class TableAtmosphereSettings(_Absorption):
     """One of LOWTRAN7's model atmospheres with its Navy maritime aerosol at the scenario's wind."""
 
     source: Literal["table"] = "table"
-    model: Annotated[
-        ModelAtmosphere,
-        Field(description="model atmosphere"),
-    ] = "midlatitude-summer"
+    model: Annotated[ModelAtmosphere, Field(description="model atmosphere")] = "midlatitude-summer"
     levels: Levels = "continuous"
     air_minus_sea_k: AirMinusSea = None
     refraction: Refraction = "standard"
@@ -94,8 +91,7 @@ class _Profile(Record):
     """Keys of air from a model atmosphere or a sounding, with any of LOWTRAN7's hazes."""
 
     model: Annotated[
-        ModelAtmosphere,
-        Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it"),
+        ModelAtmosphere, Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it")
     ] = "midlatitude-summer"
     sounding: Annotated[
         InputFile | None,

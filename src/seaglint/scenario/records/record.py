@@ -331,6 +331,9 @@ def _must_exist(path: Path, info: ValidationInfo) -> Path:
     return path
 
 
+Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]  #: Latitude, north positive.
+Longitude = Annotated[float, Quantity("deg", ge=-180, le=360)]  #: Longitude, east positive.
+Azimuth = Annotated[float, Quantity("deg", ge=-360, le=360)]  #: Azimuth, clockwise from north.
 Utc = Annotated[datetime, BeforeValidator(_moment), AfterValidator(_as_utc)]
 InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
 InputFile = Annotated[InputPath, AfterValidator(_must_exist)]

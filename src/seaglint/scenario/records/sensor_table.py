@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, StrictBool, TypeAdapter, Validation
 
 from seaglint.base.limits import SHAKEN, SMEARED, TOP_OF_AIR, WIDEST_PINHOLE_DEG
 from seaglint.base.reports import REPORTS
-from seaglint.scenario.records.record import InputFile, Quantity, Record, default_tag, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Quantity, Record, default_tag, rule
 
 
 class PhotonDetector(Record):
@@ -105,10 +105,7 @@ def _require_offset(detector: PhotonDetector | ThermalDetector) -> None:
         raise rule("sensor.detector.offset_counts", text, value=detector.offset_counts)
 
 
-Detector = Annotated[
-    Annotated[PhotonDetector | ThermalDetector, Field(discriminator="kind")],
-    default_tag("kind", "photon"),
-]
+Detector = Annotated[Annotated[PhotonDetector | ThermalDetector, Field(discriminator="kind")], default_tag("kind", "photon")]
 
 
 Rms = Quantity("", ge=0, le=1e12)
@@ -262,9 +259,7 @@ class Sensor(Record):
         BeforeValidator(_from_space),
         Field(description="height above the mean sea, or 'space' for the top of the air, 100 km; with the table atmosphere 2 m to 10 km"),
     ] = 30.0
-    azimuth_deg: Annotated[
-        float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the image centre, clockwise from north")
-    ] = 180.0
+    azimuth_deg: Annotated[Azimuth, Field(description="azimuth of the image centre, clockwise from north")] = 180.0
     elevation_deg: Annotated[
         float, Quantity("deg", ge=-90, le=90), Field(description="elevation of the image centre; horizontal 0, looking down negative")
     ] = -3.5

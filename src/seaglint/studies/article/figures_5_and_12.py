@@ -222,9 +222,7 @@ def scene(pixels: int = PIXELS) -> Scenario:
                 "frame_rate_hz": FRAME_RATE,
                 "frames": FRAMES,
             },
-            "platform": {
-                "keyframes": [{"time_s": 0, "east_m": 0, "north_m": 0}, {"time_s": last, "east_m": 0, "north_m": -SPEED * last}],
-            },
+            "platform": {"keyframes": [{"time_s": 0, "east_m": 0, "north_m": 0}, {"time_s": last, "east_m": 0, "north_m": -SPEED * last}]},
             "band": {"min_um": 3.5, "max_um": 5.0},
             "wind": {"speed_m_s": 7, "from_deg": 215},
             "sea": {"temperature_k": 290.15, "shortest_wave_m": 3},

@@ -343,12 +343,5 @@ def table1(report: Progress = ignore_progress, frames: int = FRAMES) -> Table1:
 def _recording(name: str, images: NDArray[np.float32], blur_px: float) -> Recording:
     count, rows, columns = images.shape
     return Recording(
-        name,
-        count,
-        rows,
-        columns,
-        lambda start, stop: images[start:stop],
-        frame_rate=FRAME_RATE,
-        units="W m-2 sr-1",
-        blur_px=blur_px,
+        name, count, rows, columns, lambda start, stop: images[start:stop], frame_rate=FRAME_RATE, units="W m-2 sr-1", blur_px=blur_px
     )

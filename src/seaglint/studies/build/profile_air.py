@@ -257,11 +257,7 @@ def requested_gases(requested: ComputedAir) -> OwnGases:
 
 
 def model_air(
-    model: str,
-    wind_speed: float,
-    edges: tuple[float, float],
-    levels: Levels = "continuous",
-    spectroscopy: Spectroscopy = "lblrtm",
+    model: str, wind_speed: float, edges: tuple[float, float], levels: Levels = "continuous", spectroscopy: Spectroscopy = "lblrtm"
 ) -> ProfileAtmosphere:
     """Return a model atmosphere with the Navy maritime aerosol at a wind [m s-1], at most 20, over wavelengths [um]."""
     wind = min(wind_speed, NAVY_AEROSOL_WIND[1])

@@ -37,7 +37,7 @@ from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.scenario_physics import bending, require_standard_refraction
 from seaglint.studies.mean.air_contrast import air_line
 from seaglint.studies.sequence.memory import require_mean_memory
-from seaglint.studies.sequence.render_sequence import poses
+from seaglint.studies.sequence.render_sequence import pixel_directions, pose_at
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -173,18 +173,12 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
         maps = over_pixels(imager, pose, _components_along(scenario, view, length), progress)
     total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
     temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
-    whole = azimuth.ndim == 2
-    place = {name: float(values[0]) for name, values in poses(track, np.zeros(1)).items()} if track.moves else {}
     return xr.Dataset(
         {
             name: (("y", "x"), np.asarray(values, dtype=np.float32))
             for name, values in ({"radiance": total, "apparent_temperature": temperature} | maps).items()
         },
-        coords={
-            "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
-            "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),
-            **place,
-        },
+        coords={**pixel_directions(azimuth, elevation), **pose_at(track, 0.0)},
         attrs=provenance(
             "Mean infrared radiance of the sea",
             scenario.model_dump_json(exclude_none=True),

@@ -217,7 +217,7 @@ def _resolution(light: MeasuredLight, stated: float | None) -> tuple[float, list
         if width > COARSEST_SHARE * span:
             raise DataError(
                 f"resolution_cm = {width:g} is more than half of the spectrum's {span:.0f} cm-1: it is one number, not a spectrum; "
-                "compare it with 'seaglint mean' in its band",
+                "compare it with 'seaglint mean' in its band"
             )
         notes.append(f"{light.name}: ours is averaged from {OURS_CM:g} to its {width:.3g} cm-1")
     return width, notes

@@ -21,7 +21,7 @@ from seaglint.store.provenance import band_attributes
 from seaglint.studies.sequence import render_sequence as plain
 from seaglint.studies.sequence import sensed_sequence
 from seaglint.studies.sequence.out_of_view import report_out_of_view
-from seaglint.studies.sequence.render_sequence import poses, prepare_sequence
+from seaglint.studies.sequence.render_sequence import pixel_directions, pose_at, prepare_sequence
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,17 +67,10 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     settings = scenario.render.model_copy(update={"layers": requested, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
     layer_values = run.at(time)
-    azimuth, elevation = run.scene_at(time).directions(run.track.at(time))
-    whole = azimuth.ndim == 2
-    place = {name: float(values[0]) for name, values in poses(run.track, np.array([time])).items()} if run.track.moves else {}
+    directions = pixel_directions(*run.scene_at(time).directions(run.track.at(time)))
     return xr.Dataset(
         {name: (("y", "x"), layer_values[name].astype(VARIABLES[name].dtype, copy=False)) for name in ("radiance", *requested)},
-        coords={
-            "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
-            "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),
-            "time": float(time),
-            **place,
-        },
+        coords={**directions, "time": float(time), **pose_at(run.track, time)},
         attrs=plain_attributes({**run.layout.attributes, "title": "Infrared image of the sea", **band_attributes(run.layout.band)}),
     )
 

@@ -326,6 +326,17 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared), objects)
 
 
+def pixel_directions(azimuth: FloatArray, elevation: FloatArray) -> dict[str, Any]:
+    """Return azimuth and elevation [rad] as coordinates [deg] of columns and rows, or of all pixels where they are no grid."""
+    dims: tuple[Any, Any] = (("y", "x"), ("y", "x")) if azimuth.ndim == 2 else ("x", "y")
+    return {"azimuth": (dims[0], np.degrees(azimuth)), "elevation": (dims[1], np.degrees(elevation))}
+
+
+def pose_at(track: Track, time: float) -> dict[str, float]:
+    """Return position and attitude of a moving sensor at a time [s], by the names of the store's variables; empty if it is at rest."""
+    return {name: float(values[0]) for name, values in poses(track, np.array([time])).items()} if track.moves else {}
+
+
 def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
     """Return positions and attitudes of the sensor at some times [m, deg, (times,)], by the names of the store's variables."""
     sampled = [track.at(float(t)) for t in times]

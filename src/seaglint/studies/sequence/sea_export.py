@@ -141,9 +141,7 @@ class ExportedSea:
                 }
                 out[f"{name}_{i}"] = (dimensions, lattice[..., j], attributes)
             axis = np.arange(tile.n) * tile.spacing
-            out = out.assign_coords(
-                {name: (name, axis, VARIABLES[f"tile_{name[0]}"].attributes) for name in dimensions},
-            )
+            out = out.assign_coords({name: (name, axis, VARIABLES[f"tile_{name[0]}"].attributes) for name in dimensions})
         return out
 
 

@@ -368,10 +368,7 @@ def _directions(
     """Return azimuth and elevation of the detector's pixels [deg]: averages of the recording's, or about the scenario's line of sight."""
     rows, columns = shape
     if known.azimuth_deg is not None and known.elevation_deg is not None:
-        return (
-            known.azimuth_deg.reshape(columns, oversampling).mean(axis=1),
-            known.elevation_deg.reshape(rows, oversampling).mean(axis=1),
-        )
+        return (known.azimuth_deg.reshape(columns, oversampling).mean(axis=1), known.elevation_deg.reshape(rows, oversampling).mean(axis=1))
     step = np.degrees(model.ifov)
     azimuth = scenario.sensor.azimuth_deg + (np.arange(columns) - 0.5 * (columns - 1)) * step
     return azimuth, scenario.sensor.elevation_deg - (np.arange(rows) - 0.5 * (rows - 1)) * step

@@ -176,12 +176,7 @@ SAME_RATE: Final = 0.01  #: Relative difference up to which frame rates count as
 
 
 def place(
-    stored: StoredTexture,
-    scenario: Scenario,
-    output: str | Path,
-    request: PlaceRequest,
-    *,
-    progress: Progress | None = None,
+    stored: StoredTexture, scenario: Scenario, output: str | Path, request: PlaceRequest, *, progress: Progress | None = None
 ) -> Path | str:
     """Lay a texture on the sea of a scenario and store the sequence of its sensor.
 

@@ -339,19 +339,13 @@ def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -
         raise DataError(f"frames = {frames}: give 1 or more")
     if frames > 1 and far[0] == 0:
         kind = "an autobinomial field" if isinstance(texture, AutobinomialTexture) else f"a texture fitted to {_what(stored)}"
-        raise DataError(
-            f"frames = {frames}: {kind} has no time; ask for 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more"
-        )
-    from seaglint.studies.sequence.memory import memory_available
+        raise DataError(f"frames = {frames}: {kind} has no time; give 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more")
+    from seaglint.studies.sequence.memory import require_room
 
     # A single frame of a field in time is one of a loop.
     deep = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1
-    needed, available = BYTES_PER_PIXEL * deep * rows * columns, memory_available()
-    if available is not None and needed > available:
-        raise DataError(
-            f"{frames} frames of {columns} x {rows} pixels take {needed / 1e9:.3g} GB, and {available / 1e9:.3g} GB are free; "
-            "ask for fewer frames or a smaller size"
-        )
+    needed, what = BYTES_PER_PIXEL * deep * rows * columns, f"a loop of {frames} frames of {columns} x {rows} pixels"
+    require_room(needed, what, "give fewer frames or a smaller size")
     return texture.sample((deep, rows, columns), seed)[:frames]
 
 
