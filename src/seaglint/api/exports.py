@@ -161,8 +161,8 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
 
     if output is not None:
         refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[Path(run)])
-    held = Labels.of(run)
-    report_never_seen(held)
+    truth = Labels.of(run)
+    report_never_seen(truth)
     if output is not None:
-        write_labels(held, output, overwrite=overwrite)
-    return label_dataset(held)
+        write_labels(truth, output, overwrite=overwrite)
+    return label_dataset(truth)

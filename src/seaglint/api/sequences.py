@@ -141,8 +141,8 @@ def frames(
     """
     from seaglint.studies.sequence.labelled_frames import frame_datasets
 
-    made = frame_datasets(scenario_of(scenario, sensor), frames, electrons=electrons, radiance=radiance)
-    return (with_band(frame) for frame in made)
+    datasets = frame_datasets(scenario_of(scenario, sensor), frames, electrons=electrons, radiance=radiance)
+    return (with_band(frame) for frame in datasets)
 
 
 @documented(SenseRequest, INPUT="the radiance")

@@ -173,15 +173,15 @@ def assumed_values(scenario: Scenario, chosen: CameraTables) -> list[str]:
 def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | None:
     """Return the value of a key that is not given, as text; None where it is given, or does not count."""
     value: Any = scenario
-    above: Any = given
+    stated: Any = given
     for part in key.split("."):
-        above = above.get(part) if isinstance(above, Mapping) else None
+        stated = stated.get(part) if isinstance(stated, Mapping) else None
         if value is None or not hasattr(value, part):
             return None
         value = getattr(value, part)
     name, sensor = key.rpartition(".")[2], scenario.sensor
     states_netd = sensor.detector is not None and sensor.detector.netd_k is not None
-    if above is not None or (name.startswith("netd_") and not states_netd):
+    if stated is not None or (name.startswith("netd_") and not states_netd):
         return None
     if value is None:
         lens = {

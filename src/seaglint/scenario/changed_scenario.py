@@ -41,18 +41,18 @@ def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
     >>> raw
     {'sensor': {'fov_deg': [12, 8]}, 'wind': {'speed_m_s': 5}}
     """
-    *way, last = key.split(".")
-    at: Any = raw
-    for k, step in enumerate(way):
-        at = at[_place(at, step, key, name)] if isinstance(at, list) else at.setdefault(step, {})
-        if not isinstance(at, dict | list):
-            raise ScenarioError(f"{name}: {'.'.join(way[: k + 1])} is no table; the key {key} is not one of a scenario")
-    if isinstance(at, list):
-        if any(isinstance(item, Mapping) for item in at):
+    *tables, last = key.split(".")
+    place: Any = raw
+    for k, step in enumerate(tables):
+        place = place[_place(place, step, key, name)] if isinstance(place, list) else place.setdefault(step, {})
+        if not isinstance(place, dict | list):
+            raise ScenarioError(f"{name}: {'.'.join(tables[: k + 1])} is no table; the key {key} is not one of a scenario")
+    if isinstance(place, list):
+        if any(isinstance(item, Mapping) for item in place):
             raise ScenarioError(f"{name}: {key}: objects are named; give objects.NAME.key")
-        at[_place(at, last, key, name)] = value
+        place[_place(place, last, key, name)] = value
     else:
-        at[last] = value
+        place[last] = value
 
 
 def _place(items: list[Any], step: str, key: str, name: str) -> int:

@@ -121,18 +121,18 @@ class Ensemble(Record):
 
     @model_validator(mode="after")
     def _keys_once(self) -> Self:
-        seen: set[str] = set()
+        keys_so_far: set[str] = set()
         for i, law in enumerate(self.vary):
             if not isinstance(law, Weather) and not law.key:
                 raise rule(f"vary[{i}].key", "is missing; name a key of the scenario, e.g. key = 'wind.speed_m_s'")
             for key in law.keys if isinstance(law, Weather) else (law.key or "",):
-                if key in seen:
+                if key in keys_so_far:
                     raise rule(f"vary[{i}].key", f"= '{key}' has two laws; leave one of them out", value=key)
                 # Laws are applied in order, so a law of a whole table would overwrite an earlier law of a key inside it.
-                inner = next((other for other in sorted(seen) if other.startswith(f"{key}.")), None)
+                inner = next((other for other in sorted(keys_so_far) if other.startswith(f"{key}.")), None)
                 if inner is not None:
                     raise rule(f"vary[{i}].key", f"= '{key}' would replace what was drawn for {inner}; put it before that law", value=key)
-                seen.add(key)
+                keys_so_far.add(key)
         names = [template.name for template in self.objects]
         for name in names:
             if names.count(name) > 1:
@@ -217,13 +217,13 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
 
 def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> TomlTables:
     """Return the tables of the base with absolute paths."""
-    beside: Path | None
+    paths_from: Path | None
     if isinstance(given, str):
         path = Path(given) if folder is None else folder / given
-        raw, where, beside = read_toml(path, "base scenario"), str(path), path.parent
+        raw, where, paths_from = read_toml(path, "base scenario"), str(path), path.parent
         report_moments(raw, where)
     elif isinstance(given, Mapping):
-        raw, where, beside = dict(given), f"{name}: base", folder
+        raw, where, paths_from = dict(given), f"{name}: base", folder
         preset = raw.pop("preset", None)
         if preset is not None:
             if not isinstance(preset, str) or preset not in PRESETS:
@@ -234,7 +234,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
     raw = raw if sensor is None else with_sensor(raw, sensor)
     if "objects" in raw:
         raw = {**raw, "objects": with_names(raw["objects"])}
-    return with_absolute_paths(raw, parse_scenario(raw, name=where, base=beside))
+    return with_absolute_paths(raw, parse_scenario(raw, name=where, base=paths_from))
 
 
 def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> TomlTables:

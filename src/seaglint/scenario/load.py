@@ -141,9 +141,9 @@ def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, An
             return mistake
     if not isinstance(name, str) or f"'{name}'" in mistake.text:
         return mistake
-    here = f"objects[{place}]"
-    rest = mistake.text.removeprefix(here) if mistake.text.startswith(here) else f": {mistake.text}"
-    return replace(mistake, text=f"{here} ({_shown(name)}){rest}")
+    prefix = f"objects[{place}]"
+    rest = mistake.text.removeprefix(prefix) if mistake.text.startswith(prefix) else f": {mistake.text}"
+    return replace(mistake, text=f"{prefix} ({_shown(name)}){rest}")
 
 
 def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
@@ -175,8 +175,8 @@ def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
 
 def _unknown_key(location: Sequence[str | int]) -> str:
     *table, wrong = location
-    here, name = table_keys(tuple(table)), str(wrong)
-    if name in here:
+    allowed_keys, name = table_keys(tuple(table)), str(wrong)
+    if name in allowed_keys:
         # A key of another kind of the same table, such as atmosphere.model beside source = "isothermal".
         tag = tag_name(tuple(table))
         kinds = " or ".join(f'"{kind}"' for kind in kinds_with(tuple(table), name))
@@ -185,9 +185,9 @@ def _unknown_key(location: Sequence[str | int]) -> str:
     # Of other tables only a key of the very same name helps: a similar one (direction_deg, elevation_deg) means something else.
     exact = [path for path in key_paths() if path.rsplit(".", 1)[-1] == name]
     # Keys of the same table may be misspelt; keys of other tables count with an equal name only.
-    near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] + exact[:1]
+    near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, allowed_keys, n=1, cutoff=0.6)] + exact[:1]
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
-    allowed = "" if near else f"; allowed here: {', '.join(here) or 'none'}"
+    allowed = "" if near else f"; allowed here: {', '.join(allowed_keys) or 'none'}"
     return f"{_dotted(location)} is an unknown key{hint}{allowed}"
 
 

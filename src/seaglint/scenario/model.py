@@ -82,11 +82,11 @@ class Scenario(Record):
 
     @model_validator(mode="after")
     def _objects_have_names_and_places(self) -> Self:
-        seen: set[str] = set()
+        names: set[str] = set()
         for item in self.objects or ():
-            if item.name in seen:
+            if item.name in names:
                 raise rule("objects", f"has the name '{item.name}' twice; give every object a name of its own", value=item.name)
-            seen.add(item.name)
+            names.add(item.name)
             if in_degrees(item) and self.place is None:
                 raise rule(
                     f"objects ('{item.name}')", "has latitude_deg and longitude_deg, which need [place] and [time]; give east_m, north_m"
@@ -117,8 +117,8 @@ class Scenario(Record):
         if low is not None and high is not None and not any(bottom <= low and high <= top for bottom, top in TABLE_BANDS_UM):
             # Named by the edge that is wrong; where both are inside, the band spans the gap and its far edge is told.
             in_low = any(bottom <= low < top for bottom, top in TABLE_BANDS_UM)
-            key, given, beside = ("max_um", high, f"min_um = {low:g}") if in_low else ("min_um", low, f"max_um = {high:g}")
-            text = f"= {given:g} with band.{beside} is outside the table atmosphere; allowed: {TABLE_BANDS_TEXT}, {other}"
+            key, given, other_edge = ("max_um", high, f"min_um = {low:g}") if in_low else ("min_um", low, f"max_um = {high:g}")
+            text = f"= {given:g} with band.{other_edge} is outside the table atmosphere; allowed: {TABLE_BANDS_TEXT}, {other}"
             raise rule(f"band.{key}", text, value=given, allowed=TABLE_BANDS_TEXT)
         return self
 

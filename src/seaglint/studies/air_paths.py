@@ -196,7 +196,7 @@ def require_one_kind(scenario: bool, ranges: bool, even: Mapping[str, Any]) -> N
         A scenario without ranges, ranges without a scenario, numbers of even air beside a scenario, or too few of them.
     """
     # First the names of given numbers of even air, then the names of missing ones.
-    given, missing = ([name for name, value in even.items() if (value is not None) == there] for there in (True, False))
+    given, missing = ([name for name, value in even.items() if (value is not None) == present] for present in (True, False))
     if scenario and given:
         raise DataError(f"{', '.join(given)}: describe even air, and a scenario is given; leave them out, or leave the scenario out")
     if scenario != ranges:
@@ -243,12 +243,12 @@ def even_path(
 
     path = cast("Mapping[str, float]", numbers)
     band = cast("tuple[float, float]", band_um)
-    found = homogeneous_spectrum(**path, band_um=band, ppmv=dict(ppmv), spectroscopy=spectroscopy, haze=HazeWeather(haze))
+    spectrum = homogeneous_spectrum(**path, band_um=band, ppmv=dict(ppmv), spectroscopy=spectroscopy, haze=HazeWeather(haze))
     return xr.Dataset(
         {
-            "transmittance": ((), found.mean, {"units": "1", "long_name": "mean transmittance, weighted with the blackbody"}),
-            "spectral_transmittance": ("wavenumber_cm", found.transmittance, {"units": "1"}),
+            "transmittance": ((), spectrum.mean, {"units": "1", "long_name": "mean transmittance, weighted with the blackbody"}),
+            "spectral_transmittance": ("wavenumber_cm", spectrum.transmittance, {"units": "1"}),
         },
-        {"wavenumber_cm": ("wavenumber_cm", found.wavenumber_cm, {"units": "cm-1"})},
+        {"wavenumber_cm": ("wavenumber_cm", spectrum.wavenumber_cm, {"units": "cm-1"})},
         {**path, "band_um": list(band), **{f"{gas.lower()}_ppmv": amount for gas, amount in ppmv.items()}, "spectroscopy": spectroscopy},
     )

@@ -79,7 +79,7 @@ def _values(text: str, where: str) -> list[Any]:
 
 def _parts(text: str) -> list[str]:
     """Split at commas outside brackets and quotes."""
-    found, depth, quote, part = [], 0, "", ""
+    parts, depth, quote, part = [], 0, "", ""
     for letter in text:
         if quote:
             quote = "" if letter == quote else quote
@@ -87,11 +87,11 @@ def _parts(text: str) -> list[str]:
             quote = letter
         depth += (letter in "[{") - (letter in "]}") if not quote else 0
         if letter == "," and depth == 0 and not quote:
-            found.append(part)
+            parts.append(part)
             part = ""
         else:
             part += letter
-    return [*found, part]
+    return [*parts, part]
 
 
 def plain_value(text: str) -> Any:

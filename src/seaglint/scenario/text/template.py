@@ -139,9 +139,9 @@ def write_template(output: str | Path, preset: str = "glint", *, camera: CameraT
         if output.exists() and not overwrite:
             raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
         for name in PRESETS[preset].files:
-            beside = output.with_name(name)
-            if not beside.exists():
-                beside.write_bytes((DATA / name).read_bytes())
+            copy = output.with_name(name)
+            if not copy.exists():
+                copy.write_bytes((DATA / name).read_bytes())
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error

@@ -66,16 +66,16 @@ def _lines(table: Mapping[str, Any], above: tuple[str, ...]) -> Iterator[str]:
         if name not in inner:
             yield _entry(name, value)
     for name, value in inner.items():
-        way = (*above, name)
-        heading = ".".join(map(_key, way))
+        path = (*above, name)
+        heading = ".".join(map(_key, path))
         if isinstance(value, Mapping):
-            if not value or any(not isinstance(held, Mapping) for held in value.values()):
+            if not value or any(not isinstance(inner_value, Mapping) for inner_value in value.values()):
                 yield from ("", f"[{heading}]")  # else the headings of its tables name it
-            yield from _lines(value, way)
+            yield from _lines(value, path)
             continue
         for item in value:
             yield from ("", f"[[{heading}]]")
-            yield from (_entry(key, held) for key, held in item.items())
+            yield from (_entry(key, inner_value) for key, inner_value in item.items())
 
 
 def _entry(name: str, value: Any) -> str:

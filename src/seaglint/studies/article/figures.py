@@ -270,21 +270,21 @@ def figure_3(report: Progress = ignore_progress) -> xr.Dataset:
     # Evenly spaced in the logarithm of depression: the brightest points of low Suns lie within a degree of the horizon.
     depression = np.geomspace(1.01 * horizon_depression(GLINT_HEIGHT), np.radians(12.0), SURFACE_DEPRESSIONS)[::-1]
     sun = SURFACE_SUNS
-    ways: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
-    ways = (("", mean_radiance), ("_band_means", article_radiance))
+    methods: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
+    methods = (("", mean_radiance), ("_band_means", article_radiance))
     shape = (len(SURFACE_WINDS), sun.size, depression.size)
-    maps = {name + way: np.zeros(shape) for way, _ in ways for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
+    maps = {name + suffix: np.zeros(shape) for suffix, _ in methods for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
     background = np.zeros((len(SURFACE_WINDS), depression.size))
     for i, wind in reported(SURFACE_WINDS, report):
         view = article_sea(band, wind, GLINT_HEIGHT)
         inverse = ApparentTemperature.create(band, view.atmosphere.wavenumber_cm)
         for j, zenith in enumerate(np.radians(sun)):
-            for way, radiance in ways:
-                seen = radiance(replace(view, solar_zenith=float(zenith)), -depression, np.zeros(1))
-                maps["solar_radiance_W_m2_sr" + way][i, j] = seen.sun[:, 0]
-                maps["apparent_temperature_k" + way][i, j] = inverse(seen.total[:, 0])
-                if way == "":
-                    background[i] = inverse((seen.path + seen.emission + seen.sky)[:, 0])
+            for suffix, radiance in methods:
+                components = radiance(replace(view, solar_zenith=float(zenith)), -depression, np.zeros(1))
+                maps["solar_radiance_W_m2_sr" + suffix][i, j] = components.sun[:, 0]
+                maps["apparent_temperature_k" + suffix][i, j] = inverse(components.total[:, 0])
+                if suffix == "":
+                    background[i] = inverse((components.path + components.emission + components.sky)[:, 0])
     return xr.Dataset(
         {name: (("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg"), values) for name, values in maps.items()}
         | {"background_temperature_k": (("wind_speed_m_s", "sensor_zenith_deg"), background)},

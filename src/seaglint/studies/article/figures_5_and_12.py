@@ -115,9 +115,10 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
                 within[threshold] = np.maximum(within.get(threshold, np.zeros(1)), np.max(above, axis=0))
                 # The mean of both sides uses all looks.
                 both = np.mean([d.illuminated * a for d, a in zip(sides, above, strict=True)], axis=0)
-                here = estimate(both, sides[0].plan, weight=sides[0].weight)
-                any_ = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
-                rows.append((number, threshold, azimuth, here.value, here.low, here.high, any_.value, any_.low, any_.high))
+                at_azimuth = estimate(both, sides[0].plan, weight=sides[0].weight)
+                at_any_azimuth = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
+                chances = [value for one in (at_azimuth, at_any_azimuth) for value in (one.value, one.low, one.high)]
+                rows.append((number, threshold, azimuth, *chances))
     progress(total, total)
     names = (
         "case", "threshold_w_m2_sr", "azimuth_deg", "probability", "interval_low", "interval_high",

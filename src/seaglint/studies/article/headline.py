@@ -134,10 +134,10 @@ def _temperature(point: BrightestPoint) -> float:
 
 
 def _at(view: SeaView, solar_zenith_deg: float, depression: FloatArray, inverse: ApparentTemperature, radiance: Radiance) -> BrightestPoint:
-    seen = radiance(replace(view, solar_zenith=float(np.radians(solar_zenith_deg))), -depression, np.zeros(1))
-    temperature = inverse(seen.total[:, 0])
+    components = radiance(replace(view, solar_zenith=float(np.radians(solar_zenith_deg))), -depression, np.zeros(1))
+    temperature = inverse(components.total[:, 0])
     row = int(np.nanargmax(temperature))
-    background = float(inverse((seen.path + seen.emission + seen.sky)[row, 0]))
+    background = float(inverse((components.path + components.emission + components.sky)[row, 0]))
     return BrightestPoint(float(temperature[row]), background, float(np.degrees(depression[row])), float(solar_zenith_deg))
 
 

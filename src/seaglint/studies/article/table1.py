@@ -214,16 +214,15 @@ class Table1:
         for (region, threshold), alarm in _alarms(self.analysis).items():
             rate, time = ARTICLE[region][threshold]
             ratio = None if rate is None else rate / alarm.gaussian_rate
-            name, seen = f"{region}_{threshold:g}_sigma", sensed[region, threshold]
-            interval = {
-                "interval_95": _interval(alarm), "note": alarm.note, "detector_interval_95": _interval(seen), "detector_note": seen.note,
-            }  # fmt: skip
+            name, through_detector = f"{region}_{threshold:g}_sigma", sensed[region, threshold]
+            interval = {"interval_95": _interval(alarm), "note": alarm.note}
+            interval |= {"detector_interval_95": _interval(through_detector), "detector_note": through_detector.note}
             blurred = self._of_blurs(region, threshold)
             times = {f"blur_{blur:g}_px": _seconds(value) for blur, value in blurred.items()}
             ratios = {f"blur_{blur:g}_px": value.ratio for blur, value in blurred.items()}
-            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, seen.rate)
-            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, seen.ratio)
-            out[f"correlation_time_{name}"] = SensedRow(time, alarm.correlation_time_s, "s", times, seen.correlation_time_s)
+            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, through_detector.rate)
+            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, through_detector.ratio)
+            out[f"correlation_time_{name}"] = SensedRow(time, alarm.correlation_time_s, "s", times, through_detector.correlation_time_s)
         return out
 
     def columns(self) -> dict[str, FloatArray]:

@@ -398,14 +398,14 @@ def _refused(name: str, text: str) -> ScenarioError:
 
 def _overlap(one: Body, at: Placement, other: Body, there: Placement) -> bool:
     for part in (p for p in one.parts if isinstance(p, Solid)):
-        mine = placed(part, at.position - there.position, at.rotation)
-        for beside in (p for p in other.parts if isinstance(p, Solid)):
-            yours = placed(beside, np.zeros(3), there.rotation)
+        first = placed(part, at.position - there.position, at.rotation)
+        for other_part in (p for p in other.parts if isinstance(p, Solid)):
+            second = placed(other_part, np.zeros(3), there.rotation)
             # Boxes that do not meet cannot hold solids that do.
-            low = np.maximum(mine.vertices.min(axis=0), yours.vertices.min(axis=0))
-            high = np.minimum(mine.vertices.max(axis=0), yours.vertices.max(axis=0))
+            low = np.maximum(first.vertices.min(axis=0), second.vertices.min(axis=0))
+            high = np.minimum(first.vertices.max(axis=0), second.vertices.max(axis=0))
             if np.all(low < high):
-                smaller = min(primitives.volume((p.vertices, p.triangles)) for p in (mine, yours))
-                if common_volume(mine, yours) > OVERLAP * smaller:
+                smaller = min(primitives.volume((p.vertices, p.triangles)) for p in (first, second))
+                if common_volume(first, second) > OVERLAP * smaller:
                     return True
     return False

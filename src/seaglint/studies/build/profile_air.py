@@ -168,8 +168,8 @@ def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: B
     """Return a clause with the apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
     height = float(np.clip(scenario.sensor.height_m, *PROFILE_HEIGHTS))
     profile = _thinned(profile, part.height)
-    there = profile.height < part.height if part.below else profile.height > part.height
-    dry = replace(profile, vapour=np.where(there, ALMOST_NONE, 1.0) * profile.vapour)
+    continued = profile.height < part.height if part.below else profile.height > part.height
+    dry = replace(profile, vapour=np.where(continued, ALMOST_NONE, 1.0) * profile.vapour)
     wind = scenario.wind.speed_m_s
     without, given = (_sky(air, HazeWeather(wind=wind, wind_24h=wind), height, over) for air in (dry, profile))
     if not np.isfinite([without, given]).all():
@@ -187,14 +187,14 @@ def _thinned(profile: AirProfile, height: float) -> AirProfile:
         return profile
     last = profile.height.size - 1
     # The lowest and the highest levels and the level of the change remain; others are thinned evenly.
-    some = np.unique(np.r_[np.arange(0, last, step), last - np.arange(40), np.searchsorted(profile.height, height)])
+    indices = np.unique(np.r_[np.arange(0, last, step), last - np.arange(40), np.searchsorted(profile.height, height)])
     return replace(
         profile,
-        height=profile.height[some],
-        pressure=profile.pressure[some],
-        temperature=profile.temperature[some],
-        vapour=profile.vapour[some],
-        gas=profile.gas[:, some],
+        height=profile.height[indices],
+        pressure=profile.pressure[indices],
+        temperature=profile.temperature[indices],
+        vapour=profile.vapour[indices],
+        gas=profile.gas[:, indices],
     )
 
 

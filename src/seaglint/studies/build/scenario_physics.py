@@ -108,10 +108,10 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
         case requested_air.FileAtmosphere(path=path):
             from seaglint.formats.air_file import read_atmosphere
 
-            air, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            air, arcs_in_view = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
             if air.scattered is not None:
                 air.scattered.require_sun(sun_position(scenario).zenith, str(path))
-            return air if seen is None else air.seen_between(*seen)
+            return air if arcs_in_view is None else air.seen_between(*arcs_in_view)
         case requested_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
         case requested_air.NoAtmosphere():
@@ -345,10 +345,10 @@ def swept_camera(scenario: Scenario) -> Camera | None:
 
 
 def _level_camera(scenario: Scenario) -> Camera | None:
-    way = track(scenario)
-    pose = way.at(float(way.time[0]))
+    path = track(scenario)
+    pose = path.at(float(path.time[0]))
     floats = scenario.platform is not None and scenario.platform.floats
-    return None if floats or way.turns or way.highest > way.lowest else imager(scenario).camera(pose.height, pose.attitude)
+    return None if floats or path.turns or path.highest > path.lowest else imager(scenario).camera(pose.height, pose.attitude)
 
 
 def camera(scenario: Scenario) -> Camera:

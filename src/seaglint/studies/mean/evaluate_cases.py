@@ -368,11 +368,11 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
-                seen = mean_radiance(view, -depression[rows], [towards], of_kelvin)
-                variance = sea_variance(view, seen, -depression[rows], ifov[rows] ** 2, length)
-                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = seen.total[:, 0]
+                components = mean_radiance(view, -depression[rows], [towards], of_kelvin)
+                variance = sea_variance(view, components, -depression[rows], ifov[rows] ** 2, length)
+                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = components.total[:, 0]
                 columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
-                    seen.total[:, 0], band.band, air.wavenumber_cm
+                    components.total[:, 0], band.band, air.wavenumber_cm
                 )
                 columns[f"std_W_m2_sr[{band.label}]"][rows] = np.sqrt(variance[:, 0])
                 done += rows.size
@@ -435,7 +435,7 @@ def evaluate_scattered(
     parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
     done, total = 0, len(cases) * len(bands)
     # Scattered sunlight is computed in bands where the air scatters; elsewhere its column remains 0.
-    seen = [band for band in bands if scatters_in(band.edges)]
+    lit_bands = [band for band in bands if scatters_in(band.edges)]
     for key, rows in parts:
         _report(progress, done, total)
         for band in bands:
@@ -448,8 +448,8 @@ def evaluate_scattered(
                 thermal = air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
             columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
         lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
-        light = scattered_cases(_model_of(key), lines, [band.band for band in seen], continuous=levels == "continuous")
-        for band, values in zip(seen, light, strict=True):
+        light = scattered_cases(_model_of(key), lines, [band.band for band in lit_bands], continuous=levels == "continuous")
+        for band, values in zip(lit_bands, light, strict=True):
             columns[f"scattered_W_m2_sr[{band.label}]"][rows] = values
         done += rows.size * len(bands)
     _report(progress, done, total)
@@ -521,12 +521,12 @@ def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
 def _require_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
     """Refuse lines of sight that end in the sky; ``sign`` is -1 for a column of elevations."""
 
-    def say(row: int) -> str:
-        seen, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
-        what = "a depression" if sign > 0.0 else "an elevation"
-        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {what} between that and {sign * 90.0:g} deg"
+    def message(row: int) -> str:
+        angle, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
+        kind = "a depression" if sign > 0.0 else "an elevation"
+        return f"{angle:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {kind} between that and {sign * 90.0:g} deg"
 
-    cases.check(depression > dip, column, say)
+    cases.check(depression > dip, column, message)
 
 
 #: Units by the ending of a column's name, longer endings first.

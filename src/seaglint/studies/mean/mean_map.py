@@ -69,7 +69,7 @@ PIXEL_BLOCK: Final = 1 << 17  #: Lines of sight at a time: memory stays below 10
 Sights = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 
-def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
+def over_pixels(imager: Imager, pose: Pose, components_along: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
     """Return means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
 
     Cells of the sea are independent, so a pixel's variance is the mean of its lines of sight, each with the solid angle of the pixel.
@@ -94,8 +94,8 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | N
         sides[0.5 * spread > below] = EDGE_POINTS
         for side in (1, SIDE, ROW_POINTS, EDGE_POINTS):
             chosen, most = pixels[sides == side], PIXEL_BLOCK // side**2
-            for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
-                out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
+            for block in (chosen[i : i + most] for i in range(0, chosen.size, most)):
+                out[:, block] = _means(imager, attitude, _points(block, columns, side), components_along)
     report(rows * columns, rows * columns)
     # Variances are averaged; the standard deviation comes last.
     out[-1] = np.sqrt(out[-1])
@@ -113,13 +113,13 @@ def _rise_and_run(sight: FloatArray) -> tuple[FloatArray, FloatArray]:
     return sight[..., 2], np.hypot(sight[..., 0], sight[..., 1])
 
 
-def _means(imager: Imager, attitude: Attitude, points: tuple[FloatArray, FloatArray], seen: Sights) -> FloatArray:
+def _means(imager: Imager, attitude: Attitude, points: tuple[FloatArray, FloatArray], components_along: Sights) -> FloatArray:
     """Return means over the points of each pixel, weighted by the solid angle of each point [(5, pixels)]."""
     sight, weight = imager.directions(attitude, *points), imager.solid_angle(attitude, *points)
     pixel = weight.mean(axis=1)
     elevation, azimuth = np.arctan2(*_rise_and_run(sight)), np.arctan2(sight[..., 0], sight[..., 1])
     of_pixel = np.repeat(pixel, weight.shape[1])
-    values = seen(elevation.ravel(), azimuth.ravel(), of_pixel).reshape(-1, *weight.shape)
+    values = components_along(elevation.ravel(), azimuth.ravel(), of_pixel).reshape(-1, *weight.shape)
     return np.asarray((values * weight).mean(axis=2) / pixel)
 
 
@@ -222,11 +222,11 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
     Cells of the sea are independent, so a row's variance is the mean over its elevations, each with the solid angle of the pixel.
     """
     bent = bending(scenario, view)
-    rows, across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
-    require_mean_memory(scenario, rows.elevations.size * camera.columns * across)
+    rows, points_across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
+    require_mean_memory(scenario, rows.elevations.size * camera.columns * points_across)
     rays = None if bent is None else bent.paths(rows.elevations)
     elevations = rows.elevations if bent is None or rays is None else bent.straight(rays)
-    azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
+    azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(points_across) + 0.5) / points_across - 0.5)).ravel()
     beyond = None if bent is None or rays is None else air_beyond(view, bent, bent.beyond(rays))
     solid_angle = np.repeat(pixel_solid_angle(camera), rows.points)
     # Blocks hold whole rows.
@@ -245,7 +245,7 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
     maps = {name: np.empty((camera.rows, camera.columns)) for name in MAPS}
     for first in range(0, camera.rows, size):
         report(first, camera.rows)
-        some, part = rows.of_rows(first, min(first + size, camera.rows))
+        average, part = rows.of_rows(first, min(first + size, camera.rows))
         fine = along(elevations[part], azimuths)
         variance = sea_variance(view, fine, elevations[part], solid_angle[part], length)
         if beyond is not None:
@@ -254,9 +254,9 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
             lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
             fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
         for name, values in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
-            mean_of_rows = some(values)
+            mean_of_rows = average(values)
             if mean_of_rows.shape[1] > 1:
-                mean_of_rows = mean_of_rows.reshape(-1, camera.columns, across).mean(axis=2)
+                mean_of_rows = mean_of_rows.reshape(-1, camera.columns, points_across).mean(axis=2)
             maps[name][first : first + size] = mean_of_rows
     report(camera.rows, camera.rows)
     return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
@@ -284,12 +284,12 @@ def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sight
         case other:
             assert_never(other)
 
-    def seen(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
+    def stacked(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
         components = along(elevation, azimuth)
         variance = sea_variance(view, components, elevation, solid_angle, length)
         return np.concatenate([components.path, components.emission, components.sky, components.sun, variance], axis=1).T
 
-    return seen
+    return stacked
 
 
 @dataclass(frozen=True, eq=False)

@@ -146,8 +146,8 @@ def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredR
         table = shipped(scene.name).columns
         nu, measured = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
         light = {name: scene.spectrum(nu, name) for name in spectroscopies}
-        made = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
-        rows += made
+        scene_numbers = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
+        rows += scene_numbers
         spectra.append(_beside(scene.title, nu, measured, light))
     return rows, spectra
 
@@ -347,11 +347,11 @@ def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
         ours = np.array(
             [_path_transmittance(name, {key: float(values[i]) for key, values in table.items()}) for i in range(_path_size(table))]
         )
-        for case, some in (("RRTMGP, paths of 400-1030 hPa", slice(0, NEAR)), ("RRTMGP, paths of 5-400 hPa", slice(NEAR, None))):
+        for case, paths in (("RRTMGP, paths of 400-1030 hPa", slice(0, NEAR)), ("RRTMGP, paths of 5-400 hPa", slice(NEAR, None))):
             for j, (low, high) in enumerate(BANDS_CM):
-                theirs, mine = table[f"transmittance_{low}-{high}"][some], ours[some, j]
-                there = table["pressure_hpa"][some] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
-                row = _row(case, (low, high), name, "1", mine[there], theirs[there])
+                theirs, mine = table[f"transmittance_{low}-{high}"][paths], ours[paths, j]
+                comparable = table["pressure_hpa"][paths] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
+                row = _row(case, (low, high), name, "1", mine[comparable], theirs[comparable])
                 rows.append(replace(row, reason=_COLD) if (low, high) == _COLD_CM else row)
     return rows
 
@@ -506,9 +506,9 @@ def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
     rows: list[MeasuredRow] = []
     spectra: list[SpectraBeside] = []
     for compute in (scene_rows, modtran_sky_rows, modtran_path_rows):
-        some, beside = compute(chosen)
-        rows += some
-        spectra += beside
+        new_rows, new_spectra = compute(chosen)
+        rows += new_rows
+        spectra += new_spectra
     rows += [*path_rows(chosen), *sky_rows(chosen), *buoy_rows()]
     return AgainstMeasurements(tuple(rows), tuple(spectra))
 

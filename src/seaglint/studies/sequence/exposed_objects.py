@@ -150,7 +150,7 @@ class ExposurePlan:
                 return 0.5 * (low + high)
         return signs[0]
 
-    def _found(self, part: int, time: float) -> tuple[float, ImagePath]:
+    def _meeting_and_path(self, part: int, time: float) -> tuple[float, ImagePath]:
         """Return the time after the frame's at which the readout passes a part [s], and its path about that time."""
         drawn = self.drawer.parts[part]
         motion = self.drawer.bodies[drawn.body].motion
@@ -169,9 +169,9 @@ class ExposurePlan:
     def drawings(self, time: float) -> list[Drawing]:
         """Return the parts to draw in a frame, each in one or several shapes."""
         exposure = self.model.exposure_time
-        out, found = [], [self._found(number, time) for number in range(len(self.drawer.parts))]
-        meetings = self._meetings(time, found)
-        for number, (part, (delay, path)) in enumerate(zip(self.drawer.parts, found, strict=True)):
+        out, meetings_and_paths = [], [self._meeting_and_path(number, time) for number in range(len(self.drawer.parts))]
+        meetings = self._meetings(time, meetings_and_paths)
+        for number, (part, (delay, path)) in enumerate(zip(self.drawer.parts, meetings_and_paths, strict=True)):
             middle, count = time + delay, 1
             if exposure > 0.0:
                 ends = (middle - 0.5 * exposure, middle + 0.5 * exposure)
@@ -181,8 +181,8 @@ class ExposurePlan:
             for stage in range(count):
                 begin = (stage / count - 0.5) * exposure
                 times, weights = self._times(path, middle, begin, begin + exposure / count)
-                own = middle + begin + 0.5 * exposure / count
-                out.append(Drawing(number, path, delay, times, weights / count, own))
+                instant = middle + begin + 0.5 * exposure / count
+                out.append(Drawing(number, path, delay, times, weights / count, instant))
         return out
 
     def _report(self, path: ImagePath, ends: tuple[float, float], name: str) -> None:
@@ -195,7 +195,7 @@ class ExposurePlan:
             text = "object '%s' crosses %.0f pixels in an exposure, more than the picture is wide (%d): its streak reaches across it"
             REPORTS.warning(text, name, length, widest)
 
-    def _meetings(self, time: float, found: Sequence[tuple[float, ImagePath]]) -> list[int]:
+    def _meetings(self, time: float, delays_and_paths: Sequence[tuple[float, ImagePath]]) -> list[int]:
         """Return the number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
 
         The bodies in front of it, and its part of the picture, change with time: it moves :data:`APART` between two instants.
@@ -203,22 +203,22 @@ class ExposurePlan:
         # Nine instants bound the motion during an exposure.
         half = 0.5 * self.model.exposure_time * np.linspace(-1.0, 1.0, 9)
         bodies = [part.body for part in self.drawer.parts]
-        ways = [path.at(time + delay + half) for delay, path in found]
+        motions = [path.at(time + delay + half) for delay, path in delays_and_paths]
         sizes = [one.angle / self.model.ifov + 1.0 for one in self.drawer.placed(self.view.pose(time), time)[1]]
-        boxes = [(way.min(axis=1) - size, way.max(axis=1) + size) for way, size in zip(ways, sizes, strict=True)]
+        boxes = [(motion.min(axis=1) - size, motion.max(axis=1) + size) for motion, size in zip(motions, sizes, strict=True)]
         edge = np.array([self.view.imager.columns, self.view.imager.rows], np.float64)
         out = []
         for n, body in enumerate(bodies):
             low, high = boxes[n]
-            way = 0.0
+            motion = 0.0
             # A panorama has no left and right edge.
             sides = slice(1, 2) if self._circle else slice(0, 2)
             if (((low < 0.0) & (high > 0.0)) | ((low < edge) & (high > edge)))[sides].any():
-                way = float(np.hypot(*np.ptp(ways[n], axis=1)))
+                motion = float(np.hypot(*np.ptp(motions[n], axis=1)))
             for k, other in enumerate(bodies):
                 if other != body and (boxes[k][0] < high).all() and (boxes[k][1] > low).all():
-                    way = max(way, float(np.hypot(*np.ptp(ways[n] - ways[k], axis=1))))
-            out.append(min(max(math.ceil(way / APART), 1), MOST_MEETINGS))
+                    motion = max(motion, float(np.hypot(*np.ptp(motions[n] - motions[k], axis=1))))
+            out.append(min(max(math.ceil(motion / APART), 1), MOST_MEETINGS))
         return out
 
     def _times(self, path: ImagePath, middle: float, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
@@ -235,8 +235,8 @@ class ExposurePlan:
         if not front.any():
             return np.zeros(0), np.zeros(0)
         places = places[:, front]
-        ways = np.hypot(*np.diff(places, axis=1))
-        length = float(ways.sum())
+        steps = np.hypot(*np.diff(places, axis=1))
+        length = float(steps.sum())
         share = 1.0
         if not front.all():
             first, last = coarse[front][[0, -1]]
@@ -252,9 +252,9 @@ class ExposurePlan:
             )
             if not inside.any():
                 return np.zeros(0), np.zeros(0)
-            some = np.flatnonzero(inside)
+            indices = np.flatnonzero(inside)
             # One step more at both ends, so that the entry into the picture is included.
-            first, last = float(dense[max(some[0] - 1, 0)]), float(dense[min(some[-1] + 1, dense.size - 1)])
+            first, last = float(dense[max(indices[0] - 1, 0)]), float(dense[min(indices[-1] + 1, dense.size - 1)])
             part = (last - first) / (end - begin)
             share, begin, end, length = share * part, first, last, length * part
         if length < 1e-6:
@@ -380,14 +380,14 @@ class ExposedObjects:
             body = patch.placed.part.body
             for rows, columns, instants in self._blocks(drawing, boxes, time, shift):
                 for window in self._local.seen(boxes, instants, backdrop, self._bent, (columns, rows)):
-                    kept = part_of(window, rows, columns)
-                    windows[body].append(kept)
-                    add_window(added, kept, self._circle)
+                    part = part_of(window, rows, columns)
+                    windows[body].append(part)
+                    add_window(added, part, self._circle)
             sums.setdefault((drawing.part, drawing.image), []).append((drawing, boxes))
         shown = [(patch, scale, drawing) for drawing, patch, scale in patches]
-        seen = self._sights(time, pose, shown, sums, (backdrop, shift), surroundings)
+        body_sights = self._sights(time, pose, shown, sums, (backdrop, shift), surroundings)
         each = tuple(sum_of(some, added.shape, self._circle) for some in windows)
-        return ObjectLight(added.astype(np.float32), each, seen, self._plan.streaks(time, drawings))
+        return ObjectLight(added.astype(np.float32), each, body_sights, self._plan.streaks(time, drawings))
 
     @cached_property
     def _bent(self) -> LensShift:
@@ -483,13 +483,13 @@ class ExposedObjects:
         cover = patch.planes[COVER] * area
         radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0) * area
         counted = patch.counted * area
-        some = np.nonzero((cover > 0.0) | (radiance > 0.0))
+        lit = np.nonzero((cover > 0.0) | (radiance > 0.0))
         columns = patch.columns.astype(np.float64)
         if self._circle:  # columns continue across the seam of a panorama
             around = scale * self._circle
             columns = columns[0] + (columns - columns[0] + 0.5 * around) % around - 0.5 * around
         return Boxes(
-            (columns[some[1]] + 0.5) / scale, (patch.rows[some[0]] + 0.5) / scale, counted[some], radiance[some], cover[some], 1.0 / scale
+            (columns[lit[1]] + 0.5) / scale, (patch.rows[lit[0]] + 0.5) / scale, counted[lit], radiance[lit], cover[lit], 1.0 / scale
         )  # fmt: skip
 
     def _instants(self, drawing: Drawing, middle: float, shift: tuple[float, float]) -> Instants:
@@ -509,17 +509,17 @@ class ExposedObjects:
             return
         # Rows or columns follow one another in equal time steps.
         tick = abs(float(delays[1] - delays[0])) if delays.size > 1 else 0.0
-        way = self._speed(drawing, time + drawing.delay) * tick
+        step = self._speed(drawing, time + drawing.delay) * tick
         places, moves = (boxes.row, own.down) if down is not None else (boxes.column, own.across)
         first = math.floor(float(places.min() + moves.min())) - self._local.margin
         end = math.ceil(float(places.max() + moves.max())) + self._local.margin
         if down is not None or not self._circle:
             first, end = max(first, 0), min(end, delays.size)
-        if way * (end - first) < IN_STEP:
+        if step * (end - first) < IN_STEP:
             yield None, None, own
             return
         # So many rows or columns share an instant, within which the part moves less than IN_STEP.
-        chunk = max(int(IN_STEP / way), 1)
+        chunk = max(int(IN_STEP / step), 1)
         for begin in range(first, end, chunk):
             stop = min(begin + chunk, end)
             delay = float(np.mean([delays[k % delays.size] for k in range(begin, stop)]))
@@ -555,7 +555,7 @@ class ExposedObjects:
 
     def _averaged(self, some: Sequence[tuple[PixelPatch, float, Drawing]], time: float, shift: tuple[float, float]) -> PixelPatch:
         """Return the patch of a part with sums averaged over the instants of an exposure, in the detector's pixels, without pixels."""
-        sums, line, places, seen = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
+        sums, line, places, total = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
         for patch, scale, drawing in some:
             instants, weight = self._instants(drawing, time + drawing.delay, shift), float(drawing.weights.sum())
             offset = np.array([instants.across @ instants.weight, instants.down @ instants.weight]) / weight
@@ -568,9 +568,9 @@ class ExposedObjects:
                 # a point has its mean place in the picture; if it is never inside, the mean of all its places
                 share = weight * (1.0 if patch.lines[1].any() else 1e-9)
                 # The tiny weight counts only if the point is never inside the picture.
-                places, seen = places + share * (own + offset), seen + share
-        if seen > 0.0:
-            sums[[ACROSS, DOWN]] = places / seen
+                places, total = places + share * (own + offset), total + share
+        if total > 0.0:
+            sums[[ACROSS, DOWN]] = places / total
         sums[[WHOLE, DRY]] = np.mean([patch.sums[[WHOLE, DRY]] for patch, _, _ in some], axis=0)
         middle = some[len(some) // 2][0]
         clear = max(patch.clear for patch, _, _ in some)

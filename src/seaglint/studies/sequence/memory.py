@@ -84,9 +84,9 @@ def require_room(need: int, what: str, remedy: str) -> None:
     DataError
         With the needed and the available memory.
     """
-    there = memory_available()
-    if there is not None and need > there:
-        raise DataError(f"{what} needs about {need / 1e9:.1f} GB of memory, and {there / 1e9:.1f} GB are free; {remedy}")
+    available = memory_available()
+    if available is not None and need > available:
+        raise DataError(f"{what} needs about {need / 1e9:.1f} GB of memory, and {available / 1e9:.1f} GB are free; {remedy}")
 
 
 def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel | None = None) -> None:
@@ -97,19 +97,19 @@ def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel
     ScenarioError
         With the needed and the available memory.
     """
-    need, there = memory_needed(scenario, oversampling, model), memory_available()
-    if there is None or need <= there:
+    need, available = memory_needed(scenario, oversampling, model), memory_available()
+    if available is None or need <= available:
         return
     (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
     # The finest oversampling that fits is recommended.
-    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n, model) <= there), None)
+    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n, model) <= available), None)
     drawn = f" drawn {oversampling} x {oversampling} finer (render.oversampling)" if oversampling > 1 else ""
     remedy = "fewer pixels or a smaller render.tile_size"
     if coarser is not None:
         remedy = f"render.oversampling = {coarser}, which folds finer detail into the picture, or {remedy}"
     raise ScenarioError(
         f"sensor.pixels = [{columns}, {rows}]{drawn} with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
-        f"{there / 1e9:.1f} GB are free; give {remedy}"
+        f"{available / 1e9:.1f} GB are free; give {remedy}"
     )
 
 
@@ -124,15 +124,15 @@ def require_mean_memory(scenario: Scenario, sights: int | None = None) -> None:
     columns, rows = scenario.sensor.pixels
     lines = columns * rows if sights is None else sights
     need = BASE + BYTES_PER_MEAN_PIXEL * columns * rows + BYTES_PER_MEAN_SIGHT[scenario.mean.mode] * lines
-    there = memory_available()
-    if there is None or need <= there:
+    available = memory_available()
+    if available is None or need <= available:
         return
     # Memory grows with the pixels, so sides shrink with the root of the ratio.
-    side = math.sqrt((there - BASE) / max(need - BASE, 1)) if there > BASE else 0.0
+    side = math.sqrt((available - BASE) / max(need - BASE, 1)) if available > BASE else 0.0
     fewer = [2 ** math.floor(math.log2(side * size)) if side * size >= 1.0 else 1 for size in (columns, rows)]
     raise ScenarioError(
-        f"sensor.pixels = [{columns}, {rows}] needs about {need / 1e9:.1f} GB of memory for a mean map, and {there / 1e9:.1f} GB are free; "
-        f"give fewer pixels, e.g. sensor.pixels = [{fewer[0]}, {fewer[1]}]"
+        f"sensor.pixels = [{columns}, {rows}] needs about {need / 1e9:.1f} GB of memory for a mean map, and {available / 1e9:.1f} GB are "
+        f"free; give fewer pixels, e.g. sensor.pixels = [{fewer[0]}, {fewer[1]}]"
     )
 
 
@@ -144,14 +144,14 @@ def require_memory_of_all(scenarios: Iterable[Scenario]) -> None:
     SeaglintError
         With the needed and the available memory; a sensor that cannot be.
     """
-    seen: set[str] = set()
+    checked: set[str] = set()
     for scenario in scenarios:
         # The azimuth does not change the memory, so scenes that differ in it alone are checked once.
         drawn = (scenario.sensor.model_copy(update={"azimuth_deg": 0.0}), scenario.render, scenario.sea.resolve_waves)
         key = repr((drawn, scenario.platform is None, scenario.atmosphere.source))
-        if key in seen:
+        if key in checked:
             continue
-        seen.add(key)
+        checked.add(key)
         model = sensor_model(scenario) if scenario.sensor.senses else None
         require_memory(scenario, 1 if model is None else scenario.render.oversampling or model.oversampling, model)
 

@@ -73,29 +73,29 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
     if not scenario.objects or not len(times):
         return ()
     track, pixels = scenario_physics.track(scenario), scenario_physics.imager(scenario)
-    placed = unchecked_bodies(scenario)
-    most = max(MOST_LOOKS // len(placed), 2)
-    looks = np.asarray(times, float)
-    looks = looks if looks.size <= most else looks[np.unique(np.linspace(0, looks.size - 1, most).round().astype(int))]
+    bodies = unchecked_bodies(scenario)
+    most = max(MOST_LOOKS // len(bodies), 2)
+    checked = np.asarray(times, float)
+    checked = checked if checked.size <= most else checked[np.unique(np.linspace(0, checked.size - 1, most).round().astype(int))]
     floats = {item.name for item in scenario.objects if item.floats}
     # Angles by which the picture may differ from this geometry; objects within them are not reported.
     spare = (BENT if bends_by_profile(scenario) else 0.0) + (ROCKED if scenario.platform is not None and scenario.platform.floats else 0.0)
     # Wind waves grow with the square of the wind; swell is included as a constant.
     heave = HEAVED[0] + HEAVED[1] * scenario.wind.speed_m_s**2
-    found = []
-    for body in placed:
+    outside = []
+    for body in bodies:
         lift = heave if body.name in floats else 0.0
-        at = looks[:1]
+        at = checked[:1]
         if track.moves or not isinstance(body.motion, Rest):
             # rows and columns of scanners, and ends of exposures, are later than their frame
-            end = min(float(looks[-1]) + 1.0 / scenario.sensor.frame_rate_hz, track.known[1], body.motion.known[1])
-            at = np.append(looks, max(end, float(looks[-1])))
+            end = min(float(checked[-1]) + 1.0 / scenario.sensor.frame_rate_hz, track.known[1], body.motion.known[1])
+            at = np.append(checked, max(end, float(checked[-1])))
         unseen = _outside_picture(body, lift, spare, at, (track, pixels))
         if unseen is None and not bends_by_profile(scenario):
             unseen = _behind_horizon(body, lift, at, track)
         if unseen is not None:
-            found.append(replace(unseen, time=None) if len(at) == 1 else unseen)
-    return tuple(found)
+            outside.append(replace(unseen, time=None) if len(at) == 1 else unseen)
+    return tuple(outside)
 
 
 def _outside_picture(body: Body, lift: float, spare: float, times: FloatArray, camera: tuple[Track, Imager]) -> OutOfView | None:
@@ -127,8 +127,8 @@ def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: floa
     far = float(np.linalg.norm(place))
     # The angular radius of a ball is the arcsine of radius over distance; a sensor inside it sees it everywhere.
     angle = (math.asin(size / far) if size < far else math.pi) + spare
-    seen = lens(pixels, pose.attitude)
-    column, row, ahead = image_point(seen, (float(place[0]), float(place[1]), float(place[2])), 0.5 * pixels.columns)
+    view = lens(pixels, pose.attitude)
+    column, row, ahead = image_point(view, (float(place[0]), float(place[1]), float(place[2])), 0.5 * pixels.columns)
     if angle >= math.pi:
         return column, row, -1.0
     if pixels.projection == "pinhole":
@@ -136,18 +136,18 @@ def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: floa
         # Angle from the optical axis; a plane picture ends at its corner.
         off = math.acos(max(-1.0, min(1.0, float(pose.attitude.axes[2] @ place) / far)))
         if off - angle >= math.atan(math.hypot(wide, high)):
-            apart = (off - angle - math.atan(math.hypot(wide, high))) / max(seen.across[1], 1e-12)
+            apart = (off - angle - math.atan(math.hypot(wide, high))) / max(view.across[1], 1e-12)
             return (column, row, max(apart, 1e-9)) if ahead else (math.inf, math.inf, math.inf)
         if off + angle >= 0.5 * math.pi:
             return column, row, -1.0
         spread = math.tan(off + angle) - math.tan(off)
-        across, down = spread / seen.across[1], spread / -seen.down[1]
+        across, down = spread / view.across[1], spread / -view.down[1]
     else:
-        elevation = seen.down[0] + seen.down[1] * row
+        elevation = view.down[0] + view.down[1] * row
         reach = math.cos(elevation)
         # Columns are steps of azimuth, so a ball is wider in azimuth by the cosine of elevation.
-        across = math.asin(math.sin(angle) / reach) / seen.across[1] if angle < 0.5 * math.pi and math.sin(angle) < reach else math.inf
-        down = angle / -seen.down[1]
+        across = math.asin(math.sin(angle) / reach) / view.across[1] if angle < 0.5 * math.pi and math.sin(angle) < reach else math.inf
+        down = angle / -view.down[1]
     gap = max(-column - across, column - pixels.columns - across, -row - down, row - pixels.rows - down)
     return column, row, gap
 

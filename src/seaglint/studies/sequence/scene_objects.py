@@ -88,19 +88,19 @@ def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.floa
     names = ("counts_column_px", "counts_row_px", "counts_peak", "counts_snr")
     out = {name: np.full(len(windows), math.nan) for name in names}
     line, rows, columns = model.readout, *seen.shape
-    kept = 1.0 - model.optics.stray_share
+    unscattered = 1.0 - model.optics.stray_share
     # An object out of the picture has no counts (NaN).
     for n, window in enumerate(windows):
         if window is None:
             continue
         top, left, change = window
         j, i = top + np.arange(change.shape[0])[:, None], left + np.arange(change.shape[1])[None, :]
-        light = kept * change.astype(np.float64)
+        light = unscattered * change.astype(np.float64)
         if model.optics.cos4:
             x, y = ((place - 0.5 * (size - 1)) * model.ifov for place, size in ((i[0] % columns, columns), (j[:, 0], rows)))
             light = light * cos4_falloff(np.zeros(x.size) if model.scanning else x, y)
-        here = seen[j, i % columns].astype(np.float64)
-        with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (here, here - light))
+        radiance = seen[j, i % columns].astype(np.float64)
+        with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (radiance, radiance - light))
         added = with_it - without
         total, amount = float(added.sum()), float(np.abs(added).sum())
         out["counts_peak"][n] = out["counts_snr"][n] = 0.0
@@ -114,7 +114,7 @@ def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.floa
             out["counts_row_px"][n] = float((added * j).sum()) / total
         down, across = np.unravel_index(int(np.abs(added).argmax()), added.shape)
         out["counts_peak"][n] = float(added[down, across]) / line.gain
-        out["counts_snr"][n] = abs(float(added[down, across])) / budget(model, max(float(here[down, across]), 0.0)).total
+        out["counts_snr"][n] = abs(float(added[down, across])) / budget(model, max(float(radiance[down, across]), 0.0)).total
     return out
 
 

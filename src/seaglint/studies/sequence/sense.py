@@ -78,11 +78,11 @@ class SensedFrames:
             return self.model.expose(self.seen(number), number)
         # A thermal detector adds earlier frames with exponentially falling weights.
         weights = lag_weights(detector.time_constant, self.model.frame_interval)
-        seen = np.zeros(1, np.float64)
+        lagged = np.zeros(1, np.float64)
         # The frame itself comes last, so that it is cached for its labels.
         for back in range(len(weights) - 1, -1, -1):
-            seen = seen + weights[back] * self._cached(max(number - back, self.first), len(weights))
-        return self.model.expose(seen.astype(np.float32), number)
+            lagged = lagged + weights[back] * self._cached(max(number - back, self.first), len(weights))
+        return self.model.expose(lagged.astype(np.float32), number)
 
     def seen(self, number: int) -> NDArray[np.float32]:
         """Return the radiance on each pixel of a frame alone [W m-2 sr-1, (rows, columns)]; the latest are cached."""

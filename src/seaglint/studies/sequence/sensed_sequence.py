@@ -210,9 +210,9 @@ def _rolled(sequence: Sequence, pattern: ScanPattern, oversampling: int, time: f
     rows = sequence.layout.shape[1] // oversampling
     delays = pattern.row_delays(rows)
     parts: list[DrawnImage] = []
-    for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
-        instant = time + float(delays[some].mean())
-        parts.append(sequence.drawn(instant, compose=compose).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
+    for block in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
+        instant = time + float(delays[block].mean())
+        parts.append(sequence.drawn(instant, compose=compose).rows(int(block[0]) * oversampling, (int(block[-1]) + 1) * oversampling))
     return DrawnImage.below(parts)
 
 
@@ -231,11 +231,11 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
     over_sea = {"range", "slope"} & set(layers)
     out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
     for name in over_sea:
-        seen = np.isfinite(layers[name])
+        visible = np.isfinite(layers[name])
         # Distances are averaged over the sea only, weighted with its share of each fine pixel.
-        share = layers["coverage"] if "coverage" in layers else seen.astype(np.float32)
-        weight = mean(np.where(seen, share, 0.0))
-        total = mean(np.where(seen, share * np.nan_to_num(layers[name]), 0.0))
+        share = layers["coverage"] if "coverage" in layers else visible.astype(np.float32)
+        weight = mean(np.where(visible, share, 0.0))
+        total = mean(np.where(visible, share * np.nan_to_num(layers[name]), 0.0))
         out[name] = np.where(weight > LEAST_SEEN, total / np.maximum(weight, LEAST_SEEN), np.nan).astype(np.float32)
     if "glint_share" in out:
         out["glint_share"] = share_of_glint(out["glint_radiance"], out["radiance"])
@@ -282,11 +282,11 @@ def prepare_sensed(
     compose = bool(radiance or derived or scenario.render.layers)
     drawn = _FinePictures(sequence, pattern, n, objects, rates, compose)
     sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
-    own = sequence.layout
+    fine_layout = sequence.layout
     layout = replace(
-        own,
-        azimuth_deg=_coarse(own.azimuth_deg, n),
-        elevation_deg=_coarse(own.elevation_deg, n),
+        fine_layout,
+        azimuth_deg=_coarse(fine_layout.azimuth_deg, n),
+        elevation_deg=_coarse(fine_layout.elevation_deg, n),
         variables=(
             "signal",
             *(("electrons",) if electrons else ()),
@@ -297,7 +297,7 @@ def prepare_sensed(
         per_frame=("saturated_share",),
         details={"signal": signal_attributes(model)},
         attributes={
-            **own.attributes,
+            **fine_layout.attributes,
             "title": "Infrared image sequence of a detector looking at the sea",
             "scenario": scenario.model_dump_json(exclude_none=True),
             **sensor_attributes(model, n),

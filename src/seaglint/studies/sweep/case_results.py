@@ -105,12 +105,12 @@ def shared_view(scenario: Scenario, height: float) -> SharedView:
             _CACHED_VIEWS.move_to_end(key)
             return _CACHED_VIEWS[key]
     # Preparation runs outside the lock; two threads may prepare the same view, and the last one is cached.
-    made = SharedView(scenario_physics.standing_view(scenario, height))
+    new_view = SharedView(scenario_physics.standing_view(scenario, height))
     with _LOCK:
-        _CACHED_VIEWS[key] = made
+        _CACHED_VIEWS[key] = new_view
         while len(_CACHED_VIEWS) > MOST_CACHED:
             _CACHED_VIEWS.popitem(last=False)
-    return made
+    return new_view
 
 
 def _key(scenario: Scenario, height: float) -> str:
@@ -141,14 +141,14 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     elevation, azimuth = at.elevations(pose.height), _azimuths(at, pose.attitude.azimuth)
     if scenario.mean.mode == "article":
         view = scenario_physics.article_view(scenario, view)
-        seen = article_radiance(view, elevation, azimuth)
+        components = article_radiance(view, elevation, azimuth)
     else:
-        seen = shared.lines(view, elevation, azimuth).under(view)
+        components = shared.lines(view, elevation, azimuth).under(view)
     # The deviation of glint depends on the size of a pixel, which view angles do not have.
     pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
-    variance = sea_variance(view, seen, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
-    temperature = apparent_temperature(seen.total, view.band, view.atmosphere.wavenumber_cm)
-    values = (seen.total, temperature, seen.path, seen.emission, seen.sky, seen.sun, np.sqrt(variance))
+    variance = sea_variance(view, components, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
+    temperature = apparent_temperature(components.total, view.band, view.atmosphere.wavenumber_cm)
+    values = (components.total, temperature, components.path, components.emission, components.sky, components.sun, np.sqrt(variance))
     shape = (elevation.size, azimuth.size)
     variables = {
         name: NamedArray(at.dims, _shaped(value, shape, at))

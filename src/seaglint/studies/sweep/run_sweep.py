@@ -104,9 +104,9 @@ def require_shape(
         The message names the case.
     """
     if array is None or array.values.shape != shape or (dims is not None and array.dims != dims):
-        found = "missing" if array is None else f"of the shape {array.values.shape}"
+        state = "missing" if array is None else f"of the shape {array.values.shape}"
         raise DataError(
-            f"sweep, {settings.plan.named(number)}: {name} is {found} and that of the first case of {shape}; vary only what leaves the "
+            f"sweep, {settings.plan.named(number)}: {name} is {state} and that of the first case of {shape}; vary only what leaves the "
             "picture's size the same"
         )
 
@@ -412,12 +412,12 @@ class CollectedCases:
             raise DataError(f"all {self.settings.plan.count} cases failed, the first with: {next(iter(self.failures.values()))}")
         shape = self.settings.plan.shape
         values = {name: array.reshape(*shape, *array.shape[1:]) for name, array in self.arrays.items()}
-        made = _dataset(self.settings, self.first, values, self.failures, self.band)
+        result = _dataset(self.settings, self.first, values, self.failures, self.band)
         idle = self._without_effect(values)
         if idle:
             log.warning("sweep: %s changes nothing of %s: the values are the same all along it", " and ".join(idle), self.settings.title)
-            made.attrs["without_effect"] = ", ".join(idle)
-        return made
+            result.attrs["without_effect"] = ", ".join(idle)
+        return result
 
     def _without_effect(self, values: Mapping[str, NDArray[Any]]) -> list[str]:
         """Return the swept keys along which all numbers are the same: the quantity does not depend on them."""
@@ -472,8 +472,8 @@ def _dataset(
         **(band or {}),
     )
     if failures:
-        some = "; ".join(list(failures.values())[:_MOST_NAMED])
-        attributes |= {"failed_cases": len(failures), "failures": some}
+        first_failures = "; ".join(list(failures.values())[:_MOST_NAMED])
+        attributes |= {"failed_cases": len(failures), "failures": first_failures}
     dataset = xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes))
     return dataset if callable(settings.what) else labelled(dataset)  # names of a user's function are its own
 

@@ -103,8 +103,8 @@ class PeriodicField:
             width = np.diff(self._edges, axis=1).mean(axis=1)
             # Footprints of the same width everywhere around the period.
             starts = np.arange(profile.shape[1], dtype=float)[None, :] + np.zeros((self._rows.size, 1))
-            seen = (_running(profile, starts + width[:, None]) - _running(profile, starts)) / width[:, None]
-            power += (seen**2).mean(axis=1)
+            averaged = (_running(profile, starts + width[:, None]) - _running(profile, starts)) / width[:, None]
+            power += (averaged**2).mean(axis=1)
         self.spread = np.sqrt(power / numbers.size)
         """Standard deviation of the field averaged over the footprints of each row below the horizon [1]."""
 
@@ -219,10 +219,11 @@ def place(
         feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
         metres = feet.finest() if request.cell is None else request.cell
         # The loop must be longer than the correlation in time, else its ends would be correlated.
-        deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
-        need, what = BYTES_PER_PIXEL * deep * int(np.prod(request.size)), f"a field of {deep} x {request.size[0]} x {request.size[1]} cells"
+        loop_frames = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
+        need = BYTES_PER_PIXEL * loop_frames * int(np.prod(request.size))
+        what = f"a field of {loop_frames} x {request.size[0]} x {request.size[1]} cells"
         require_room(need, what, "give a smaller size, or fewer sensor.frames")
-        plane = PeriodicField(latent(field, (deep, *request.size[::-1]), seed, texture.modulation), metres, feet)
+        plane = PeriodicField(latent(field, (loop_frames, *request.size[::-1]), seed, texture.modulation), metres, feet)
         total = means["radiance"].to_numpy().astype(np.float64)
         glint = request.contrast == "glint" or (request.contrast == "auto" and float(means["glint_std"].max()) > 0.0)
         if glint:
@@ -231,10 +232,10 @@ def place(
             lively = total - means["path_radiance"].to_numpy().astype(np.float64)
             spread = lively * (_contrast(texture.marginal.variance, texture.marginal.mean) * plane.averaging)[:, None]
         # Path and emission do not fluctuate with the texture.
-        still = total - lively
+        steady = total - lively
 
         def image(number: int) -> dict[str, FloatArray]:
-            return {"radiance": still + _seen(plane, number, feet, lively, spread, texture.marginal.kind)}
+            return {"radiance": steady + _seen(plane, number, feet, lively, spread, texture.marginal.kind)}
 
         layout = Layout(
             azimuth_deg=np.degrees(camera.azimuths),

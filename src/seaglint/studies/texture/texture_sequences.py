@@ -116,12 +116,12 @@ def detrended(frames: Frames) -> Frames:
     image = frames.mean(axis=0, dtype=np.float64)
     trend = trend_surface(image)
     # One trend for all frames, so that changes in time remain.
-    left = frames - trend
-    power = (left**2).mean(axis=0)
+    remainder = frames - trend
+    power = (remainder**2).mean(axis=0)
     # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
     local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
     spread = np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
-    flat = left / spread
+    flat = remainder / spread
     return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
 
 
@@ -149,10 +149,10 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
         notes.append(f"{len(data)} frames are too few for correlations in time (at least {STILL}): frames count as pictures of their own")
     texture: GaussianTexture | AutobinomialTexture
     if options.model == "autobinomial":
-        texture, fitted, made = _autobinomial(data, options)
+        texture, fitted, more_notes = _autobinomial(data, options)
     else:
-        texture, fitted, made = _gauss_markov(data, options)
-    notes += made
+        texture, fitted, more_notes = _gauss_markov(data, options)
+    notes += more_notes
     sample = sample_like(texture, data, options.seed)
     comparison = compare(data, sample, ("data", "sample"), consecutive=len(data) >= STILL)
     plain = _plain(texture, data)
@@ -215,9 +215,9 @@ def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> Gaus
 
 
 def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianTexture:
-    seen = estimation.covariances(data, texture.reach)
+    covariances = estimation.covariances(data, texture.reach)
     marginal = fit_marginal(data, tails)
-    known = replace(seen, values=marginal.latent_correlation(seen.values / seen.at((0, 0, 0))), mean=0.0)
+    known = replace(covariances, values=marginal.latent_correlation(covariances.values / covariances.at((0, 0, 0))), mean=0.0)
     try:
         field = estimation.fit(known, texture.field.offsets).model
     except estimation.NoOptimumError:
@@ -230,22 +230,23 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
     # Long sequences are split in time, short ones into left and right halves.
     half = len(data) // 2
     if len(data) >= 2 * STILL:
-        seen, unseen = data[:half], data[half:]
+        fitted_half, other_half = data[:half], data[half:]
     else:
         middle = data.shape[2] // 2
-        seen, unseen = data[:, :, :middle], data[:, :, middle:]
+        fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(unseen)
-            alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((unseen - seen.mean()) ** 2) / seen.var())
+            value = _refit(texture, fitted_half, texture.marginal.kind).pseudo_log_likelihood(other_half)
+            mean, variance = fitted_half.mean(), fitted_half.var()
+            independent = float(-0.5 * np.log(2.0 * np.pi * variance) - 0.5 * np.mean((other_half - mean) ** 2) / variance)
         else:
-            half_fit = _autobinomial(seen, replace(options, method="pseudo-likelihood"))[0]
-            value = half_fit.pseudo_log_likelihood(unseen)
-            shares = np.maximum(half_fit.histogram, 0.5 / seen.size)
-            alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(unseen)]))
+            half_fit = _autobinomial(fitted_half, replace(options, method="pseudo-likelihood"))[0]
+            value = half_fit.pseudo_log_likelihood(other_half)
+            shares = np.maximum(half_fit.histogram, 0.5 / fitted_half.size)
+            independent = float(np.mean(np.log(shares)[half_fit.grey.to_levels(other_half)]))
     except (DataError, ValueError) as error:
         return HeldOut(None, None, str(error))
-    return HeldOut(value, alone)
+    return HeldOut(value, independent)
 
 
 def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, seed: int) -> Frames:
@@ -343,10 +344,10 @@ def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -
     from seaglint.studies.sequence.memory import require_room
 
     # A single frame of a field in time is one of a loop.
-    deep = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1
-    needed, what = BYTES_PER_PIXEL * deep * rows * columns, f"a loop of {frames} frames of {columns} x {rows} pixels"
+    loop_frames = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1
+    needed, what = BYTES_PER_PIXEL * loop_frames * rows * columns, f"a loop of {frames} frames of {columns} x {rows} pixels"
     require_room(needed, what, "give fewer frames or a smaller size")
-    return texture.sample((deep, rows, columns), seed)[:frames]
+    return texture.sample((loop_frames, rows, columns), seed)[:frames]
 
 
 def _what(stored: StoredTexture) -> str:
