@@ -355,6 +355,7 @@ def likelihood(
     from seaglint.base.errors import DataError
 
     loaded = scenario_of(scenario)
+    # A map and a track are different results, so one of them would be lost.
     if by_month and track is not None:
         raise DataError("by_month and track are both given: a map, or the way of a ship; give one of them")
     if by_month:

@@ -111,6 +111,7 @@ def camera(values: Mapping[str, Any]) -> CameraTables:
         if key in table:
             raise ScenarioError(f"camera: {'.'.join(place)} is given twice (here as {name}); leave one out")
         table[key] = read
+    # A camera needs a picture, a pitch and an aperture; everything else has a default or follows.
     needs = {"pixels": "pixels=640x512", "pitch_um": "pitch_um=17", "f_number or aperture_m": "f_number=1.1"}
     missing = [
         needs[key]
@@ -181,6 +182,7 @@ def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | No
         value = getattr(value, part)
     name, sensor = key.rpartition(".")[2], scenario.sensor
     states_netd = sensor.detector is not None and sensor.detector.netd_k is not None
+    # The NETD's conditions matter only with a stated NETD.
     if stated is not None or (name.startswith("netd_") and not states_netd):
         return None
     if value is None:

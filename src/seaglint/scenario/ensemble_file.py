@@ -271,6 +271,7 @@ def _described(error: ErrorDetails) -> tuple[str, Any, str]:
         at = key if context["key"].startswith(("objects", "vary")) else f"{key}.{context['key']}".lstrip(".")
         return context["key"], context["value"], f"{context['key'] if at == key else at} {error['msg']}"
     if kind == "extra_forbidden":
+        # A key of a scenario at the top of the ensemble is misplaced rather than unknown.
         if key in _SCENARIO:
             return key, None, f"{key} is a key of scenarios; put it into the base, [base.{key}] or base.{key} = ..."
         keys = _keys_at(error["loc"])

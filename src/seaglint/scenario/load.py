@@ -35,6 +35,7 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
     """
     path = Path(path)
     try:
+        # Editors on Windows may begin UTF-8 files with a byte-order mark, which TOML does not allow.
         text = path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         raise ScenarioError(f"{path}: no such file; 'seaglint init {path}' writes a commented one") from None

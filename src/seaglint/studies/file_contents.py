@@ -188,6 +188,7 @@ def describe_recording(path: Path, variable: str | None = None, channel: str | N
         recording = open_recording(path, variable=variable, channel=channel, axes=axes)
     except SeveralChannelsError:
         recording = open_recording(path, variable=variable, channel="1", axes=axes)
+    # Recordings may subtract an offset to preserve precision; it is added again.
     first = recording.read(0, 1)[0].astype(float) + recording.offset
     known = first[np.isfinite(first)]
     return RecordingFacts(
@@ -429,6 +430,7 @@ def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str
         out.append(f"  frames            {frames.frames} from number {frames.first_frame} at {frames.frame_rate_hz:g} Hz, {state}")
     if facts.directions is not None:
         view = facts.directions
+        # First and last column, first and last row, both ends of the band.
         (a0, a1), (e0, e1), (w0, w1) = view.azimuth_deg, view.elevation_deg, view.band_um
         out += [
             f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",

@@ -189,6 +189,7 @@ class AnalysisRequest(ReadingRequest):
         from seaglint.clutter.thresholds import Scope
         from seaglint.detection.named_detectors import named
 
+        # Python does not check literals, so a wrong word would fail deep inside the analysis.
         for name, value, allowed in (("scope", self.scope, get_args(Scope)), ("border", self.border, get_args(Border))):
             if value not in allowed:
                 raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")

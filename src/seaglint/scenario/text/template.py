@@ -159,6 +159,7 @@ def _lines(preset: Preset) -> Iterator[str]:
 def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
     """Return the lines of a table: plain keys first, then the tables inside, as TOML requires."""
     keys = list(fields_of(type(record), path))
+    # TOML requires plain keys before the tables of a table.
     plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
     for key in plain:
         # A field of view that follows from the optics is written as a comment, else it would conflict after a change.

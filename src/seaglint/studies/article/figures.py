@@ -107,6 +107,7 @@ def figure_10(report: Progress = ignore_progress) -> xr.Dataset:
     radiance = glint_from_above()
     grey = GreyLevels.of(radiance, LEVELS)
     sea = grey.to_levels(radiance)
+    # Both textures are shown by the couplings of single pairs, also if isotropic ones share a value.
     offsets = [offset for one in classes(ORDER, isotropic=False) for offset in one]
     results = [_texture(sea, isotropic=name == "isotropic") for _, name in reported(TEXTURES, report)]
     pictures, fits, regimes = [row[0] for row in results], [row[1] for row in results], [row[2] for row in results]
@@ -219,8 +220,10 @@ def figure_2(report: Progress = ignore_progress) -> xr.Dataset:
     import xarray as xr
 
     band = Band.rectangular(*PATH_BAND)
+    # Paths end at the sea horizon of the sensor; the first is straight down.
     arc = np.concatenate([[0.0], np.geomspace(50.0, horizon_range(PATH_HEIGHT), 119)])
     slant = slant_range(PATH_HEIGHT, arc)
+    # Angles are finer near the horizon, where the air mass grows fast.
     zenith = np.concatenate([np.arange(0.0, 80.0, 2.0), np.arange(80.0, 90.01, 0.5)])
     paths: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_RANGE}
     skies: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_ZENITH}
@@ -374,6 +377,7 @@ def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
     coordinates, variables = list(map(str, picked.coords)), list(map(str, picked.data_vars))
     kinds = {picked[v].dims for v in variables}
     # A variable of fewer coordinates is repeated in the rows of a variable that has these and more coordinates.
+    # Only the largest sets of coordinates have blocks of rows.
     kinds = {dims for dims in kinds if not any(set(dims) < set(others) for others in kinds)}
     blocks = []
     for dims in sorted(kinds, key=lambda dims: next(i for i, v in enumerate(variables) if picked[v].dims == dims)):

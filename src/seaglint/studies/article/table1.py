@@ -109,6 +109,7 @@ def scene(
     Scenario
     """
     low, high = DEPRESSIONS_DEG
+    # Pixels are square in angle; a margin adds pixels without changing their size.
     step = (high - low) / PIXELS[1]
     pixels = [size + 2 * margin for size in PIXELS]
     south = 180.0
@@ -249,6 +250,7 @@ class Table1:
 
     def settings(self) -> JsonObject:
         """Return the settings that all rows share."""
+        # Settings are read from the scenario, so that they follow its changes.
         s, sun = self.scenario, self.scenario.sun
         recording = self.analysis.recording
         ifov = round(float(1e3 * np.radians(s.sensor.ifov_deg[0])), 4)

@@ -100,6 +100,7 @@ def elfouhaily(speed: float, to: float) -> DirectionalSpectrum:
 
 def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
     """Return the sea of a model at a wind [m/s]; for winds below its range, the sea of its lightest wind with less energy."""
+    # The energy is reduced in proportion to the wind, so that the sea becomes flat at 0 m/s.
     return model(speed) if speed >= LIGHTEST else CalmSpectrum(model(LIGHTEST), speed / LIGHTEST)
 
 
@@ -175,8 +176,10 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
             return cox_munk_slick(speed, to, extrapolate=extrapolate)
         case requested_sea.BreonHenriot(extrapolate=extrapolate):
             return breon_henriot(speed, to, extrapolate=extrapolate)
+        # A file may lack the short waves that carry most of the slopes; this is reported below.
         case requested_sea.SpectrumSlopes():
             statistics = SlopeStatistics(0.0, 0.0, to) if sea is None else spectrum_slopes(sea)
+            # A calm wind sea still has residual slopes, as the fits of Cox and Munk have.
             if has_wind_sea(scenario):
                 statistics = at_least_residual(statistics)
             if statistics.is_flat:

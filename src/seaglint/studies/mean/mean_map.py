@@ -156,6 +156,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     """
     import xarray as xr
 
+    # The memory is checked before anything is compiled or computed.
     require_mean_memory(scenario)
     compile_ahead("mean")
     track, imager = scenario_physics.track(scenario), scenario_physics.imager(scenario)
@@ -171,6 +172,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
         require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
         maps = over_pixels(imager, pose, _components_along(scenario, view, length), progress)
+    # The components are disjoint: their sum is the radiance at the sensor.
     total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
     temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
     return xr.Dataset(
@@ -212,6 +214,7 @@ def _wave_file(scenario: Scenario) -> dict[str, str | int]:
     used = isinstance(scenario.sea.slopes, SpectrumSlopes)
     if not used:
         _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", spectrum.path)
+    # The digest identifies the waves where the file moves or changes.
     digest = hashlib.sha256(Path(spectrum.path).read_bytes()).hexdigest()
     return {"wave_file": str(spectrum.path), "wave_file_sha256": digest, "measured_waves_used": int(used)}
 

@@ -228,6 +228,7 @@ def _sampled(light: MeasuredLight, width: float) -> tuple[list[FloatArray], list
     nu = light.wavenumber_cm
     # An average needs samples everywhere; a spectrum that is not averaged is linear between its samples.
     gap = 1.001 * (OURS_CM if width < FINE_SHARE * OURS_CM else 2.0 * width)
+    # A gap divides the spectrum, because an average across it would invent samples.
     starts = np.concatenate([[0], np.flatnonzero(np.diff(nu) > gap) + 1, [nu.size]])
     # Widths of triangles add by their squares; an average begins its width inside the samples, so that none is cut.
     more = math.sqrt(OURS_CM**2 - width**2) if width < FINE_SHARE * OURS_CM else 0.0
@@ -258,6 +259,7 @@ def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, sp
     # Widths of triangles add by their squares.
     more = math.sqrt(max(width**2 - OURS_CM**2, 0.0))
     low, high = PROFILE_BAND_UM
+    # The average at the edges needs channels beyond them, as far as the band laws reach.
     wide = _multiples(max(float(nu[0]) - more - GRID_STEP_CM, 1e4 / high), min(float(nu[-1]) + more + GRID_STEP_CM, 1e4 / low))
     view = scenario_physics.view(_of_band(scenario, wide, spectroscopy))
     grid = view.atmosphere.wavenumber_cm

@@ -369,7 +369,9 @@ class ExposedObjects:
         view = scene.seen_from(pose)
         surroundings = self.objects.drawer.light(view)
         backdrop = Backdrop(np.ascontiguousarray(sea), self.fine, self._circle, surroundings.sea_counted)
+        # The movement of the line of sight in pixels per second.
         shift = (rates[0] / self.model.ifov, rates[1] / self.model.ifov)
+        # Paths and instants come first, because they determine in which pixels each part is drawn.
         drawings = self._plan.drawings(time)
         patches = self._patches(scene, view, time, drawings, surroundings)
         added = np.zeros((self.imager.rows, self.imager.columns))
@@ -403,6 +405,7 @@ class ExposedObjects:
             return self._refracted(scene, time, drawings)
         drawer, chosen = self.objects.drawer, []
         moments: dict[float, tuple[Stage, tuple[Placed, ...]]] = {}
+        # Parts with one delay share their waves.
         seas: dict[float, tuple[Levels, Surface] | None] = {}  # waves stand still in an exposure
         spare = self._local.margin
         for drawing in drawings:

@@ -124,6 +124,7 @@ class ExportedSea:
         covariance = zip(("east_east", "east_north", "north_north"), self.facets.covariance(), strict=True)
         out = out.assign({f"facet_slope_{name}": ((), value) for name, value in covariance})
         parts = zip(self.tiles, self.wander, self.lattices, strict=True)
+        # Each tile has separate dimensions, because tiles differ in length and number of points.
         for i, (tile, wander, lattice) in enumerate(parts if lattices else ()):
             dimensions = (f"v_{i}", f"u_{i}")
             for j, name in enumerate(names):
@@ -221,6 +222,7 @@ def export_sea(
     patch = SeaPatch(centre, extent, spacing)
     _require_room(patch)
     lattices = waves.surfaces(time)
+    # The facets have the slope variance that the geometry does not have.
     up, cross = waves.resolved_mss()
     wind_to = waves.spectrum.wind_to_azimuth
     facets = gaussian_slopes(statistics.mss_up - up, statistics.mss_cross - cross, -waves.resolved_covariance(), wind_to)

@@ -228,6 +228,7 @@ def prepare_sense(
     # A recording narrower than the scenario's picture is no full turn.
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
 
+    # Frames of this program's files retain their numbers, on which the noise depends.
     numbers = range(recording.frames) if known.frames is None or len(known.frames) != recording.frames else known.frames
 
     def fine(number: int) -> NDArray[np.float32]:
@@ -285,6 +286,7 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
     each = sum(np.dtype(VARIABLES[name].dtype).itemsize for name in layout.variables)
     what = f"{len(layout.frames)} frames of {layout.azimuth_deg.shape[-1]} x {layout.elevation_deg.shape[0]} pixels in memory"
     require_room(BASE + 2 * each * pixels, what, "give output, a store on the disk, or fewer frames")  # single frames and all together
+    # All frames are in memory at once, which was checked above.
     images: list[Mapping[str, Any]] = [frames.images(number, layout.variables) for number in layout.frames]
     data: dict[str, Any] = {
         name: (("time", "y", "x"), np.stack([f[name] for f in images]), {**VARIABLES[name].attributes, **layout.details.get(name, {})})

@@ -207,12 +207,14 @@ def _air(
     air: Atmosphere = shared_view(scenario, height).view.atmosphere
     weights = over.weights(air.wavenumber_cm)
     sea = (-elevation > horizon_depression(height)) & np.isfinite(zenith)
+    # Rows above the horizon have no path to the sea and remain NaN.
     tau, path, sky = (np.full(elevation.size, np.nan) for _ in range(3))
     if sea.any():
         arc = surface_range(height, -elevation[sea])
         tau[sea] = air.transmittance(height, arc) @ weights / weights.sum()
         path[sea] = air.path_radiance(height, arc) @ weights
         sky[sea] = air.sky_radiance(zenith[sea], np.zeros(zenith[sea].size)) @ weights
+    # Sunlight at the sea depends on the Sun alone, so it is one number for all angles.
     sun = sun_position(scenario)
     light = float(sun.irradiance_factor * (np.asarray(air.solar_irradiance(np.array([sun.zenith])))[0] @ weights))
 
@@ -299,6 +301,7 @@ def of_any(value: Any) -> CaseResult:
         if isinstance(item, xr.DataArray):
             out[str(name)] = NamedArray(tuple(map(str, item.dims)), np.asarray(item.values), dict(item.attrs))
             continue
+        # Arrays without names of dimensions cannot be joined over the cases.
         array = np.asarray(item)
         if array.ndim or array.dtype.kind not in "biufcU":
             raise DataError(

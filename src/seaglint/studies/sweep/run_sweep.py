@@ -326,6 +326,7 @@ def _outcomes(
             yield number, compute_case(settings, compute, number)
             report(done, len(order))
         return
+    # Workers receive neighbouring cases, which share their preparation.
     units, done = chunks(order, settings.plan.together(), workers.count), 0
     try:
         with workers.map(Job(sweep_worker, settings), units) as outcomes:
@@ -337,6 +338,7 @@ def _outcomes(
                     done += 1
                 report(done, len(order))
     except (AttributeError, ImportError, TypeError, pickle.PicklingError) as error:
+        # Pickle raises several types of errors for a function that cannot be sent.
         if callable(settings.what) and (isinstance(error, ImportError) or not _can_be_sent(settings.what)):
             raise BackendError(
                 f"the function {settings.title} cannot be sent to other processes, which cannot import it; define it in a module, in the "
@@ -369,6 +371,7 @@ class CollectedCases:
         if self.first is None:
             self._begin(outcome)
         assert self.first is not None
+        # The band is an attribute of the whole only if all cases share it.
         band: Attributes = {name: outcome.attributes[name] for name in _BAND if name in outcome.attributes}
         self.band = band if self.band is None or self.band == band else {}
         arrays, expected = _all(outcome), _all(self.first)
@@ -485,6 +488,7 @@ def _coordinate(plan: SweepPlan, array_name: str, array: NamedArray, values: Any
         return array.dims, array.values, array.attributes
     if not isinstance(values, np.ndarray):  # lazy
         return (*names, *array.dims), values, array.attributes
+    # Failed cases have no coordinate and are left out of the comparison.
     flat = values.reshape(plan.count, -1)
     good = flat[[number for number in range(plan.count) if number not in failures]] if failures else flat
     if all(np.array_equal(row, good[0]) for row in good[1:]):

@@ -136,6 +136,7 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
     """
     region = parse_region(options.region or ":,:", recording.rows, recording.columns)
     data = frames_of(recording, region)
+    # Two grey levels are enough for an autobinomial field of two levels.
     require_values(data, two=options.model == "autobinomial" and options.levels == 2)
     notes: list[str] = []
     if len(data) < recording.frames:
@@ -156,6 +157,7 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
     sample = sample_like(texture, data, options.seed)
     comparison = compare(data, sample, ("data", "sample"), consecutive=len(data) >= STILL)
     plain = _plain(texture, data)
+    # A Gaussian sample of the same field shows which statistics its tails and modulation add.
     gaussian = None
     if plain is not None:
         gaussian = compare(data, sample_like(plain, data, options.seed), ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
@@ -217,6 +219,7 @@ def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> Gaus
 def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianTexture:
     covariances = estimation.covariances(data, texture.reach)
     marginal = fit_marginal(data, tails)
+    # The field has unit variance; the marginal turns the data's correlations into those of the field.
     known = replace(covariances, values=marginal.latent_correlation(covariances.values / covariances.at((0, 0, 0))), mean=0.0)
     try:
         field = estimation.fit(known, texture.field.offsets).model
@@ -242,6 +245,7 @@ def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | Auto
         else:
             half_fit = _autobinomial(fitted_half, replace(options, method="pseudo-likelihood"))[0]
             value = half_fit.pseudo_log_likelihood(other_half)
+            # A level that the half does not have would have the logarithm of 0.
             shares = np.maximum(half_fit.histogram, 0.5 / fitted_half.size)
             independent = float(np.mean(np.log(shares)[half_fit.grey.to_levels(other_half)]))
     except (DataError, ValueError) as error:
@@ -386,6 +390,7 @@ def compare_textures(
     models = [isinstance(one, StoredTexture) or (isinstance(one, str | Path) and Path(one).suffix.lower() == ".json") for one in given]
     if all(models):
         raise DataError(f"{_name(first)}, {_name(second)}: are two models; compare each with the data, or draw samples of both")
+    # Inputs without a region use the whole picture.
     regions = [*request.regions, "", ""]
     frames: list[Frames | None] = [None, None]
     names = [_name(one) for one in given]
@@ -405,6 +410,7 @@ def compare_textures(
     data, other = frames
     assert data is not None
     assert other is not None
+    # Correlations in time need consecutive frames in both.
     timed = min(len(data), len(other)) >= STILL
     if names[0] == names[1] and not _name(first):
         names = [f"first {names[0]}", f"second {names[1]}"]
