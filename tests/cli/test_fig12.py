@@ -27,7 +27,7 @@ def test_the_scene_is_of_the_articles_size():
 
 
 def test_both_bodies_close_before_a_sensor_that_moves():
-    ways = figures_5_and_12.ways(figures_5_and_12.scene(), range(figures_5_and_12.FRAMES))
+    ways = figures_5_and_12.trajectories(figures_5_and_12.scene(), range(figures_5_and_12.FRAMES))
     assert np.diff(ways.ahead["sensor"]) == pytest.approx(figures_5_and_12.SPEED / figures_5_and_12.FRAME_RATE)
     gap = ways.ahead["attacking body"] - ways.ahead["defending body"]
     assert (np.diff(gap) < 0.0).all()

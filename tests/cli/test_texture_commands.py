@@ -128,7 +128,7 @@ def test_models_of_another_version_and_damaged_ones_are_named(seaglint, model, t
         (("--size", "512"), "COLUMNSxROWS"),
         (("--size", "2x2", "--frames", "8"), "too small for neighbours"),
         (("--size", "64x64", "--frames", "2"), "give at least 3"),
-        (("--size", "100000x100000", "--frames", "8"), "ask for fewer frames or a smaller size"),
+        (("--size", "100000x100000", "--frames", "8"), "give fewer frames or a smaller size"),
     ],
 )
 def test_sizes_that_do_not_fit_are_refused(seaglint, model, tmp_path, arguments, told) -> None:

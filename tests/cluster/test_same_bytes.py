@@ -20,6 +20,7 @@ from seaglint.store.sequence_store import finish_sequence
 from seaglint.store.writers import Share
 from seaglint.studies.sequence.render_sequence import render
 from seaglint.studies.sequence.sense import Reopen, sense
+from seaglint.studies.study_requests import ReadingRequest
 
 TOML = """
 [sensor.optics]
@@ -73,10 +74,10 @@ def test_counts_of_a_recording_named_from_the_working_directory(three, tmp_path,
     (tmp_path / "scene.toml").write_text(TOML)
     np.save(tmp_path / "in.npy", 1.5 + 0.2 * np.random.default_rng(1).random((5, 12, 20)))
     monkeypatch.chdir(tmp_path)
-    scene, name = load_scenario("scene.toml"), Path("in.npy")
+    scene, name, reading = load_scenario("scene.toml"), Path("in.npy"), ReadingRequest(frame_rate=25.0)
 
     def counts(output: str, **more: object) -> Path:
-        return Path(sense(open_recording(name, frame_rate=25.0), scene, output, reopen=Reopen(name, 25.0), **more))  # type: ignore[arg-type]
+        return Path(sense(open_recording(name, frame_rate=25.0), scene, output, reopen=Reopen(name, reading), **more))  # type: ignore[arg-type]
 
     whole = files(counts("one.zarr"))
     assert len([path for path in whole if path.startswith("signal/c/")]) == 5

@@ -30,7 +30,7 @@ from seaglint.store.missing_frames import UnitTask, unit_maker
 from seaglint.store.sequence_store import Interrupted, finish_sequence, open_sequence, partial_path, write_sequence
 from seaglint.store.shards import Shards, UnitFailure
 from seaglint.store.writers import Share, exclusive
-from seaglint.studies.sequence.sequence_work import over
+from seaglint.studies.sequence.sequence_work import spread_over
 
 
 def files(store: Path) -> dict[str, str]:
@@ -452,7 +452,7 @@ def test_workers_killed_at_random_moments_lose_nothing(tmp_path):
         try:
             while not output.exists():
                 with suppress(DataError, BackendError):
-                    write_sequence(output, many, frame, resume=True, spread=over(workers, toy_store.prepared_many, None))
+                    write_sequence(output, many, frame, resume=True, spread=spread_over(workers, toy_store.prepared_many, None))
                 if output.exists() and len(killed) < KILLS:
                     assert files(output) == once
                     shutil.rmtree(output)

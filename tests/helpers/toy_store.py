@@ -91,13 +91,13 @@ def slow(output: str) -> None:
 def over_workers(output: str) -> None:
     """300 frames over two processes; says so at the start and after each unit."""
     from seaglint.cluster import LocalProcesses
-    from seaglint.studies.sequence.sequence_work import over
+    from seaglint.studies.sequence.sequence_work import spread_over
 
     def told(done: int, total: int) -> None:
         print(done, total, flush=True)
 
     with LocalProcesses(2) as workers:
-        write_sequence(output, many(), slowly, resume=True, spread=over(workers, prepared_many, None), progress=told)
+        write_sequence(output, many(), slowly, resume=True, spread=spread_over(workers, prepared_many, None), progress=told)
 
 
 def long_units(_: None) -> tuple[Layout, Frame]:
@@ -113,10 +113,10 @@ def long_units(_: None) -> tuple[Layout, Frame]:
 def over_long_units(output: str) -> None:
     """Two processes at units of hours."""
     from seaglint.cluster import LocalProcesses
-    from seaglint.studies.sequence.sequence_work import over
+    from seaglint.studies.sequence.sequence_work import spread_over
 
     def told(done: int, total: int) -> None:
         print(done, total, flush=True)
 
     with LocalProcesses(2) as workers:
-        write_sequence(output, layout(), frame, spread=over(workers, long_units, None), progress=told)
+        write_sequence(output, layout(), frame, spread=spread_over(workers, long_units, None), progress=told)

@@ -28,7 +28,7 @@ from seaglint.studies.ensemble.ensemble_folder import ensemble_text
 from seaglint.studies.ensemble.law_draws import PixelGrid
 from seaglint.studies.ensemble.render_ensemble import EnsembleScene, draw, render_ensemble, render_scene
 from seaglint.studies.sequence.sensed_sequence import render
-from seaglint.studies.sequence.sequence_work import Kept
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 BASE: dict[str, Any] = {
     "sensor": {"height_m": 20, "azimuth_deg": 180, "elevation_deg": -2, "fov_deg": [3.2, 1.6], "pixels": [16, 8], "frames": 1},
@@ -333,7 +333,7 @@ def test_scenes_that_share_have_the_same_bytes(tmp_path: Path) -> None:
     """Waves, objects and a seed of their own, after another scene was made ready."""
     base = {**BASE, "sea": {"resolve_waves": True}}
     scenes = draw(parse_ensemble({"base": base, "ensemble": {"scenes": 2}, "objects": [POINTS | {"count": 2}]}))
-    kept = Kept()
+    kept = SceneCache()
     for scene in scenes:
         render_scene(scene.scenario, tmp_path / f"{scene.label}.zarr", 1, kept)
     render(scenes[1].scenario, tmp_path / "alone.zarr", threads=1)

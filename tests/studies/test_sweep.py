@@ -238,7 +238,7 @@ def test_what_a_key_does_not_touch_is_made_once(monkeypatch):
     made = []
     standing = scenario_physics.standing_view
     monkeypatch.setattr(case_results.prepare, "standing_view", lambda *given: made.append(given) or standing(*given))
-    case_results._KEPT.clear()
+    case_results._CACHED_VIEWS.clear()
     sg.sweep(
         {"band": {"min_um": 8.0, "max_um": 12.0}},
         {"sun.zenith_deg": [10.0, 50.0, 70.0], "wind.speed_m_s": [3.3, 9.1]},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -97,7 +97,7 @@ def path(
     scenario : Scenario, path or mapping, optional
         Scenario whose air, band and sensor height are taken; it needs ``range_m``. Without it the path goes through even air.
     range_m : array_like, optional
-        Arcs along the sea from the sensor's foot to that of the points [m].
+        Arcs along the sea from the foot of the sensor to the foot of each point [m].
     target_height_m : array_like
         Heights of the points above the mean sea [m]; 0 is the sea.
     temperature_k, pressure_hpa, vapour_pressure_hpa : float, optional
@@ -109,7 +109,7 @@ def path(
     co2_ppmv, o3_ppmv, n2o_ppmv, co_ppmv, ch4_ppmv : float
         Even air: gases [1e-6 of the volume of dry air].
     spectroscopy : {"lblrtm", "lowtran7"}
-        Even air: absorption of today's line-by-line model, or LOWTRAN7's of 1988.
+        Even air: absorption of the line-by-line model LBLRTM, or LOWTRAN7's of 1988.
     haze : str
         Even air: aerosol, as the scenario key ``atmosphere.haze``.
 
@@ -137,6 +137,7 @@ def path(
 
     even = {"temperature_k": temperature_k, "pressure_hpa": pressure_hpa}
     even |= {"vapour_pressure_hpa": vapour_pressure_hpa, "length_km": length_km}
+    # Numbers of both kinds of path are refused, because one kind would be ignored silently.
     require_one_kind(scenario is not None, range_m is not None, {**even, "band_um": band_um})
     if scenario is not None and range_m is not None:
         return path_air(scenario_of(scenario), range_m, target_height_m)
@@ -154,7 +155,7 @@ def sky(scenario: SceneInput, *, zenith_deg: ArrayLike, azimuth_deg: ArrayLike |
     zenith_deg : array_like
         Zenith angles looked at from the sensor [deg], from 0 to the horizon.
     azimuth_deg : array_like, optional
-        Azimuths looked at, clockwise from north [deg]; by default that of the sensor.
+        Azimuths looked at, clockwise from north [deg]; by default the sensor's azimuth.
 
     Returns
     -------
@@ -207,18 +208,10 @@ def export(scenario: SceneInput, output: str | Path | None = None, *, overwrite:
     >>> sg.atmosphere.export({"band": {"min_um": 3.9, "max_um": 4.0}}).path_transmittance.dims
     ('range_m', 'wavenumber_cm')
     """
-    from seaglint.formats.air_file import require_kind, write_atmosphere
-    from seaglint.store.outputs import refuse_existing
     from seaglint.studies.air_files import export_air
 
     loaded = scenario_of(scenario)
-    if output is not None:
-        require_kind(Path(output))
-        refuse_existing(Path(output), overwrite=overwrite)
-    air = export_air(loaded)
-    if output is not None:
-        write_atmosphere(air, Path(output), overwrite=overwrite)
-    return air
+    return _written(lambda: export_air(loaded), output, overwrite)
 
 
 def write(
@@ -292,15 +285,21 @@ def read(files: str | Path | Sequence[str | Path], output: str | Path | None = N
     >>> import seaglint as sg
     >>> sg.atmosphere.read("deck", "air.nc")  # doctest: +SKIP
     """
-    from seaglint.formats.air_file import require_kind, write_atmosphere
     from seaglint.formats.modtran.modtran_air import read_air
-    from seaglint.store.outputs import refuse_existing
 
     paths = [Path(files)] if isinstance(files, str | Path) else [Path(file) for file in files]
-    if output is not None:
-        require_kind(Path(output))
-        refuse_existing(Path(output), overwrite=overwrite, inputs=[path for path in paths if path.is_file()])
-    air = read_air(paths)
-    if output is not None:
-        write_atmosphere(air, Path(output), overwrite=overwrite)
+    return _written(lambda: read_air(paths), output, overwrite, [path for path in paths if path.is_file()])
+
+
+def _written(compute: Callable[[], xr.Dataset], output: str | Path | None, overwrite: bool, inputs: Sequence[Path] = ()) -> xr.Dataset:
+    """Return computed air, and write it to a file if one is requested, whose name is checked before the computation."""
+    from seaglint.formats.air_file import require_kind, write_atmosphere
+    from seaglint.store.outputs import refuse_existing
+
+    if output is None:
+        return compute()
+    require_kind(Path(output))
+    refuse_existing(Path(output), overwrite=overwrite, inputs=inputs)
+    air = compute()
+    write_atmosphere(air, Path(output), overwrite=overwrite)
     return air

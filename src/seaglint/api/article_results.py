@@ -1,9 +1,9 @@
-"""Functions ``sg.reproduce``: results of the source article, and measured spectra, computed anew."""
+"""Functions ``sg.reproduce``: results of the source article, and comparisons with measured spectra."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from seaglint.api.inputs_and_results import ResultRecord
 
@@ -114,7 +114,7 @@ def fig5(*, weather: str | Path | None = None, spectral: bool = False, progress:
     weather : path, optional
         Weather table instead of the packaged North Atlantic.
     spectral : bool
-        Radiance per wavenumber, not the article's way.
+        Radiance per wavenumber instead of the article's band means.
     progress : callable, optional
         Called with (azimuths done, all of them).
 
@@ -184,7 +184,7 @@ def fig12(
     pixels : int, optional
         Pixels along each side, 16 to 512; fewer for a quick look.
     resume : bool
-        Go on with an unfinished sequence.
+        Continue an unfinished sequence.
     overwrite : bool
         Replace a store that is there.
     progress : callable, optional
@@ -231,7 +231,7 @@ def table1(*, progress: Progress | None = None) -> ResultRecord:
     """
     from seaglint.studies.article.table1 import table1 as computed
 
-    result = computed(**_report(progress))
+    result = computed() if progress is None else computed(progress)
     rows = {name: row.as_dict() for name, row in result.rows().items()}
     return ResultRecord({"rows": rows, "settings": result.settings(), "notes": list(result.analysis.notes)}, title="Table 1")
 
@@ -266,15 +266,8 @@ def measured(*, spectroscopy: Literal["lblrtm", "lowtran7", "both"] = "both") ->
     return ResultRecord({"rows": [row.as_dict() for row in result.rows]}, draw=draw, title="measured spectra")
 
 
-def _report(progress: Progress | None) -> dict[str, Any]:
-    """Return the argument of a study that reports its progress."""
-    return {} if progress is None else {"report": progress}
-
-
 def _figure(name: str, progress: Progress | None) -> xr.Dataset:
     """Compute a figure."""
-    from seaglint.studies.article.figures import FIGURES
+    from seaglint.studies.article.figures import FIGURES, ignore_progress
 
-    compute: Any = FIGURES[name]
-    dataset: xr.Dataset = compute(**_report(progress))
-    return dataset
+    return FIGURES[name](progress or ignore_progress)

@@ -59,8 +59,8 @@ def atmosphere(
     --------
     >>> import seaglint as sg
     >>> case = dict(atmosphere=["tropical"], wind_speed_m_s=[5.0], sensor_height_m=[20.0], depression_deg=[1.0])
-    >>> found = sg.evaluate.atmosphere({**case, "solar_zenith_deg": [60.0], "sky_zenith_deg": [30.0]}, bands=["3.5-4.1"])
-    >>> found.tau_mean.dims
+    >>> result = sg.evaluate.atmosphere({**case, "solar_zenith_deg": [60.0], "sky_zenith_deg": [30.0]}, bands=["3.5-4.1"])
+    >>> result.tau_mean.dims
     ('case', 'band')
     """
     from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere
@@ -85,7 +85,7 @@ def emissivity(
     Parameters
     ----------
     cases : path, mapping, DataFrame or Dataset
-        CSV file, or columns by name: ``wavelength_um``, ``wind_speed_m_s`` (at 12.5 m, as the slope fit has it), ``zenith_deg``.
+        CSV file, or columns by name: ``wavelength_um``, ``wind_speed_m_s`` (at 12.5 m, the height of the slope fit), ``zenith_deg``.
     {request}
     output : path, optional
         CSV file to write too.
@@ -105,8 +105,8 @@ def emissivity(
     Examples
     --------
     >>> import seaglint as sg
-    >>> found = sg.evaluate.emissivity({"wavelength_um": [10.0], "wind_speed_m_s": [5.0], "zenith_deg": [0.0]})
-    >>> round(float(found.emissivity[0]), 2)
+    >>> result = sg.evaluate.emissivity({"wavelength_um": [10.0], "wind_speed_m_s": [5.0], "zenith_deg": [0.0]})
+    >>> round(float(result.emissivity[0]), 2)
     0.99
     """
     from seaglint.studies.mean.evaluate_cases import evaluate_emissivity
@@ -221,12 +221,7 @@ def _bands(bands: Sequence[str | tuple[float, float]]) -> Any:
 
 
 def _evaluated(
-    given: CasesInput,
-    compute: Callable[..., Any],
-    extrapolate: bool,
-    output: str | Path | None,
-    overwrite: bool,
-    progress: Progress | None,
+    given: CasesInput, compute: Callable[..., Any], extrapolate: bool, output: str | Path | None, overwrite: bool, progress: Progress | None
 ) -> xr.Dataset:
     """Read the cases, compute, write the CSV file where one is requested, and label the results."""
     import xarray as xr

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from seaglint.api.inputs_and_results import scenario_of
+from seaglint.api.inputs_and_results import arguments_of, scenario_of
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import ExportRequest
 
@@ -65,20 +65,8 @@ def export(
     from seaglint.plot.run_export import export_run
     from seaglint.store.sequence_store import open_sequence
 
-    opened = open_sequence(run) if isinstance(run, str | Path) else run
-    return export_run(
-        opened,
-        output,
-        variable=variable,
-        frames=frames,
-        dtype=dtype,
-        limits=limits,
-        colours=colours,
-        rate=rate,
-        scale=scale,
-        overwrite=overwrite,
-        progress=progress,
-    )
+    dataset = open_sequence(run) if isinstance(run, str | Path) else run
+    return export_run(**arguments_of(export_run, locals()))
 
 
 def export_sea(
@@ -173,8 +161,8 @@ def labels(run: str | Path, output: str | Path | None = None, *, overwrite: bool
 
     if output is not None:
         refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[Path(run)])
-    held = Labels.of(run)
-    report_never_seen(held)
+    truth = Labels.of(run)
+    report_never_seen(truth)
     if output is not None:
-        write_labels(held, output, overwrite=overwrite)
-    return label_dataset(held)
+        write_labels(truth, output, overwrite=overwrite)
+    return label_dataset(truth)

@@ -1,10 +1,12 @@
-"""Conversion of the inputs that the functions of ``import seaglint as sg`` accept in several forms.
+"""Inputs and results of the functions of ``import seaglint as sg``.
 
-Results that have no axes: their numbers and text by name, a picture, and what a notebook shows.
+Inputs are accepted in several forms: scenarios, recordings, radiances and bands, each with its conversion here. Results without axes are
+a :class:`ResultRecord`: numbers and text by name, a picture, and HTML for a notebook.
 """
 
 from __future__ import annotations
 
+import inspect
 import reprlib
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
@@ -33,7 +35,7 @@ AXES = ("time", "y", "x")  #: Names of the last axes of an array without names.
 
 
 def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
-    """Return the scenario of a file or of tables in a mapping; a scenario stays as it is.
+    """Return the scenario of a file or of tables in a mapping; a scenario is returned unchanged.
 
     Raises
     ------
@@ -54,7 +56,7 @@ def scenario_of(given: SceneInput, sensor: str | None = None) -> Scenario:
 
 
 def team_of(workers: int | Workers | None, threads: int | None = None) -> AbstractContextManager[Workers | None]:
-    """Return who shares the work: processes of this machine where a number is given."""
+    """Return the workers that share the work: processes of this machine for a number, other workers unchanged."""
     from seaglint.cluster import LocalProcesses
 
     return LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers)
@@ -64,6 +66,12 @@ def request_of(record: type[Record], values: Mapping[str, Any], **others: Any) -
     """Return a request with the fields that are among some values, and others."""
     names = {field.name for field in fields(record)}  # type: ignore[arg-type]
     return record(**{name: value for name, value in values.items() if name in names} | others)
+
+
+def arguments_of(function: Callable[..., Any], values: Mapping[str, Any], **others: Any) -> dict[str, Any]:
+    """Return the arguments of a function that are among some values, and others."""
+    names = inspect.signature(function).parameters
+    return {name: value for name, value in values.items() if name in names} | others
 
 
 def recording_of(given: Any, reading: ReadingRequest) -> Recording:
@@ -83,18 +91,20 @@ def recording_of(given: Any, reading: ReadingRequest) -> Recording:
     if isinstance(given, xr.DataArray):
         given = given.to_dataset(name=str(given.name or "values"))
     if isinstance(given, xr.Dataset):
+        # Recordings have time as their first axis; a dataset may have it anywhere.
         ordered = given.transpose("time", ...) if "time" in given.dims else given
         recording = of_dataset(ordered, "dataset", how)
     elif isinstance(given, Recording):
         recording = given
     else:
         recording = of_array(np.asarray(given), "array", how, ArrayFacts(reading.frame_rate, reading.units))
+    # Values that the user states replace those of the recording; values left out (None) do not.
     stated: dict[str, Any] = {"frame_rate": reading.frame_rate, "units": reading.units, "saturation": reading.saturation}
     return replace(recording, **{name: value for name, value in stated.items() if value is not None})
 
 
 def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.DataArray:
-    """Apparent temperature [K] of radiance in any accepted form."""
+    """Return the apparent temperature [K] of radiance in any accepted form."""
     import numpy as np
     import xarray as xr
 
@@ -114,6 +124,7 @@ def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.Data
         given, attributes = xr.DataArray(values, dims=AXES[3 - values.ndim :] if values.ndim <= 3 else None), {}
     over = band if isinstance(band, Band) else band_of(attributes) if band is None else Band.rectangular(*band)
     grid = wavenumber_grid(over.min_um, over.max_um)
+    # Single precision remains single; whole numbers become double.
     kind = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
 
     def converted(values: NDArray[Any]) -> NDArray[np.floating[Any]]:
@@ -142,6 +153,7 @@ def with_band(dataset: xr.Dataset) -> xr.Dataset:
     from seaglint.store.netcdf import plain_attributes
 
     dataset.attrs = plain_attributes(dataset.attrs)
+    # A variable that is saved alone loses the attributes of its dataset, which hold the band.
     band = {key: dataset.attrs[key] for key in ("band_wavelength_um", "band_response")}
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("units") == VARIABLES["radiance"].units:
@@ -218,7 +230,7 @@ class ResultRecord(dict[str, Any]):
 
 
 def _rows(name: str, value: Any) -> Any:
-    """Yield names and values of a result, those of inner mappings by dotted names; curves, tables and the scenario are left out."""
+    """Yield names and values of a result; inner mappings have dotted names; curves, tables and the scenario are left out."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             if key != "scenario":

@@ -1,10 +1,9 @@
-"""Functions of scenario files and of files at hand: ``sg.init``, ``sg.schema`` and ``sg.info``.
+"""Functions of one scenario and of single files.
 
-Functions of one scene without files: ``sg.load``, ``sg.mean`` and ``sg.image``.
-
-The function ``sg.sweep``: one quantity over every combination of values of a scenario's keys.
-
-Function of the likelihood of glint: ``sg.likelihood``.
+- ``sg.init``, ``sg.schema`` and ``sg.load`` write, describe and read scenario files; ``sg.info`` describes any file.
+- ``sg.mean`` and ``sg.image`` compute one scene without files.
+- ``sg.sweep`` computes one quantity over every combination of values of a scenario's keys.
+- ``sg.likelihood`` computes how often glint exceeds thresholds.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from seaglint.api.inputs_and_results import ResultRecord, scenario_of, team_of
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, scenario_of, team_of, with_band
 from seaglint.base.parameters import documented
 from seaglint.studies.study_requests import MOST_CASES, LikelihoodRequest, MeanRequest, SweepRequest
 
@@ -38,8 +37,8 @@ def init(output: str | Path, preset: str = "glint", *, camera: str | Path | None
     preset : str
         Scene to begin with; ``seaglint init --presets`` lists them.
     camera : str or path, optional
-        Camera of a data sheet's numbers, as ``"pixels=640x512, pitch_um=15, focal_mm=100, ..."``, or a TOML file of the same. What is
-        assumed is logged.
+        Camera of a data sheet's numbers, as ``"pixels=640x512, pitch_um=15, focal_mm=100, ..."``, or a TOML file of the same. Assumed
+        values are logged.
     overwrite : bool
         Replace a file that is there.
 
@@ -129,6 +128,7 @@ def info(path: str | Path, *, variable: str | None = None, channel: str | None =
     """
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours
 
+    # A URL must not become a Path, which would shorten its two slashes to one.
     place = path if isinstance(path, str) and "://" in path else Path(path)
     if is_ours(place):
         values: Mapping[str, Any] = describe(place).as_dict()
@@ -205,7 +205,6 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
     >>> found.radiance.dims, found.radiance.units
     (('y', 'x'), 'W m-2 sr-1')
     """
-    from seaglint.api.inputs_and_results import scenario_of, with_band
     from seaglint.store.netcdf import labelled
     from seaglint.studies.mean.mean_map import mean as computed
 
@@ -213,19 +212,19 @@ def mean(scenario: SceneInput, *, progress: Progress | None = None) -> xr.Datase
 
 
 def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
-    """Radiance at the aperture at one time, without a file; of a scenario with a detector too.
+    """Compute the radiance at the aperture at one time, without a file; also for a scenario with a detector.
 
-    It is sharp: optics and detector are left aside. :func:`frames` gives the counts that :func:`render` writes.
+    It is sharp: optics and detector are ignored. :func:`frames` gives the counts that :func:`render` writes.
 
     Parameters
     ----------
     scenario : Scenario, path or mapping
-        See :func:`load`; its ``render.layers``, optics and detector are left aside.
+        See :func:`load`; its ``render.layers``, optics and detector are ignored.
     time : float
         Time from the start [s]; any, frames are not more than instants.
     layers : collection of str
-        Images to be there beside the radiance, of :data:`seaglint.base.schema.LAYERS`: the radiance's four parts, distance and slope of
-        the sea, the share of a pixel that it fills, that of glint in the radiance, the number of the object in it.
+        Further images, of :data:`seaglint.base.schema.LAYERS`: the radiance's four parts, distance and slope of the sea, the share of a
+        pixel that the sea fills, the share of glint in the radiance, the number of the object in the pixel.
 
     Returns
     -------
@@ -250,7 +249,6 @@ def image(scenario: SceneInput, time: float = 0.0, layers: Collection[str] = ())
     >>> found["range"].units, float(found.time)
     ('m', 0.5)
     """
-    from seaglint.api.inputs_and_results import scenario_of, with_band
     from seaglint.store.netcdf import labelled
     from seaglint.studies.sequence.labelled_frames import image as drawn
 
@@ -279,15 +277,15 @@ def sweep(
         See :func:`load`; or a TOML file, or its content as tables in a mapping.
     {request}
     lazy : bool
-        Compute a case when its values are read: arrays are those of Dask, with a piece for each case. The first case is computed at once.
+        Compute a case when its values are read: arrays are Dask arrays with a piece for each case. The first case is computed at once.
     progress : callable, optional
         Called with (cases done, cases in all).
 
     Returns
     -------
     xarray.Dataset
-        Dimensions are the swept keys by their names, with their values and units as coordinates, then those of ``at`` or of the picture.
-        Of failed cases the attribute ``failed_cases`` states the number and ``failures`` the first reasons.
+        Dimensions are the swept keys by their names, with their values and units as coordinates, then the dimensions of ``at`` or of the
+        picture. The attribute ``failed_cases`` is the number of failed cases, and ``failures`` has the first reasons.
 
     Raises
     ------
@@ -296,7 +294,7 @@ def sweep(
 
     Notes
     -----
-    What a key does not touch is prepared once: the air of a wind serves all Suns, for example.
+    Preparations that a key does not affect are made once: the air of a wind serves all Suns, for example.
 
     Examples
     --------
@@ -309,18 +307,9 @@ def sweep(
     from seaglint.studies.sweep.run_sweep import sweep as computed
 
     with team_of(workers, threads) as others:
-        return computed(
-            scenario,
-            vary,
-            what=what,
-            at=at,
-            workers=others,
-            threads=threads if workers is None else None,
-            keep_going=keep_going,
-            most_cases=most_cases,
-            lazy=lazy,
-            progress=progress,
-        )
+        # Workers limit their threads themselves; the limit of this process would not reach them.
+        own_threads = threads if workers is None else None
+        return computed(**arguments_of(computed, locals(), source=scenario, workers=others, threads=own_threads))
 
 
 @documented(LikelihoodRequest)
@@ -366,6 +355,7 @@ def likelihood(
     from seaglint.base.errors import DataError
 
     loaded = scenario_of(scenario)
+    # A map and a track are different results, so one of them would be lost.
     if by_month and track is not None:
         raise DataError("by_month and track are both given: a map, or the way of a ship; give one of them")
     if by_month:

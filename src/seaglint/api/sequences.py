@@ -1,6 +1,8 @@
-"""Functions of sequences: ``sg.render``, ``sg.frames`` without files, ``sg.sense`` and ``sg.sensor``.
+"""Functions of sequences, of sensors and of many scenes.
 
-The functions of :mod:`seaglint.api` for many scenes at once.
+- ``sg.render`` writes a sequence, ``sg.frames`` yields its frames without files.
+- ``sg.sense`` applies a sensor to radiance, ``sg.sensor`` computes its figures of merit.
+- ``sg.ensemble`` draws and renders many scenes, ``sg.dataset`` makes labelled data sets of them.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.api.inputs_and_results import ResultRecord, recording_of, request_of, scenario_of, team_of, with_band
+from seaglint.api.inputs_and_results import ResultRecord, arguments_of, recording_of, request_of, scenario_of, team_of, with_band
 from seaglint.base.free_form import TableRow
 from seaglint.base.parameters import documented
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
     from seaglint.formats.recording import RawLayout
+    from seaglint.store.writers import Share
 
 
 @documented(RenderRequest)
@@ -81,7 +84,6 @@ def render(
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
     """
-    from seaglint.store.location import place_of
     from seaglint.store.sequence_store import finish_sequence, open_sequence
     from seaglint.store.writers import Share
     from seaglint.studies.sequence.sensed_sequence import render as written
@@ -92,31 +94,14 @@ def render(
         return with_band(open_sequence(output))
     share = None if shard is None else Share.parse(shard)
     with team_of(workers, threads) as team:
-        path = written(
-            loaded,
-            output,
-            frames=frames,
-            electrons=electrons,
-            radiance=radiance,
-            threads=threads if workers is None else None,
-            workers=team,
-            resume=resume,
-            overwrite=overwrite,
-            progress=progress,
-            **({} if share is None else {"share": share}),
-        )
-    if share is not None and not place_of(path).taken():
-        return open_sequence(place_of(path).work, allow_partial=True)
-    return with_band(open_sequence(path))
+        # Workers limit their threads themselves; the limit of this process would not reach them.
+        own_threads = threads if workers is None else None
+        path = written(**arguments_of(written, locals(), scenario=loaded, workers=team, threads=own_threads))
+    return _opened(path, share)
 
 
 def frames(
-    scenario: SceneInput,
-    frames: range | None = None,
-    *,
-    electrons: bool = False,
-    radiance: bool = False,
-    sensor: str | None = None,
+    scenario: SceneInput, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, sensor: str | None = None
 ) -> Iterator[xr.Dataset]:
     """Frames of a scenario one by one, without files, with the truth of its objects.
 
@@ -140,7 +125,7 @@ def frames(
         detector, else ``radiance`` [W m-2 sr-1, (y, x)], and the scenario's ``render.layers``. With objects also ``names``; ``classes``,
         which are the preset, else the kind of shape, as in data sets; ``boxes``, first column and row, number of columns and rows [px,
         (object, side)]; ``masks`` [(object, y, x)]; ``object_id`` [(y, x)]; and the numbers that :func:`labels` gives, over ``object``. An
-        object of which nothing is seen has NaN as box and an empty mask.
+        object that is nowhere in view has NaN as box and an empty mask.
 
     Raises
     ------
@@ -156,8 +141,8 @@ def frames(
     """
     from seaglint.studies.sequence.labelled_frames import frame_datasets
 
-    made = frame_datasets(scenario_of(scenario, sensor), frames, electrons=electrons, radiance=radiance)
-    return (with_band(frame) for frame in made)
+    datasets = frame_datasets(scenario_of(scenario, sensor), frames, electrons=electrons, radiance=radiance)
+    return (with_band(frame) for frame in datasets)
 
 
 @documented(SenseRequest, INPUT="the radiance")
@@ -190,7 +175,7 @@ def sense(
     radiance : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
         In-band radiance [W m-2 sr-1, (time, y, x) or (y, x)], or a file of it.
     scenario : Scenario, path or mapping
-        With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is that of the radiance.
+        With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is the band of the radiance.
     output : path, optional
         Zarr store to write and open; without it the counts are made in memory.
     sensor : str, optional
@@ -223,43 +208,34 @@ def sense(
 
     from seaglint.base.errors import DataError
     from seaglint.formats.recording.labelled_arrays import Source, source_of
-    from seaglint.store.location import place_of
-    from seaglint.store.sequence_store import open_sequence
     from seaglint.store.writers import Share
     from seaglint.studies.sequence.sense import Reopen, prepare_sense, sensed_dataset
     from seaglint.studies.sequence.sense import sense as written
 
     loaded = scenario_of(scenario, sensor)
-    absent = tuple(missing)
-    reading = request_of(SenseRequest, locals(), missing=absent, workers=None)
+    # Workers receive this record, so it must not hold the workers themselves.
+    reading = request_of(SenseRequest, locals(), missing=tuple(missing), workers=None)
     if isinstance(radiance, str | Path):
-        known, again = source_of(Path(radiance)), Reopen(Path(radiance), frame_rate, variable, channel, axes, absent)
+        source, reopen = source_of(Path(radiance)), Reopen(Path(radiance), reading)
     else:
         radiance = radiance.to_dataset(name="radiance") if isinstance(radiance, xr.DataArray) else radiance
-        known, again = Source.of(radiance) if isinstance(radiance, xr.Dataset) else None, None
+        source, reopen = Source.of(radiance) if isinstance(radiance, xr.Dataset) else None, None
         if workers is not None:
             raise DataError("workers read the radiance again by its name, and it is in memory; give a file, or leave workers out")
-    opened = recording_of(radiance, reading)
+    recording = recording_of(radiance, reading)
     if output is None:
-        images, layout = prepare_sense(opened, loaded, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
-        return sensed_dataset(images, layout)
+        return sensed_dataset(*prepare_sense(**arguments_of(prepare_sense, locals(), scenario=loaded)))
     share = None if shard is None else Share.parse(shard)
     with team_of(workers) as team:
-        path = written(
-            opened,
-            loaded,
-            output,
-            source=known,
-            seed=seed,
-            oversampling=oversampling,
-            electrons=electrons,
-            resume=resume,
-            overwrite=overwrite,
-            progress=progress,
-            share=share,
-            workers=team,
-            reopen=again,
-        )
+        path = written(**arguments_of(written, locals(), scenario=loaded, workers=team))
+    return _opened(path, share)
+
+
+def _opened(path: Path | str, share: Share | None) -> xr.Dataset:
+    """Return a written store; with a share of a store that is not finished, its frames so far."""
+    from seaglint.store.location import place_of
+    from seaglint.store.sequence_store import open_sequence
+
     if share is not None and not place_of(path).taken():
         return open_sequence(place_of(path).work, allow_partial=True)
     return with_band(open_sequence(path))
@@ -354,15 +330,12 @@ def ensemble(
     >>> [row["wind.speed_m_s"] for row in rows]
     [3.0, 3.0]
     """
-    from seaglint.api.inputs_and_results import team_of
     from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
     from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 
     resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
     with team_of(workers, threads) as others:
-        render_ensemble(
-            resolved, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
-        )
+        render_ensemble(**arguments_of(render_ensemble, locals(), ensemble=resolved, workers=others))
     return [scene.row for scene in draw(resolved)]
 
 
@@ -407,7 +380,7 @@ def dataset(
     Raises
     ------
     SeaglintError
-        An error as for :func:`ensemble`, an unknown format, or what is wrong with a data set that is checked.
+        An error as for :func:`ensemble`, an unknown format, or the faults of a data set that is checked.
 
     Examples
     --------
@@ -415,7 +388,6 @@ def dataset(
     >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
     PosixPath('small')
     """
-    from seaglint.api.inputs_and_results import team_of
     from seaglint.base.errors import DataError
     from seaglint.formats.dataset.dataset_writing import problems
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source

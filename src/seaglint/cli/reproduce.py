@@ -157,7 +157,13 @@ def fig12(
     write_labels(labels, numbers, overwrite=overwrite or resume)
     log(f"{numbers} written")
     with open_sequence(store) as dataset:
-        write(dataset, shown, [label for label in labels if label.frame == selected[shown]], engagement.ways(scenario, selected), picture)
+        write(
+            dataset,
+            shown,
+            [label for label in labels if label.frame == selected[shown]],
+            engagement.trajectories(scenario, selected),
+            picture,
+        )
         log(f"{picture} written")
         if with_video:
             write_video(dataset, video, "linear", remedy="make room and run the same command with --resume")

@@ -83,7 +83,7 @@ def sense(
             progress=report,
             share=share,
             workers=others,
-            reopen=Reopen(Path(recording), request.frame_rate, request.variable, request.channel, request.axes, request.missing),
+            reopen=Reopen(Path(recording), request),
         )
     if share is not None:
         tell_share(store, share)

@@ -52,10 +52,7 @@ _ASSUMED: Final[Mapping[str, tuple[str, ...]]] = {
 }
 
 #: Meaning of keys that have no value.
-_LEFT_OUT: Final[Mapping[str, str]] = {
-    "integration_time_s": "a whole frame",
-    "well_capacity_e": "without limit",
-}
+_UNSET_MEANINGS: Final[Mapping[str, str]] = {"integration_time_s": "a whole frame", "well_capacity_e": "without limit"}
 
 _ONLY_PHOTON: Final = frozenset(PhotonDetector.model_fields) - frozenset(ThermalDetector.model_fields)
 _ONLY_THERMAL: Final = frozenset(ThermalDetector.model_fields) - frozenset(PhotonDetector.model_fields)
@@ -68,7 +65,7 @@ class CameraTables:
     """Tables of a scenario that describe a camera."""
 
     tables: TomlTables  #: Content of ``[sensor]`` and ``[band]``.
-    assumed: tuple[str, ...] = ()  #: What no number of the data sheet said, a sentence each.
+    assumed: tuple[str, ...] = ()  #: Assumptions beyond the data sheet, a sentence each.
 
 
 def read_camera(given: str) -> CameraTables:
@@ -95,7 +92,7 @@ def read_camera(given: str) -> CameraTables:
 
 
 def camera(values: Mapping[str, Any]) -> CameraTables:
-    """Sort a data sheet's numbers into the tables of a scenario and say what had to be assumed.
+    """Sort a data sheet's numbers into the tables of a scenario and list the assumptions.
 
     Raises
     ------
@@ -108,12 +105,13 @@ def camera(values: Mapping[str, Any]) -> CameraTables:
         if name.startswith("band"):
             band |= _band(name, value)
             continue
-        place, read = _placed(name, value)
+        place, read = _key_and_value(name, value)
         *above, key = place[1:]
         table = sensor.setdefault(above[0], {}) if above else sensor
         if key in table:
             raise ScenarioError(f"camera: {'.'.join(place)} is given twice (here as {name}); leave one out")
         table[key] = read
+    # A camera needs a picture, a pitch and an aperture; everything else has a default or follows.
     needs = {"pixels": "pixels=640x512", "pitch_um": "pitch_um=17", "f_number or aperture_m": "f_number=1.1"}
     missing = [
         needs[key]
@@ -126,7 +124,7 @@ def camera(values: Mapping[str, Any]) -> CameraTables:
     ]
     if missing:
         raise ScenarioError(f"camera: misses {', '.join(missing)}; write e.g. {EXAMPLE}")
-    assumed = [*_kind(sensor["detector"], band, values), *_stated_at(sensor)]
+    assumed = [*_kind(sensor["detector"], band, values), *_assume_netd_lens(sensor)]
     if not band:
         assumed.append("band of 3.5 to 5 um, as none is given; add band_um=3.5-5")
     return CameraTables({"sensor": sensor, **({"band": band} if band else {})}, tuple(assumed))
@@ -141,13 +139,14 @@ def with_camera(raw: Mapping[str, Any], chosen: CameraTables) -> TomlTables:
     remaining = {key: value for key, value in own.items() if key not in (*TABLES, "fov_deg", "pixels")}
     bands = {"band": dict(chosen.tables["band"])} if "band" in chosen.tables else {}
     # what the optics see is known to the model alone
+    # The height of the view may follow from pixels and focal length, so a level camera is validated to read it.
     level = parse_scenario({**bands, "sensor": {**remaining, "elevation_deg": 0.0, **new}}, name="camera").sensor
     direction = {} if "elevation_deg" in new else {"elevation_deg": round(-(0.5 - ABOVE) * level.fov_deg[1], 3)}
     return {**raw, **bands, "sensor": {**remaining, **direction, **new}}
 
 
 def assumed_values(scenario: Scenario, chosen: CameraTables) -> list[str]:
-    """Return what a camera's scenario has that no number of the data sheet says, a line of keys and values for each subject.
+    """Return the values of a camera's scenario that the data sheet does not state, a line of keys and values for each subject.
 
     Parameters
     ----------
@@ -175,15 +174,16 @@ def assumed_values(scenario: Scenario, chosen: CameraTables) -> list[str]:
 def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | None:
     """Return the value of a key that is not given, as text; None where it is given, or does not count."""
     value: Any = scenario
-    above: Any = given
+    stated: Any = given
     for part in key.split("."):
-        above = above.get(part) if isinstance(above, Mapping) else None
+        stated = stated.get(part) if isinstance(stated, Mapping) else None
         if value is None or not hasattr(value, part):
             return None
         value = getattr(value, part)
     name, sensor = key.rpartition(".")[2], scenario.sensor
     states_netd = sensor.detector is not None and sensor.detector.netd_k is not None
-    if above is not None or (name.startswith("netd_") and not states_netd):
+    # The NETD's conditions matter only with a stated NETD.
+    if stated is not None or (name.startswith("netd_") and not states_netd):
         return None
     if value is None:
         lens = {
@@ -193,14 +193,14 @@ def _assumed(scenario: Scenario, given: Mapping[str, Any], key: str) -> str | No
         }
         if name in lens:
             return f"{lens[name]:.4g}"
-        return "what the NETD needs" if name == "integration_time_s" and states_netd else _LEFT_OUT.get(name)
+        return "what the NETD needs" if name == "integration_time_s" and states_netd else _UNSET_MEANINGS.get(name)
     if isinstance(value, tuple):
         return f"[{', '.join(f'{one:.4g}' for one in value)}]"
     return f"{value:g}" if isinstance(value, int | float) else f'"{value}"' if isinstance(value, str) else f"{value}"
 
 
 def _from_file(path: Path) -> dict[str, Any]:
-    """Return the keys of a camera's file: plain ones, or those of [sensor] and [band] of a scenario."""
+    """Return the keys of a camera's file: plain keys, or the keys of [sensor] and [band] of a scenario."""
     try:
         raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
@@ -225,6 +225,7 @@ def _from_file(path: Path) -> dict[str, Any]:
 
 def _plain(text: str) -> Any:
     """Return a whole number, a number, a pair such as 640x512, true or false, or the text itself."""
+    # Data sheets write pairs with x, the sign ×, or an asterisk.
     pair = re.fullmatch(r"([0-9.]+)\s*[x×*]\s*([0-9.]+)", text)
     if pair is not None:
         return [_plain(pair[1]), _plain(pair[2])]
@@ -240,7 +241,7 @@ def _plain(text: str) -> Any:
 
 @cache
 def _keys() -> dict[str, tuple[str, ...]]:
-    """Return the places of all keys of a camera by their last name; those of two tables by both names alone."""
+    """Return the places of all keys of a camera by their last name, and keys of inner tables also by both names."""
     tables: dict[tuple[str, ...], Iterable[str]] = {(): table_keys(("sensor",))}
     tables |= {(name,): table_keys(("sensor", name)) for name in ("detector", "optics", "noise", "scan")}
     out: dict[str, tuple[str, ...]] = {}
@@ -248,26 +249,30 @@ def _keys() -> dict[str, tuple[str, ...]]:
         for name in names:
             if name in TABLES:
                 continue
+            # A bare name belongs to the first table that has it; other tables need both names, as in optics.temperature_k.
             out.setdefault(name, ("sensor", *table, name))
             if table:
                 out[f"{table[0]}.{name}"] = ("sensor", *table, name)
     return out
 
 
-def _placed(name: str, value: Any) -> tuple[tuple[str, ...], Any]:
+def _key_and_value(name: str, value: Any) -> tuple[tuple[str, ...], Any]:
     """Return the place of a key and its value in the unit of that place."""
     known = _keys()
     if name in known:
         return known[name], value
+    # A key with another unit has the stem of the scenario's key and a different ending: focal_length_mm.
     stem, _, ending = name.rpartition("_")
     candidates = [other for other in known if other.rpartition("_")[0] == stem and stem]
     for other in candidates:
+        # The endings of scenario keys are units, so the first key whose unit the ending converts to is meant.
         key = key_at(known[other])
         assert key is not None
         unit = next((quantity.unit for quantity in key.quantities if quantity.unit), "")
         if not unit or isinstance(value, bool) or not isinstance(value, int | float | list):
             continue
         try:
+            # 17 significant digits pass the number through text without rounding.
             each = value if isinstance(value, list) else [value]
             read = [convert(f"{float(one):.17g} {_UNITS.get(ending, ending)}", unit) for one in each]
         except ValueError:
@@ -301,7 +306,7 @@ def _band(name: str, value: Any) -> dict[str, Any]:
 
 
 def _kind(detector: dict[str, Any], band: Mapping[str, Any], values: Mapping[str, Any]) -> list[str]:
-    """Choose the detector's kind where none is given, and say why."""
+    """Choose the detector's kind if the data sheet does not state it, and return the reason."""
     if "kind" in detector:
         return []
     photon, thermal = _ONLY_PHOTON & set(detector), _ONLY_THERMAL & set(detector)
@@ -314,8 +319,8 @@ def _kind(detector: dict[str, Any], band: Mapping[str, Any], values: Mapping[str
     return [f"{taken}, from band and NETD; kind={other} makes it the other"]
 
 
-def _stated_at(sensor: dict[str, Any]) -> list[str]:
-    """Take a microbolometer's NETD as stated for its own lens where no f-number is said, and say so."""
+def _assume_netd_lens(sensor: dict[str, Any]) -> list[str]:
+    """Take a microbolometer's NETD as stated for its lens if the data sheet has no other f-number, and return this assumption."""
     detector, lens = sensor["detector"], sensor.get("optics", {}).get("f_number")
     if detector["kind"] != "thermal" or lens is None or "netd_f_number" in detector:
         return []

@@ -1,7 +1,4 @@
-"""Setter of keys in the raw tables of a scenario by their dotted names.
-
-Middle of a scenario's picture: fewer rows and columns of the same angle.
-"""
+"""Changes of a scenario: a key set by its dotted name, and a picture cut to its middle."""
 
 from __future__ import annotations
 
@@ -29,12 +26,12 @@ def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
     value : object
         New value of the key.
     name : str
-        Whose tables they are, for messages.
+        Name of the tables, for messages.
 
     Raises
     ------
     ScenarioError
-        Something on the way is no table, no object of that name, or no such place in a list.
+        A part of the dotted name is no table, no object of that name, or no such place in a list.
 
     Examples
     --------
@@ -44,18 +41,18 @@ def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
     >>> raw
     {'sensor': {'fov_deg': [12, 8]}, 'wind': {'speed_m_s': 5}}
     """
-    *way, last = key.split(".")
-    at: Any = raw
-    for k, step in enumerate(way):
-        at = at[_place(at, step, key, name)] if isinstance(at, list) else at.setdefault(step, {})
-        if not isinstance(at, dict | list):
-            raise ScenarioError(f"{name}: {'.'.join(way[: k + 1])} is no table; the key {key} is not one of a scenario")
-    if isinstance(at, list):
-        if any(isinstance(item, Mapping) for item in at):
+    *tables, last = key.split(".")
+    place: Any = raw
+    for k, step in enumerate(tables):
+        place = place[_place(place, step, key, name)] if isinstance(place, list) else place.setdefault(step, {})
+        if not isinstance(place, dict | list):
+            raise ScenarioError(f"{name}: {'.'.join(tables[: k + 1])} is no table; the key {key} is not one of a scenario")
+    if isinstance(place, list):
+        if any(isinstance(item, Mapping) for item in place):
             raise ScenarioError(f"{name}: {key}: objects are named; give objects.NAME.key")
-        at[_place(at, last, key, name)] = value
+        place[_place(place, last, key, name)] = value
     else:
-        at[last] = value
+        place[last] = value
 
 
 def _place(items: list[Any], step: str, key: str, name: str) -> int:
@@ -74,17 +71,18 @@ def middle_of(scenario: Scenario, rows: int, columns: int | None = None) -> Scen
     """Return the scenario with the middle of its picture alone, at most so many rows and columns; pixels keep their angles."""
     sensor = scenario.sensor
     sides = list(zip(sensor.pixels, sensor.fov_deg, (columns, rows), strict=True))
-    kept = [_kept(side, angle, most, plane=sensor.projection == "pinhole") for side, angle, most in sides]
-    if [side for side, _ in kept] == list(sensor.pixels):
+    sides_and_angles = [_cut_side(side, angle, most, plane=sensor.projection == "pinhole") for side, angle, most in sides]
+    if [side for side, _ in sides_and_angles] == list(sensor.pixels):
         return scenario
-    parts = {"pixels": (kept[0][0], kept[1][0]), "fov_deg": (kept[0][1], kept[1][1])}
+    parts = {"pixels": (sides_and_angles[0][0], sides_and_angles[1][0]), "fov_deg": (sides_and_angles[0][1], sides_and_angles[1][1])}
     return scenario.model_copy(update={"sensor": sensor.model_copy(update=parts)})
 
 
-def _kept(side: int, angle: float, most: int | None, *, plane: bool) -> tuple[int, float]:
+def _cut_side(side: int, angle: float, most: int | None, *, plane: bool) -> tuple[int, float]:
     """Pixels that stay of a side, an even number less so that its middle stays where it is, and their angle [deg]."""
     if most is None or side <= most:
         return side, angle
+    # The removed pixels must be even in number, else the middle would move by half a pixel.
     fewer = most - (side - most) % 2
     share = fewer / side
     return fewer, 2.0 * math.degrees(math.atan(share * math.tan(math.radians(0.5 * angle)))) if plane else angle * share

@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.base.free_form import TomlTables
-from seaglint.scenario.load import parse_scenario, say_moments
+from seaglint.scenario.load import parse_scenario, report_moments
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, with_sensor
 from seaglint.scenario.records.ensemble_tables import Choice, Dataset, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
@@ -32,7 +32,7 @@ Value = Law | Number  #: Law of a key, or a constant value.
 
 
 class EnsembleSettings(Record):
-    """How many scenes there are, and how they are drawn."""
+    """Number of scenes, and the method by which they are drawn."""
 
     scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), Field(description="number of scenes")]
     frames: Annotated[
@@ -121,17 +121,18 @@ class Ensemble(Record):
 
     @model_validator(mode="after")
     def _keys_once(self) -> Self:
-        seen: set[str] = set()
+        keys_so_far: set[str] = set()
         for i, law in enumerate(self.vary):
             if not isinstance(law, Weather) and not law.key:
                 raise rule(f"vary[{i}].key", "is missing; name a key of the scenario, e.g. key = 'wind.speed_m_s'")
             for key in law.keys if isinstance(law, Weather) else (law.key or "",):
-                if key in seen:
+                if key in keys_so_far:
                     raise rule(f"vary[{i}].key", f"= '{key}' has two laws; leave one of them out", value=key)
-                inner = next((other for other in sorted(seen) if other.startswith(f"{key}.")), None)
+                # Laws are applied in order, so a law of a whole table would overwrite an earlier law of a key inside it.
+                inner = next((other for other in sorted(keys_so_far) if other.startswith(f"{key}.")), None)
                 if inner is not None:
                     raise rule(f"vary[{i}].key", f"= '{key}' would replace what was drawn for {inner}; put it before that law", value=key)
-                seen.add(key)
+                keys_so_far.add(key)
         names = [template.name for template in self.objects]
         for name in names:
             if names.count(name) > 1:
@@ -183,6 +184,7 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
             "ensemble = { scenes = 100 }, and laws of keys in tables [[vary]]"
         )
     try:
+        # The base is validated as a scenario below; here it would be free-form tables.
         ensemble = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
     except ValidationError as error:
         lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
@@ -200,7 +202,7 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
     Raises
     ------
     ScenarioError
-        A law with a mistake; ``name`` says whose it is.
+        A law with a mistake; ``name`` is the key of the law in the message.
     """
     if not isinstance(raw, Mapping) or "law" not in raw:
         return None
@@ -215,13 +217,13 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
 
 def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> TomlTables:
     """Return the tables of the base with absolute paths."""
-    beside: Path | None
+    paths_from: Path | None
     if isinstance(given, str):
         path = Path(given) if folder is None else folder / given
-        raw, where, beside = read_toml(path, "base scenario"), str(path), path.parent
-        say_moments(raw, where)
+        raw, where, paths_from = read_toml(path, "base scenario"), str(path), path.parent
+        report_moments(raw, where)
     elif isinstance(given, Mapping):
-        raw, where, beside = dict(given), f"{name}: base", folder
+        raw, where, paths_from = dict(given), f"{name}: base", folder
         preset = raw.pop("preset", None)
         if preset is not None:
             if not isinstance(preset, str) or preset not in PRESETS:
@@ -232,11 +234,11 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
     raw = raw if sensor is None else with_sensor(raw, sensor)
     if "objects" in raw:
         raw = {**raw, "objects": with_names(raw["objects"])}
-    return with_absolute_paths(raw, parse_scenario(raw, name=where, base=beside))
+    return with_absolute_paths(raw, parse_scenario(raw, name=where, base=paths_from))
 
 
 def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> TomlTables:
-    """Merge two sets of tables, table by table; the keys of ``above`` replace those of the other."""
+    """Merge two sets of tables, table by table; keys of ``above`` replace keys of ``below``."""
     out = dict(below)
     for key, value in above.items():
         inner = out.get(key)
@@ -261,6 +263,7 @@ def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> TomlTable
 
 def _described(error: ErrorDetails) -> tuple[str, Any, str]:
     """Return key, value and text of one mistake."""
+    # Pydantic adds the law's name to the location of a mistake in a union; the file has no such level.
     location = tuple(part for part in error["loc"] if part not in _TAGS)
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
     kind, given, context = error["type"], error["input"], error.get("ctx", {})
@@ -268,6 +271,7 @@ def _described(error: ErrorDetails) -> tuple[str, Any, str]:
         at = key if context["key"].startswith(("objects", "vary")) else f"{key}.{context['key']}".lstrip(".")
         return context["key"], context["value"], f"{context['key'] if at == key else at} {error['msg']}"
     if kind == "extra_forbidden":
+        # A key of a scenario at the top of the ensemble is misplaced rather than unknown.
         if key in _SCENARIO:
             return key, None, f"{key} is a key of scenarios; put it into the base, [base.{key}] or base.{key} = ..."
         keys = _keys_at(error["loc"])

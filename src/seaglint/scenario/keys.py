@@ -20,7 +20,7 @@ class Key:
 
     path: tuple[str, ...]
     info: FieldInfo
-    records: tuple[type[BaseModel], ...]  #: Return the records that the key may hold when it is a table; several for a union.
+    records: tuple[type[BaseModel], ...]  #: Records that the key may hold when it is a table; several for a union.
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
@@ -69,14 +69,14 @@ def is_list(annotation: Any) -> bool:
 
 
 def fields_of(record: type[BaseModel], above: tuple[str, ...] = ()) -> Iterator[Key]:
-    """Return the keys of one record, without those of the tables inside."""
+    """Yield the keys of one record, without the keys of inner tables."""
     for name, info in record.model_fields.items():
         yield Key((*above, name), info, tuple(dict.fromkeys(_records(info.annotation))))
 
 
 @cache
 def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
-    """Return the records that may stand at a location."""
+    """Return the records that are allowed at a location."""
     records: tuple[type[BaseModel], ...] = (Scenario,)
     for part in location:
         if part.isdecimal():  # a place in a list
@@ -105,6 +105,7 @@ def named_key(dotted: str) -> Key | None:
     """
     parts = dotted.split(".")
     if parts[0] == "objects" and len(parts) > 1:
+        # The name or the number of an object is not a level of the records.
         parts.pop(1)
     return _key_at(tuple(part for part in parts if not part.isdecimal()))
 
@@ -158,6 +159,7 @@ def key_paths() -> tuple[str, ...]:
 
     def walk(record: type[BaseModel], above: tuple[str, ...], over: tuple[type[BaseModel], ...]) -> Iterator[str]:
         for key in fields_of(record, above):
+            # Tables are not keys that can be set to a number or text; their keys are walked below.
             if not key.records:
                 yield ".".join(key.path)
             for inner in key.records:

@@ -26,15 +26,16 @@ log = logging.getLogger(__name__)
 
 
 def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
-    """Read and validate a scenario file; ``sensor`` names a preset that stands in for its sensor's optics, detector, scan and noise.
+    """Read and validate a scenario file; ``sensor`` names a preset that replaces its sensor's optics, detector, scan and noise.
 
     Raises
     ------
     ScenarioError
-        With one line per mistake: ``file: key.path = value ...: what is allowed; what to do``.
+        With one line per mistake: ``file: key.path = value ...: allowed values; remedy``.
     """
     path = Path(path)
     try:
+        # Editors on Windows may begin UTF-8 files with a byte-order mark, which TOML does not allow.
         text = path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         raise ScenarioError(f"{path}: no such file; 'seaglint init {path}' writes a commented one") from None
@@ -53,12 +54,12 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
     except RecursionError:
         raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
     scenario = parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
-    say_moments(raw, str(path))
+    report_moments(raw, str(path))
     return scenario
 
 
-def say_moments(raw: Mapping[str, Any], name: str) -> None:
-    """Say what is taken for dates and times without a zone, or without an hour, which changes the Sun."""
+def report_moments(raw: Mapping[str, Any], name: str) -> None:
+    """Report the UTC time that is taken for dates and times without a zone, or without an hour, because it changes the Sun."""
     for key, moment, hour in _without_zone(raw):
         given, lacks = (moment.isoformat(), "") if hour else (f"{moment:%Y-%m-%d}", "no hour and ")
         text = "seaglint: %s: %s = %s has %sno time zone and is taken as UTC, %sZ; end the time in Z, or in its offset such as -05:00"
@@ -79,6 +80,7 @@ def _without_zone(raw: Any, above: str = "") -> Iterator[tuple[str, datetime, bo
             moment = datetime.fromisoformat(given)
         except (ValueError, AttributeError):
             return
+        # A moment with a zone is exact; one without is taken as UTC and reported.
         if moment.tzinfo is None:
             yield above, moment, len(given) > len("2026-06-21")
 
@@ -91,6 +93,7 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
         explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
+        # A union reports a mistake once per kind; equal lines are printed once.
         mistakes = tuple({mistake.text: mistake for mistake in explained}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
@@ -118,7 +121,7 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
 
 
 def _meant_in(key: str, allowed: object, raw: Mapping[str, Any]) -> str:
-    """Return the question whether a number that a rule refuses is in another unit than that of its key."""
+    """Return the question whether a number that a rule refuses is in another unit than its key."""
     value: Any = raw
     for part in key.split("."):
         value = value.get(part) if isinstance(value, Mapping) else None
@@ -139,9 +142,9 @@ def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, An
             return mistake
     if not isinstance(name, str) or f"'{name}'" in mistake.text:
         return mistake
-    here = f"objects[{place}]"
-    rest = mistake.text.removeprefix(here) if mistake.text.startswith(here) else f": {mistake.text}"
-    return replace(mistake, text=f"{here} ({_shown(name)}){rest}")
+    prefix = f"objects[{place}]"
+    rest = mistake.text.removeprefix(prefix) if mistake.text.startswith(prefix) else f": {mistake.text}"
+    return replace(mistake, text=f"{prefix} ({_shown(name)}){rest}")
 
 
 def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
@@ -173,8 +176,8 @@ def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
 
 def _unknown_key(location: Sequence[str | int]) -> str:
     *table, wrong = location
-    here, name = table_keys(tuple(table)), str(wrong)
-    if name in here:
+    allowed_keys, name = table_keys(tuple(table)), str(wrong)
+    if name in allowed_keys:
         # A key of another kind of the same table, such as atmosphere.model beside source = "isothermal".
         tag = tag_name(tuple(table))
         kinds = " or ".join(f'"{kind}"' for kind in kinds_with(tuple(table), name))
@@ -182,16 +185,17 @@ def _unknown_key(location: Sequence[str | int]) -> str:
         return f"{_dotted(location)} does not go with this {tag} of {_dotted(table)}; leave it out or {change}"
     # Of other tables only a key of the very same name helps: a similar one (direction_deg, elevation_deg) means something else.
     exact = [path for path in key_paths() if path.rsplit(".", 1)[-1] == name]
-    near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] + exact[:1]
+    # Keys of the same table may be misspelt; keys of other tables count with an equal name only.
+    near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, allowed_keys, n=1, cutoff=0.6)] + exact[:1]
     hint = f"; did you mean {' or '.join(near)}?" if near else ""
-    allowed = "" if near else f"; allowed here: {', '.join(here) or 'none'}"
+    allowed = "" if near else f"; allowed here: {', '.join(allowed_keys) or 'none'}"
     return f"{_dotted(location)} is an unknown key{hint}{allowed}"
 
 
 def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:
     """Return a location without the tags of unions, which pydantic adds and the file does not have.
 
-    In a list of unions (``sea.spectrum.systems[0].file.path``) the tag stands behind the place.
+    In a list of unions (``sea.spectrum.systems[0].file.path``) the tag follows the place.
     """
     out: list[str | int] = []
     skip = False

@@ -14,14 +14,7 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.free_form import TomlTables
-from seaglint.base.limits import (
-    LOWTRAN_BAND_UM,
-    LOWTRAN_HEIGHTS,
-    NAVY_AEROSOL_WIND,
-    PROFILE_BAND_UM,
-    PROFILE_HEIGHTS,
-    TABLE_BANDS_UM,
-)
+from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, PROFILE_BAND_UM, PROFILE_HEIGHTS, TABLE_BANDS_UM
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, LowtranFortranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.records.object_tables import Object, in_degrees, with_names
@@ -60,6 +53,7 @@ class Scenario(Record):
     @model_validator(mode="before")
     @classmethod
     def _sun_by_default(cls, raw: Any) -> Any:
+        # A scenario without Sun, time and place has the default Sun.
         if isinstance(raw, dict) and not any(raw.get(key) is not None for key in ("time", "place", "sun")) and not _places_itself(raw):
             return {**raw, "sun": {}}
         return raw
@@ -88,11 +82,11 @@ class Scenario(Record):
 
     @model_validator(mode="after")
     def _objects_have_names_and_places(self) -> Self:
-        seen: set[str] = set()
+        names: set[str] = set()
         for item in self.objects or ():
-            if item.name in seen:
+            if item.name in names:
                 raise rule("objects", f"has the name '{item.name}' twice; give every object a name of its own", value=item.name)
-            seen.add(item.name)
+            names.add(item.name)
             if in_degrees(item) and self.place is None:
                 raise rule(
                     f"objects ('{item.name}')", "has latitude_deg and longitude_deg, which need [place] and [time]; give east_m, north_m"
@@ -103,6 +97,7 @@ class Scenario(Record):
     def _the_calendar_lasts(self) -> Self:
         if self.time is None:
             return self
+        # The Sun of every frame is computed, so the last frame must lie within these years too.
         left = (datetime(YEARS[1] + 1, 1, 1, tzinfo=UTC) - self.time.utc).total_seconds()
         if (self.sensor.frames - 1) / self.sensor.frame_rate_hz >= left:
             text = f"= {self.sensor.frames} at {self.sensor.frame_rate_hz:g} Hz end after the year {YEARS[1]}; give fewer or a higher rate"
@@ -122,8 +117,8 @@ class Scenario(Record):
         if low is not None and high is not None and not any(bottom <= low and high <= top for bottom, top in TABLE_BANDS_UM):
             # Named by the edge that is wrong; where both are inside, the band spans the gap and its far edge is told.
             in_low = any(bottom <= low < top for bottom, top in TABLE_BANDS_UM)
-            key, given, beside = ("max_um", high, f"min_um = {low:g}") if in_low else ("min_um", low, f"max_um = {high:g}")
-            text = f"= {given:g} with band.{beside} is outside the table atmosphere; allowed: {TABLE_BANDS_TEXT}, {other}"
+            key, given, other_edge = ("max_um", high, f"min_um = {low:g}") if in_low else ("min_um", low, f"max_um = {high:g}")
+            text = f"= {given:g} with band.{other_edge} is outside the table atmosphere; allowed: {TABLE_BANDS_TEXT}, {other}"
             raise rule(f"band.{key}", text, value=given, allowed=TABLE_BANDS_TEXT)
         return self
 

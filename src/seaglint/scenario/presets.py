@@ -1,14 +1,10 @@
-"""Presets of objects with public dimensions, with the source of each number.
+"""Presets of objects, scenes and sensors, with the source of each number.
 
-A number without a published source is marked *assumed*. Temperatures are assumed throughout: surfaces near that of air and sea, warm where
-engines and bodies are. Lengths are [starboard, forward, up]; the origin of what floats is in the plane of its waterline.
+A number without a published source is marked *assumed*, with the reason for it. A number that is cited from a maker's data sheet of which
+no copy was available is marked as such.
 
-Presets of scenes, with the source of their numbers.
-
-Presets of sensors from published data sheets, with the source of each number.
-
-What a source says was read there. A number without one that could be read is marked *assumed*, with the reason for it; where a maker's
-data sheet is known to say so but no copy of it was at hand, that is said too.
+Temperatures of objects are assumed throughout: surfaces are near the temperature of air and sea, engines and bodies are warm. Lengths are
+[starboard, forward, up]; the origin of a floating object lies in the plane of its waterline.
 """
 
 from __future__ import annotations
@@ -38,9 +34,11 @@ def _box(size: list[float], at: list[float], **more: Any) -> TomlTables:
 
 def _hull(beam: float, length: float, depth: float, draught: float, bow: float) -> TomlTables:
     """Return a box whose bow is cut to a point, with its waterline at z = 0; ``bow`` is the length of the point [m]."""
+    # Each side of the bow runs over half the beam and the length of the point; `turn` is its angle to the keel.
     side, reach = 2.0 * beam + bow, math.hypot(0.5 * beam, bow)
     turn = math.degrees(math.atan2(0.5 * beam, bow))
     cuts = []
+    # Starboard and port side of the bow are cut by one box each.
     for sign in (1.0, -1.0):
         # a box whose side runs from the stem to where the bow begins
         aside, ahead = sign * (0.25 * beam + 0.5 * side * bow / reach), 0.5 * (length - bow) + 0.25 * side * beam / reach
@@ -521,9 +519,9 @@ TABLES: Final = ("optics", "detector", "scan", "noise")  #: Tables of ``[sensor]
 
 
 def with_sensor(raw: Mapping[str, Any], name: str) -> TomlTables:
-    """Return a scenario's raw tables with the pixels, rate, band and four tables of a preset's sensor in place of its own.
+    """Return a scenario's raw tables with the pixels, rate, band and four tables of its sensor replaced by a preset's.
 
-    Height, direction and projection stay the scenario's, and so does everything else.
+    Height, direction, projection and all other keys of the scenario are unchanged.
 
     Raises
     ------

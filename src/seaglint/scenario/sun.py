@@ -39,6 +39,7 @@ def sun_step(scenario: Scenario, time: float) -> int:
     >>> sun_step(parse_scenario({"time": {"utc": "2026-06-21T17:30:00Z"}, "place": {"latitude_deg": 40, "longitude_deg": 0}}), 60.0)
     5
     """
+    # The step is a function of the time alone, so that a frame is equal in any part of its sequence.
     return 0 if scenario.sun is not None else math.floor(time / SUN_STEP_TIME)
 
 

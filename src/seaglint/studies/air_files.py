@@ -1,6 +1,6 @@
-"""The air of a scenario as a file that ``atmosphere.source = "file"`` reads: to start one's own from, or to keep.
+"""Files of the air of a scenario: its spectra for ``atmosphere.source = "file"``, and decks for MODTRAN or LOWTRAN7.
 
-Decks for MODTRAN or LOWTRAN7 of the lines of sight that a scenario needs.
+A file of spectra can be edited, or stored beside a scenario. A deck has the lines of sight that the scenario needs.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from seaglint.base.reports import REPORTS
 from seaglint.formats.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
 from seaglint.formats.modtran.decks import AZIMUTHS, LOWTRAN7_CO2_PPMV, MANIFEST, Manifest, deck, json_deck, needed_lines
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.sun import sun_position
 from seaglint.store.outputs import made_folder, refuse_existing, write_text
 from seaglint.store.provenance import provenance
 from seaglint.studies.build import scenario_physics
-from seaglint.studies.build.profile_air import program_sounding, wanted_gases
+from seaglint.studies.build.profile_air import program_sounding, requested_gases
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,11 +43,11 @@ DIP_NODES: Final = 24  #: Nodes along the paths, of sky and Sun from the horizon
 
 _AZIMUTH: Final = "azimuth_from_sun_deg"
 
-HIGHEST_CREST: Final = 30.0  #: Paths reach to where the sensor sees waves of this height stand above the horizon [m].
+HIGHEST_CREST: Final = 30.0  #: Height of waves above the horizon that the longest paths reach [m].
 
 
 def export_air(scenario: Scenario) -> xr.Dataset:
-    """Spectra of the scenario's air at nodes, in the layout of :mod:`seaglint.formats.air_file`.
+    """Return spectra of the scenario's air at nodes, in the layout of :mod:`seaglint.formats.air_file`.
 
     Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1 for the Sun at 1 au.
 
@@ -65,12 +65,13 @@ def export_air(scenario: Scenario) -> xr.Dataset:
     """
     import xarray as xr
 
-    if isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
+    if isinstance(scenario.atmosphere, requested_air.FileAtmosphere):
         raise ScenarioError(
             f"atmosphere.source = 'file': {scenario.atmosphere.path} is such a file already; copy it, or choose another source to export"
         )
     air, height = scenario_physics.atmosphere(scenario, scenario_physics.band(scenario)), scenario.sensor.height_m
     arc = _arcs(height)
+    # Nodes are dense near the horizon, where the sky changes fastest with the angle.
     above = elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)
     zenith = 90.0 - np.degrees(np.minimum(above, 0.5 * np.pi))[::-1]
     below = np.degrees(horizon_depression(height) * grazing_share(np.linspace(0.0, 1.0, DIP_NODES)[1:]))
@@ -102,6 +103,7 @@ def export_air(scenario: Scenario) -> xr.Dataset:
             name: ((node, _AZIMUTH, "wavenumber_cm"), np.maximum(values, 0.0), {"units": _unit(name)})
             for name, (node, values) in lit.items()
         }
+        # Scattered sunlight holds for one Sun, so its zenith angle is stored beside it.
         azimuths, attributes = {_AZIMUTH: np.array(AZIMUTHS)}, {**attributes, "solar_zenith_deg": float(np.degrees(sun))}
     return xr.Dataset(
         variables,
@@ -124,9 +126,11 @@ def _unit(name: str) -> str:
 def _arcs(height: float) -> FloatArray:
     """Arcs [m] from the sensor's foot to behind the horizon, even in the logarithm of the slant path."""
     last = horizon_range(height) + horizon_range(HIGHEST_CREST)
+    # The slant path has no simple inverse, so the arcs of even steps are interpolated from many arcs.
     fine = np.concatenate([[0.0], np.geomspace(1e-3 * height, last, 4000)])
     x = np.log(slant_range(height, fine) / height)
     arc = np.interp(np.linspace(0.0, x[-1], PATH_NODES), x, fine)
+    # Interpolation may miss the two ends by rounding.
     arc[0], arc[-1] = 0.0, last
     return np.asarray(arc)
 
@@ -138,14 +142,15 @@ NAME: Final = "lines"
 #: Name of the deck of each format.
 DECKS: Final[dict[DeckFormat, str]] = {"tape5": f"{NAME}.tp5", "tape5-lowtran7": "TAPE5", "modtran6-json": f"{NAME}-input.json"}
 
-#: Names under which the results of each are looked for.
+#: File names in which the results of each format are searched.
 OUTPUTS: Final[dict[DeckFormat, tuple[str, ...]]] = {
     "tape5": (f"{NAME}.tp7", "tape7", f"{NAME}.7sc", "tape7.scn"),
     "tape5-lowtran7": ("TAPE7", "tape7"),
     "modtran6-json": (f"{NAME}.json", f"{NAME}.csv"),
 }
 
-REFRACTION_CM: Final = 2665.0  #: Wavenumber of the refractivity by which lines of sight are laid [cm-1]: infrared air is the same to 1e-4.
+#: Wavenumber of the refractivity that bends the lines of sight [cm-1]: over the infrared it is equal to 1e-4.
+REFRACTION_CM: Final = 2665.0
 
 
 @dataclass(frozen=True)
@@ -169,7 +174,7 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     form : str
         ``tape5`` (MODTRAN 4 and 5), ``tape5-lowtran7`` or ``modtran6-json``.
     scattered : bool
-        Ask for scattered sunlight too, where the Sun is up.
+        Request scattered sunlight too, if the Sun is up.
     overwrite : bool
         Replace files that are there.
 
@@ -200,7 +205,9 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
         text = deck(lines, air, solar_deg, modtran=form == "tape5", co2_ppmv=co2)
     manifest = Manifest(tuple(lines), height, solar_deg, OUTPUTS[form])
     made_folder(folder)
+    # MODTRAN 5 reads the name of its deck from mod5root.in.
     contents = {DECKS[form]: text, MANIFEST: manifest.text()} | ({"mod5root.in": f"{NAME}\n"} if form == "tape5" else {})
+    # All names are checked before the first file is written.
     for name in contents:
         refuse_existing(folder / name, overwrite=overwrite)
     for name, content in contents.items():
@@ -209,10 +216,10 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
 
 
 def _carbon_dioxide(scenario: Scenario, form: str) -> float:
-    """Carbon dioxide of the scenario [1e-6 of the volume]; what decks cannot say of its gases is reported."""
+    """Return the carbon dioxide of the scenario [1e-6 of the volume]; report gases that decks cannot specify."""
     gases = OwnGases()
-    if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere):
-        gases = wanted_gases(scenario.atmosphere)
+    if isinstance(scenario.atmosphere, requested_air.TableAtmosphereSettings | requested_air.LowtranAtmosphere):
+        gases = requested_gases(scenario.atmosphere)
     co2 = LOWTRAN7_CO2_PPMV if gases.co2_ppmv is None else gases.co2_ppmv
     left = [name for name in ("ch4_ppmv", "n2o_ppmv", "ozone_du") if getattr(gases, name) is not None]
     if form == "tape5-lowtran7" and co2 != LOWTRAN7_CO2_PPMV:
@@ -223,18 +230,18 @@ def _carbon_dioxide(scenario: Scenario, form: str) -> float:
 
 
 def _air(scenario: Scenario) -> LowtranAir:
-    """Air of the scenario as cards say it."""
+    """Return the air of the scenario as the cards of a deck specify it."""
     levels: tuple[ProfileLevel, ...] = ()
     wind = scenario.wind.speed_m_s
     if getattr(scenario.atmosphere, "air_minus_sea_k", None) is not None:
         raise ScenarioError("atmosphere.air_minus_sea_k is not in decks, which take the profile as it is; leave it out to write them")
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphereSettings(model=model):
+        case requested_air.TableAtmosphereSettings(model=model):
             aerosol = Aerosol(wind=wind, wind_24h=wind)
-        case (wanted_air.LowtranAtmosphere(model=model) | wanted_air.LowtranFortranAtmosphere(model=model)) as wanted:
-            longer = wanted.wind_24h_m_s
-            aerosol = Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer)
-            levels = program_sounding(wanted, scenario, scenario_physics.band(scenario))
+        case (requested_air.LowtranAtmosphere(model=model) | requested_air.LowtranFortranAtmosphere(model=model)) as requested:
+            wind_24h = wind if requested.wind_24h_m_s is None else requested.wind_24h_m_s
+            aerosol = Aerosol(requested.haze, requested.visibility_km, requested.air_mass_character, wind, wind_24h)
+            levels = program_sounding(requested, scenario, scenario_physics.band(scenario))
         case other:
             raise ScenarioError(
                 f"atmosphere.source = '{other.source}' is no air that MODTRAN could compute; "
@@ -246,6 +253,6 @@ def _air(scenario: Scenario) -> LowtranAir:
 
 
 def _refraction(model: str) -> RefractingAir:
-    """Refraction of a model atmosphere, by which lines of sight are laid."""
+    """Return the refraction of a model atmosphere, which bends the lines of sight of a deck."""
     profile = model_profile(model)
     return RefractingAir.of(profile.height, refractivity(profile, REFRACTION_CM), profile.earth_radius)

@@ -1,6 +1,6 @@
-"""Air along single lines of sight of a scenario: paths from the sensor to points, and the sky in directions.
+"""Air along single lines of sight: paths from the sensor of a scenario, its sky, and paths through even air, as datasets.
 
-Paths through air of one temperature and pressure as datasets, and the choice between them and those of a scenario.
+Even air has one temperature and pressure along the whole path.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ SPECTRAL_UNIT = "W m-2 sr-1 per cm-1"  #: Unit of spectral radiance.
 
 
 def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike = 0.0) -> xr.Dataset:
-    """Transmittance and thermal radiance of the paths from the sensor to points.
+    """Return transmittance and thermal radiance of the paths from the sensor to points.
 
     Parameters
     ----------
     scenario : Scenario
         Air, band, height of the sensor (at the start, where it moves) and temperature of the water.
     range_m : array_like
-        Arcs along the sea from the sensor's foot to that of the point [m, (ranges,)].
+        Arcs along the sea from the foot of the sensor to the foot of the point [m, (ranges,)].
     target_height_m : array_like
         Heights of the point above the mean sea [m, (heights,)]; 0 is the sea.
 
@@ -50,7 +50,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     xarray.Dataset
         Over ``target_height_m`` and ``range_m``: ``transmittance`` [1], the mean over the band weighted with the blackbody at the water's
         temperature; ``path_radiance`` [W m-2 sr-1]; ``slant_range`` and ``lowest_height`` [m]; and over ``wavenumber_cm`` both as spectra.
-        Where ``lowest_height`` is below 0 the sea hides the point, and the numbers are those of a line through the water.
+        Where ``lowest_height`` is below 0 the sea hides the point, and the numbers belong to a line through the water.
 
     Raises
     ------
@@ -74,6 +74,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
     slant = slant_range(height, arcs, heights[:, None])
     lowest = lowest_height(height, np.broadcast_to(heights[:, None], slant.shape), slant)
     nu = air.wavenumber_cm
+    # The mean weights each wavenumber with the light of the water, whose contrast the path attenuates.
     glow = planck_wavenumber(nu, scenario.sea.temperature_k)
     mean = _in_band(transmittance * glow, band, nu) / _in_band(glow, band, nu)
     dims = ("target_height_m", "range_m")
@@ -97,7 +98,7 @@ def path_air(scenario: Scenario, range_m: ArrayLike, target_height_m: ArrayLike 
 
 
 def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | None = None) -> xr.Dataset:
-    """Radiance and apparent temperature of the sky as the sensor sees it.
+    """Return radiance and apparent temperature of the sky as the sensor sees it.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     zenith_deg : array_like
         Zenith angles looked at [deg, (angles,)], from 0 to the horizon.
     azimuth_deg : array_like, optional
-        Azimuths looked at, clockwise from north [deg, (azimuths,)]; the sensor's where none are given.
+        Azimuths looked at, clockwise from north [deg, (azimuths,)]; by default the sensor's azimuth.
 
     Returns
     -------
@@ -138,11 +139,13 @@ def sky_air(scenario: Scenario, zenith_deg: ArrayLike, azimuth_deg: ArrayLike | 
     if beyond.any():
         raise DataError(f"zenith_deg = {angles[beyond][0]:g} is not in the sky, which ends at {lowest:.3f} deg; give angles of 0 to that")
     view = scenario_physics.standing_view(scenario, height)
+    # The whole radiance includes scattered sunlight; the thermal part alone comes from the air's spectra.
     whole = mean_radiance(view, 0.5 * np.pi - np.radians(angles), np.radians(azimuths)).total
     zenith, toward = np.meshgrid(np.radians(angles), np.radians(azimuths), indexing="ij")
     nu = air.wavenumber_cm
     spectra = np.broadcast_to(np.maximum(air.sky_radiance(zenith, toward, height), 0.0), (*zenith.shape, nu.size))
     thermal = _in_band(spectra, band, nu)
+    # Scattered sunlight is never negative: differences below 0 are errors of the two sums.
     sums = {"radiance": whole, "thermal_radiance": thermal, "scattered_radiance": np.maximum(whole - thermal, 0.0)}
     names = {"radiance": "radiance of the sky", "thermal_radiance": "emission of the air", "scattered_radiance": "scattered sunlight"}
     dims = ("zenith_deg", "azimuth_deg")
@@ -192,7 +195,8 @@ def require_one_kind(scenario: bool, ranges: bool, even: Mapping[str, Any]) -> N
     DataError
         A scenario without ranges, ranges without a scenario, numbers of even air beside a scenario, or too few of them.
     """
-    given, missing = ([name for name, value in even.items() if (value is not None) == there] for there in (True, False))
+    # First the names of given numbers of even air, then the names of missing ones.
+    given, missing = ([name for name, value in even.items() if (value is not None) == present] for present in (True, False))
     if scenario and given:
         raise DataError(f"{', '.join(given)}: describe even air, and a scenario is given; leave them out, or leave the scenario out")
     if scenario != ranges:
@@ -212,7 +216,7 @@ def even_path(
     spectroscopy: Spectroscopy,
     haze: str,
 ) -> xr.Dataset:
-    """Transmittance of a path through even air.
+    """Return the transmittance of a path through even air.
 
     Parameters
     ----------
@@ -239,12 +243,12 @@ def even_path(
 
     path = cast("Mapping[str, float]", numbers)
     band = cast("tuple[float, float]", band_um)
-    found = homogeneous_spectrum(**path, band_um=band, ppmv=dict(ppmv), spectroscopy=spectroscopy, haze=HazeWeather(haze))
+    spectrum = homogeneous_spectrum(**path, band_um=band, ppmv=dict(ppmv), spectroscopy=spectroscopy, haze=HazeWeather(haze))
     return xr.Dataset(
         {
-            "transmittance": ((), found.mean, {"units": "1", "long_name": "mean transmittance, weighted with the blackbody"}),
-            "spectral_transmittance": ("wavenumber_cm", found.transmittance, {"units": "1"}),
+            "transmittance": ((), spectrum.mean, {"units": "1", "long_name": "mean transmittance, weighted with the blackbody"}),
+            "spectral_transmittance": ("wavenumber_cm", spectrum.transmittance, {"units": "1"}),
         },
-        {"wavenumber_cm": ("wavenumber_cm", found.wavenumber_cm, {"units": "cm-1"})},
+        {"wavenumber_cm": ("wavenumber_cm", spectrum.wavenumber_cm, {"units": "cm-1"})},
         {**path, "band_um": list(band), **{f"{gas.lower()}_ppmv": amount for gas, amount in ppmv.items()}, "spectroscopy": spectroscopy},
     )

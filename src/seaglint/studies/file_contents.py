@@ -1,7 +1,4 @@
-"""Contents of files that are given to commands: scenarios, recordings of others, plain arrays.
-
-Contents of a sequence or a map, and how it was made.
-"""
+"""Contents of files that are given to commands: scenarios, recordings, and this program's sequences, maps and arrays."""
 
 from __future__ import annotations
 
@@ -29,7 +26,7 @@ class ScenarioFacts:
 
     path: str  #: The file.
     kind: str  #: "scenario" or "ensemble".
-    about: list[str]  #: What it describes, a line each.
+    about: list[str]  #: Description of its contents, a line each.
 
     @property
     def lines(self) -> list[str]:
@@ -50,8 +47,8 @@ class RecordingFacts:
     frames: int
     rows: int
     columns: int
-    units: str | None  #: Units of the values, where the file says them.
-    frame_rate_hz: float | None  #: Frames per second, where the file says them.
+    units: str | None  #: Units of the values, if the file states them.
+    frame_rate_hz: float | None  #: Frames per second, if the file states them.
     #: ``least``, ``most``: Smallest and largest value of the first frame; None where it has none.
     least: float | None
     most: float | None
@@ -81,19 +78,20 @@ class RecordingFacts:
 
 
 def is_ours(path: Path | str) -> bool:
-    """Return true for one of our stores or maps, and for what is to be read as one: a URL, a Zarr folder, NetCDF, nothing at all."""
+    """Return true for stores and maps of this program, and for places to be read as one: a URL, a Zarr folder, NetCDF, no file."""
     if not isinstance(path, Path) or not path.exists():
         return not str(path).endswith(".toml")
     if path.is_dir():
         from seaglint.formats.recording.labelled_arrays import is_zarr
         from seaglint.store.sequence_store import is_sequence
 
+        # A Zarr store of another program is read as a recording.
         return is_sequence(path) or (path.suffix.lower() == ".zarr" and not (is_zarr(path) and _is_of_others(path)))
     return path.suffix.lower() == "" or (path.suffix.lower() in (".nc", ".nc4") and not _is_of_others(path))
 
 
 def _is_of_others(path: Path) -> bool:
-    """Return true for images of another program: a file or store that opens and holds none of our pictures."""
+    """Return true for images of another program: a file or store that opens and holds no picture of this program."""
     from seaglint.base.errors import SeaglintError
     from seaglint.base.schema import IMAGES
     from seaglint.store.netcdf import open_netcdf
@@ -107,16 +105,16 @@ def _is_of_others(path: Path) -> bool:
         with open_netcdf(path, decode_times=False) as dataset:
             return "seaglint_version" not in dataset.attrs and not set(IMAGES) & {str(name) for name in dataset.data_vars}
     except (SeaglintError, OSError, ValueError, KeyError):
-        return False  # what cannot be opened is reported by the reader of our own files
+        return False  # the reader of this program's files reports why a file cannot be opened
 
 
 def describe_scenario(path: Path) -> ScenarioFacts:
-    """Facts about a scenario file, or an ensemble file.
+    """Return facts about a scenario file, or an ensemble file.
 
     Raises
     ------
     ScenarioError
-        It is neither.
+        It is no scenario and no ensemble.
     """
     import tomllib
 
@@ -125,7 +123,7 @@ def describe_scenario(path: Path) -> ScenarioFacts:
     try:
         raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except (OSError, ValueError, RecursionError):
-        raw = {}  # told by the reader of scenarios
+        raw = {}  # the reader of scenarios reports the reason
     if "ensemble" in raw:
         from seaglint.scenario.ensemble_file import load_ensemble
 
@@ -137,7 +135,7 @@ def describe_scenario(path: Path) -> ScenarioFacts:
 
 
 def camera_lines(scenario: Mapping[str, Any]) -> list[str]:
-    """Return the lines that say what a scenario, as one table, describes: camera, scene, objects."""
+    """Return lines of text on the camera, scene and objects of a scenario, given as one table."""
     sensor, band = scenario["sensor"], scenario["band"]
     (nx, ny), (width, height) = sensor["pixels"], sensor["fov_deg"]
     edges = f"{band['min_um']:g} to {band['max_um']:g} um" if "min_um" in band else f"band of {band['response']}"
@@ -174,7 +172,7 @@ def scene_line(scenario: Mapping[str, Any]) -> str:
 
 
 def describe_recording(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> RecordingFacts:
-    """Facts about images of any format that ``seaglint analyze`` reads; of several channels the first without a request.
+    """Return facts about images of any format that ``seaglint analyze`` reads; of several channels the first by default.
 
     Raises
     ------
@@ -190,6 +188,7 @@ def describe_recording(path: Path, variable: str | None = None, channel: str | N
         recording = open_recording(path, variable=variable, channel=channel, axes=axes)
     except SeveralChannelsError:
         recording = open_recording(path, variable=variable, channel="1", axes=axes)
+    # Recordings may subtract an offset to preserve precision; it is added again.
     first = recording.read(0, 1)[0].astype(float) + recording.offset
     known = first[np.isfinite(first)]
     return RecordingFacts(
@@ -208,12 +207,12 @@ def describe_recording(path: Path, variable: str | None = None, channel: str | N
 _HIDDEN = frozenset(
     {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
 )
-_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Variables that no user looks at.
+_BOOKS = frozenset({"frame_checksum", "frame_done", "wavelength_bounds"})  #: Variables for bookkeeping, which are not listed by default.
 
 
 @dataclass(frozen=True)
-class FramesHeld:
-    """Frames of a sequence: their number, how many are written, whether all are, the number of the first, and the rate [Hz]."""
+class SequenceFrames:
+    """Frames of a sequence: their number, the number of written frames, completeness, the first number, and the rate [Hz]."""
 
     frames: int
     frames_done: int
@@ -223,7 +222,7 @@ class FramesHeld:
 
 
 @dataclass(frozen=True)
-class DirectionsHeld:
+class PictureDirections:
     """Directions and band of a picture."""
 
     #: ``azimuth_deg``, ``elevation_deg``: Of the first and last column and row; of a picture that is turned, the limits [deg].
@@ -240,9 +239,9 @@ class FileFacts:
     path: str
     title: str
     variables: list[str]  #: Names of its variables.
-    frames: FramesHeld | None  #: Frames of a sequence; None of a map.
+    frames: SequenceFrames | None  #: Frames of a sequence; None of a map.
     pixels: list[int]  #: Columns and rows.
-    directions: DirectionsHeld | None  #: Directions and band; None of a texture, whose pixels look nowhere and have no band.
+    directions: PictureDirections | None  #: Directions and band; None of a texture, whose pixels have neither.
     seed: int | None  #: Seed, as far as there is one.
     bytes: int  #: Size [B].
     provenance: JsonObject  #: Attributes about its making.
@@ -264,7 +263,7 @@ class FileFacts:
 
 @dataclass(frozen=True)
 class ArrayFile:
-    """Arrays that this program computed and that are no pictures: a sweep, the air along paths, a map of chances."""
+    """Arrays of this program that are no pictures: a sweep, the air along paths, a map of chances."""
 
     #: ``path``, ``title``: Place and title.
     path: str
@@ -309,17 +308,26 @@ def _array_lines(facts: ArrayFile, everything: bool) -> list[str]:
     """Return the facts of arrays as lines of text."""
     out = [f"{facts.path}: {facts.title}", f"  dimensions        {', '.join(f'{name} {size}' for name, size in facts.sizes.items())}"]
     out.append("  variables         " + ", ".join(f"{name} [{unit}]" if unit else name for name, unit in facts.variables.items()))
-    if facts.scenario is not None:
-        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
-            out.append(f"  scene             {scene_line(facts.scenario)}")
-    out.append(f"  file              {facts.bytes / 1e6:.1f} MB")
+    out += [*_scene(facts.scenario), f"  file              {facts.bytes / 1e6:.1f} MB"]
+    return [*out, *_making(facts, everything)]
+
+
+def _scene(scenario: JsonObject | None) -> list[str]:
+    """Return the line on the scene; none for a scenario that is missing, of an older version, or damaged."""
+    with suppress(KeyError, TypeError, ValueError):
+        return [] if scenario is None else [f"  scene             {scene_line(scenario)}"]
+    return []
+
+
+def _making(facts: FileFacts | ArrayFile, everything: bool) -> list[str]:
+    """Return the attributes on the making of a file, or the command that prints them."""
     if everything:
-        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
-    return [*out, f"  how it was made   seaglint info --all {facts.path}"]
+        return [f"  {key:17} {value}" for key, value in facts.provenance.items()]
+    return [f"  how it was made   seaglint info --all {facts.path}"]
 
 
 def describe(path: Path | str) -> FileFacts | ArrayFile:
-    """Facts about an output file.
+    """Return facts about an output file.
 
     Raises
     ------
@@ -335,7 +343,7 @@ def describe(path: Path | str) -> FileFacts | ArrayFile:
             return _array_file(path, dataset) if is_array_file(dataset) else _facts(path, dataset)
         except SeaglintError:
             raise
-        except Exception as error:  # what a damaged file holds may be of any type, and h5py raises nearly anything
+        except Exception as error:  # contents of a damaged file may be of any type, and h5py raises errors of many types
             reason = " ".join(str(error).split())[:200] or type(error).__name__
             raise DataError(f"{path}: cannot be read as a seaglint file ({reason}); make it again") from error
 
@@ -359,6 +367,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     saturated = None
     if "saturated_share" in dataset:
         shares = dataset["saturated_share"].to_numpy()
+        # NaN is unequal to itself: frames that are not written are left out.
         saturated = [float(share) for share in shares[shares == shares]]
     return FileFacts(
         path=str(path),
@@ -366,8 +375,9 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
         variables=sorted(map(str, dataset.data_vars)),
         frames=frames,
         pixels=[int(radiance.sizes["x"]), int(radiance.sizes["y"])],
-        directions=DirectionsHeld(
+        directions=PictureDirections(
             [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
+            # The first row is the top, so elevations of a turned picture begin with the maximum too.
             [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
             [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
         ),
@@ -381,7 +391,7 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
 
 
 def _texture_facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
-    """A loop of a texture, whose pixels look nowhere and have no band."""
+    """Return the facts of a loop of a texture, whose pixels have no direction and no band."""
     field = dataset["texture"]
     return FileFacts(
         path=str(path),
@@ -397,8 +407,8 @@ def _texture_facts(path: Path | str, dataset: xr.Dataset) -> FileFacts:
     )
 
 
-def _frames(dataset: xr.Dataset, count: int, done: int) -> FramesHeld:
-    return FramesHeld(count, done, done == count, int(dataset["frame"][0]), float(dataset.attrs["frame_rate_hz"]))
+def _frames(dataset: xr.Dataset, count: int, done: int) -> SequenceFrames:
+    return SequenceFrames(count, done, done == count, int(dataset["frame"][0]), float(dataset.attrs["frame_rate_hz"]))
 
 
 def _provenance(dataset: xr.Dataset) -> JsonObject:
@@ -410,26 +420,25 @@ def _plain(value: Any) -> Any:
 
 
 def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str]:
-    """Return the facts as at most ten lines of text, or with ``everything`` that was noted when the file was made."""
+    """Return the facts as at most ten lines of text, or with ``everything`` also all attributes on its making."""
     if isinstance(facts, ArrayFile):
         return _array_lines(facts, everything)
     nx, ny = facts.pixels
     out = [f"{facts.path}: {facts.title}"]
-    if (held := facts.frames) is not None:
-        state = "complete" if held.complete else f"UNFINISHED, {held.frames_done} done"
-        out.append(f"  frames            {held.frames} from number {held.first_frame} at {held.frame_rate_hz:g} Hz, {state}")
+    if (frames := facts.frames) is not None:
+        state = "complete" if frames.complete else f"UNFINISHED, {frames.frames_done} done"
+        out.append(f"  frames            {frames.frames} from number {frames.first_frame} at {frames.frame_rate_hz:g} Hz, {state}")
     if facts.directions is not None:
-        seen = facts.directions
-        (a0, a1), (e0, e1), (w0, w1) = seen.azimuth_deg, seen.elevation_deg, seen.band_um
+        view = facts.directions
+        # First and last column, first and last row, both ends of the band.
+        (a0, a1), (e0, e1), (w0, w1) = view.azimuth_deg, view.elevation_deg, view.band_um
         out += [
             f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
             f"  band              {w0:g} to {w1:g} um",
         ]
     else:
         out.append(f"  pixels            {nx} x {ny}, periodic along every axis")
-    if facts.scenario is not None:
-        with suppress(KeyError, TypeError, ValueError):  # of an older version, or damaged
-            out.append(f"  scene             {scene_line(facts.scenario)}")
+    out += _scene(facts.scenario)
     if facts.summary is not None:
         out.append(f"  radiance          {facts.summary.line}")
     if shares := facts.saturated_share:
@@ -437,12 +446,5 @@ def lines(facts: FileFacts | ArrayFile, *, everything: bool = False) -> list[str
             f"  saturated         {100 * sum(shares) / len(shares):.3g} % of the pixels, {100 * max(shares):.3g} % in the worst frame"
         )
     named = facts.variables if everything else [name for name in facts.variables if name not in _BOOKS]
-    out += [
-        f"  variables         {', '.join(named)}",
-        f"  file              {facts.bytes / 1e6:.1f} MB, seed {facts.seed}",
-    ]
-    if everything:
-        return [*out, *(f"  {key:17} {value}" for key, value in facts.provenance.items())]
-    if facts.provenance:
-        out.append(f"  how it was made   seaglint info --all {facts.path}")
-    return out
+    out += [f"  variables         {', '.join(named)}", f"  file              {facts.bytes / 1e6:.1f} MB, seed {facts.seed}"]
+    return [*out, *_making(facts, everything)] if facts.provenance else out

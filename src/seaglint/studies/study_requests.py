@@ -1,30 +1,10 @@
-"""Parts of requests that several commands share: how a recording is read, and how work is run.
+"""Requests of commands: parameters with their help texts, shared by the terminal and ``import seaglint as sg``.
 
-Importing this module loads nothing else: a help page needs it.
+:class:`ReadingRequest` (how a recording is read) and :class:`WorkRequest` (how work is run) are parts of other requests. The requests
+analyse a recording, render or sense a sequence, write frames for another program, map the mean radiance, evaluate tables of cases, sweep
+keys of a scenario, estimate the likelihood of glint, and fit, compare, sample or place a texture.
 
-Request to analyse a recording: its clutter statistics and false alarms.
-
-Importing this module loads nothing else: a help page needs it.
-
-Requests for sequences: to render one, to put a sensor on recorded radiance, and to write frames for another program.
-
-Importing this module loads nothing else: a help page needs it.
-
-Requests for mean radiance: of the view of a scenario, and of the rows of a table of cases.
-
-Importing this module loads nothing else: a help page needs it.
-
-Request for a sweep over keys of a scenario.
-
-Importing this module loads nothing else: a help page needs it.
-
-Request for the likelihood of glint: of a scenario, over a map by month, or along a ship's way.
-
-Importing this module loads nothing else: a help page needs it.
-
-Requests for textures: to fit one to a recording, to compare two, to sample one, and to lay it on the sea of a scenario.
-
-Importing this module loads nothing else: a help page needs it.
+Importing this module loads nothing else, because help pages need it.
 """
 
 from __future__ import annotations
@@ -81,7 +61,7 @@ def filter_of(name: str, kernel: Any, signature: Any) -> Filter:
 
 @dataclass(frozen=True)
 class ReadingRequest:
-    """Parameters of a recording: what its file does not say, or says wrong."""
+    """Parameters of a recording that its file does not state, or states wrongly."""
 
     frame_rate: Annotated[float | None, Parameter("frames per second, where the file does not say [Hz]", "Recording")] = None
     units: Annotated[str | None, Parameter("units of the values, where the file does not say", "Recording")] = None
@@ -98,12 +78,11 @@ class ReadingRequest:
     ] = ()
     saturation: Annotated[float | None, Parameter("value from which on the sensor is saturated", "Recording")] = None
     raw: Annotated[
-        Any,
-        Parameter("layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0", "Recording", "raw"),
+        Any, Parameter("layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0", "Recording", "raw")
     ] = None
 
     def opened(self, path: str | Path) -> Recording:
-        """Return the recording of a file, read so."""
+        """Return the recording of a file, read with these parameters."""
         from seaglint.formats.recording import open_recording
 
         return open_recording(
@@ -121,11 +100,10 @@ class ReadingRequest:
 
 @dataclass(frozen=True)
 class WorkRequest:
-    """Parameters of how work is run: by whom, and over what is there."""
+    """Parameters of a run: threads, workers, and existing output."""
 
     threads: Annotated[
-        int | None,
-        Parameter("processor threads; default: all", "Run", least=1, detail="The bytes do not depend on them."),
+        int | None, Parameter("processor threads; default: all", "Run", least=1, detail="The bytes do not depend on them.")
     ] = None
     workers: Annotated[
         int | None,
@@ -155,10 +133,7 @@ class AnalysisRequest(ReadingRequest):
     ] = None
     rows: Annotated[
         tuple[float, float], Parameter("part of the rows to analyse", form="shares", detail="Shares of the height from the top [1].")
-    ] = (
-        0.0,
-        1.0,
-    )
+    ] = (0.0, 1.0)
     filter: Annotated[
         Any,
         Parameter(
@@ -202,7 +177,7 @@ class AnalysisRequest(ReadingRequest):
         Raises
         ------
         DataError
-            A name that there is not, or a filter without its target.
+            An unknown name, or a filter without its target.
         """
         from typing import get_args
 
@@ -214,6 +189,7 @@ class AnalysisRequest(ReadingRequest):
         from seaglint.clutter.thresholds import Scope
         from seaglint.detection.named_detectors import named
 
+        # Python does not check literals, so a wrong word would fail deep inside the analysis.
         for name, value, allowed in (("scope", self.scope, get_args(Scope)), ("border", self.border, get_args(Border))):
             if value not in allowed:
                 raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
@@ -374,8 +350,7 @@ class SweepRequest(WorkRequest):
         ),
     ] = ()
     threads: Annotated[
-        int | None,
-        Parameter("processor threads of each process; default: all", "Run", least=1, detail="Results do not depend on them."),
+        int | None, Parameter("processor threads of each process; default: all", "Run", least=1, detail="Results do not depend on them.")
     ] = None
     keep_going: Annotated[
         bool, Parameter("leave cases that fail without values (NaN) and compute the others; without it the first failure ends the sweep")
@@ -385,7 +360,7 @@ class SweepRequest(WorkRequest):
 
 @dataclass(frozen=True)
 class LikelihoodRequest:
-    """Request for the likelihood that glint exceeds thresholds, as the scenario's table ``[likelihood]`` says."""
+    """Request for the likelihood that glint exceeds thresholds, with the settings of the scenario's table ``[likelihood]``."""
 
     by_month: Annotated[bool, Parameter("map the region of [likelihood] by month: OUT.nc or a folder", option="--map")] = False
     step: Annotated[float, Parameter("step of the map [deg]", least=0.05, detail="It is width and height of a cell.")] = 1.0

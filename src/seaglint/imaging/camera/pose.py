@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -144,6 +145,17 @@ class Track:
             return [_pose(self.values[0]).attitude]
         times = np.unique(np.concatenate([np.linspace(a, b, parts + 1) for a, b in zip(self.time[:-1], self.time[1:], strict=True)]))
         return [self.at(float(t)).attitude for t in times]
+
+
+def pixel_directions(azimuth: FloatArray, elevation: FloatArray) -> dict[str, Any]:
+    """Return azimuth and elevation [rad] as coordinates [deg] of columns and rows, or of all pixels where they are no grid."""
+    dims: tuple[Any, Any] = (("y", "x"), ("y", "x")) if azimuth.ndim == 2 else ("x", "y")
+    return {"azimuth": (dims[0], np.degrees(azimuth)), "elevation": (dims[1], np.degrees(elevation))}
+
+
+def pose_at(track: Track, time: float) -> dict[str, float]:
+    """Return position and attitude [m, deg] of a moving sensor at a time [s], by the names of variables; empty for one at rest."""
+    return {name: float(values[0]) for name, values in poses(track, np.array([time])).items()} if track.moves else {}
 
 
 def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:

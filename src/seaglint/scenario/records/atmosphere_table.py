@@ -41,6 +41,9 @@ Refraction = Annotated[
 ]
 
 
+ScatteredSunlight = Annotated[bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")]
+
+
 class _Absorption(Record):
     """Keys of air whose absorption is summed here."""
 
@@ -77,24 +80,18 @@ class TableAtmosphereSettings(_Absorption):
     """One of LOWTRAN7's model atmospheres with its Navy maritime aerosol at the scenario's wind."""
 
     source: Literal["table"] = "table"
-    model: Annotated[
-        ModelAtmosphere,
-        Field(description="model atmosphere"),
-    ] = "midlatitude-summer"
+    model: Annotated[ModelAtmosphere, Field(description="model atmosphere")] = "midlatitude-summer"
     levels: Levels = "continuous"
     air_minus_sea_k: AirMinusSea = None
     refraction: Refraction = "standard"
-    scattered_sunlight: Annotated[
-        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
-    ] = True
+    scattered_sunlight: ScatteredSunlight = True
 
 
 class _Profile(Record):
     """Keys of air from a model atmosphere or a sounding, with any of LOWTRAN7's hazes."""
 
     model: Annotated[
-        ModelAtmosphere,
-        Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it"),
+        ModelAtmosphere, Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it")
     ] = "midlatitude-summer"
     sounding: Annotated[
         InputFile | None,
@@ -130,9 +127,7 @@ class _Profile(Record):
         Annotated[float, Quantity("m/s", ge=0, le=NAVY_AEROSOL_WIND[1])] | None,
         Field(description="mean wind of the last 24 hours, navy-maritime only; default: that of [wind]"),
     ] = None
-    scattered_sunlight: Annotated[
-        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
-    ] = True
+    scattered_sunlight: ScatteredSunlight = True
 
     @model_validator(mode="after")
     def _visibility_needs_haze(self) -> Self:
@@ -161,9 +156,7 @@ class FileAtmosphere(Record):
 
     source: Literal["file"] = "file"
     path: Annotated[InputFile, Field(description="CSV or NetCDF (.nc) file for this sensor height, e.g. air.csv")]
-    scattered_sunlight: Annotated[
-        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
-    ] = True
+    scattered_sunlight: ScatteredSunlight = True
 
 
 class IsothermalAtmosphereSettings(Record):

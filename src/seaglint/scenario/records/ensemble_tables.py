@@ -1,6 +1,7 @@
-"""Laws of varied keys: each maps a uniform number to a value by the inverse of its distribution function.
+"""Tables ``[[vary]]`` and ``[dataset]`` of an ensemble's file.
 
-Table ``[dataset]`` of an ensemble's file: what a labelled data set of it is called, and how its scenes are split.
+A law of a varied key maps a uniform number to a value by the inverse of its distribution function. The table ``[dataset]`` describes a
+labelled data set of the ensemble, and how its scenes are split.
 """
 
 from __future__ import annotations
@@ -53,6 +54,7 @@ class Uniform(_OfKey):
         """Return the value at a uniform number."""
         low, high = _ends(self.min, self.max, quantity)
         if quantity is not None and quantity.integer:
+            # Whole numbers have equal chances, so the interval is divided into as many parts as there are numbers.
             first, last = math.ceil(low), math.floor(high)
             return min(first + int(uniform * (last - first + 1)), last)
         return low + uniform * (high - low)
@@ -95,6 +97,7 @@ class Normal(_OfKey):
         low = -math.inf if self.min is None else in_unit(self.min, quantity)
         high = math.inf if self.max is None else in_unit(self.max, quantity)
         _require_ascending(low, high)
+        # The cut normal law is drawn by the inverse of its distribution function between the two ends.
         below, above = float(ndtr((low - mean) / width)), float(ndtr((high - mean) / width))
         if above - below < 1e-12:
             raise ValueError(f"min = {low:g} and max = {high:g} leave nothing of the normal law; widen them")
@@ -173,6 +176,7 @@ def chosen(weights: Sequence[float], uniform: float) -> int:
     >>> chosen([1.0, 0.0, 3.0], 0.2), chosen([1.0, 0.0, 3.0], 0.25), chosen([1.0, 0.0, 3.0], 0.999)
     (0, 2, 2)
     """
+    # The cumulative sum is not normalised, so the uniform number is scaled to it.
     total = np.cumsum(weights)
     at = int(np.searchsorted(total, uniform * total[-1], side="right"))
     return min(at, int(np.flatnonzero(weights)[-1]))
@@ -200,6 +204,7 @@ def _difference(value: Number, quantity: Quantity | None) -> float:
     """Convert a difference to the unit of its key: a difference of 2 degC is 2 K."""
     if not isinstance(value, str):
         return float(value)
+    # The unit's zero is subtracted, which removes the offset of degrees Celsius.
     zero = re.sub(r"[0-9.]+(?:[eE][+-]?[0-9]+)?", "0", value, count=1)
     return in_unit(value, quantity) - in_unit(zero, quantity)
 
@@ -227,7 +232,7 @@ def value_of(law: Uniform | LogUniform | Normal | Choice, uniform: float, quanti
     Raises
     ------
     ScenarioError
-        A law whose numbers do not go together; ``name`` says whose it is.
+        A law with numbers that contradict each other; ``name`` is the key of the law in the message.
     """
     try:
         return law.at(uniform, quantity)

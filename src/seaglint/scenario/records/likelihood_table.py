@@ -6,14 +6,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, field_validator, model_validator
 
-from seaglint.scenario.records.record import InputFile, Quantity, Record, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Quantity, Record, rule
 
 Case = Literal["single-look", "trajectory", "field-of-view"]
 
 MOST_SAMPLES = 2**26  #: Largest number of looks of one run [1]; some 5 GB.
-
-_Degrees = Annotated[float, Quantity("deg", ge=-360, le=360)]
-_Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]
 
 
 class Likelihood(Record):
@@ -28,14 +25,13 @@ class Likelihood(Record):
         Field(description="radiances at the sensor that glint is compared with", min_length=1),
     ] = (0.25, 2.5)
     case: Annotated[
-        Case,
-        Field(description="one look; any depression on the way of a target; the same with all of a field of view about it"),
+        Case, Field(description="one look; any depression on the way of a target; the same with all of a field of view about it")
     ] = "single-look"
     depression_deg: Annotated[
         tuple[Annotated[float, Quantity("deg", ge=-10, le=90)], Annotated[float, Quantity("deg", ge=0, le=90)]],
         Field(description="lowest and highest depression of looks, uniform between, or of the trajectory"),
     ] = (1.5, 6.0)
-    azimuth_from_sun_deg: Annotated[tuple[_Degrees, _Degrees], Field(description="azimuths of looks, clockwise from the Sun's")] = (
+    azimuth_from_sun_deg: Annotated[tuple[Azimuth, Azimuth], Field(description="azimuths of looks, clockwise from the Sun's")] = (
         0.0,
         360.0,
     )
@@ -48,8 +44,7 @@ class Likelihood(Record):
         Field(description="lowest and highest sensor, uniform between; default: sensor.height_m"),
     ] = None
     looks: Annotated[
-        InputFile | None,
-        Field(description="CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight"),
+        InputFile | None, Field(description="CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight")
     ] = None
     samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = (
         65_536
@@ -61,8 +56,8 @@ class Likelihood(Record):
             "azimuth; auto: integrated where that goes, up to 131072 draws"
         ),
     ] = "auto"
-    latitudes_deg: Annotated[tuple[_Latitude, _Latitude] | None, Field(description="region: southern and northern border")] = None
-    longitudes_deg: Annotated[tuple[_Degrees, _Degrees] | None, Field(description="region: western and eastern border")] = None
+    latitudes_deg: Annotated[tuple[Latitude, Latitude] | None, Field(description="region: southern and northern border")] = None
+    longitudes_deg: Annotated[tuple[Azimuth, Azimuth] | None, Field(description="region: western and eastern border")] = None
     place_from_weather: Annotated[StrictBool, Field(description="take place, month and hour from the rows of the weather table")] = False
     year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), Field(description="year of the ephemeris where [time] is not given")] = (
         2025
@@ -105,6 +100,7 @@ class Likelihood(Record):
     def _ranges_ascend(self) -> Self:
         for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitudes_deg", "hours_utc"):
             pair = getattr(self, name)
+            # Longitudes may descend: such a region crosses the date line.
             if pair is not None and pair[0] > pair[1]:
                 text = f"= [{pair[0]:g}, {pair[1]:g}] goes down; give the lower number first"
                 raise rule(f"likelihood.{name}", text, value=pair)

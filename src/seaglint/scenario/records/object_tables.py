@@ -1,6 +1,6 @@
-"""Shapes of ``[[objects]]``: kinds of solids, what several of them make together, meshes, plumes and points, one record each.
+"""Tables ``[[objects]]``: objects on and above the sea, with their shapes, places and motion.
 
-Tables ``[[objects]]``: what is on and above the sea, where it is and how it moves.
+Shapes are solids, combinations of solids, meshes, plumes and points, one record each.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
 from seaglint.scenario.presets import OBJECTS
-from seaglint.scenario.records.record import InputFile, Quantity, Record, rule
+from seaglint.scenario.records.record import InputFile, Latitude, Longitude, Quantity, Record, rule
+from seaglint.scenario.records.view_tables import PlaceMetres, TimedPlace
 
 _Length = Annotated[float, Quantity("m", gt=0, le=2000)]
 _ShapePlace = Annotated[float, Quantity("m", ge=-5000, le=5000)]
@@ -27,11 +28,7 @@ class Part(Record):
     kind: str
     at_m: Annotated[
         tuple[_ShapePlace, _ShapePlace, _ShapePlace], Field(description="its centre in the object: [starboard, forward, up]")
-    ] = (
-        0.0,
-        0.0,
-        0.0,
-    )
+    ] = (0.0, 0.0, 0.0)
     heading_deg: Annotated[_Angle, Field(description="its turn in the object about the vertical, clockwise from above")] = 0.0
     pitch_deg: Annotated[_Angle, Field(description="forward end up; 90 lays the axis of a cylinder or cone along the object, tip aft")] = (
         0.0
@@ -112,12 +109,10 @@ class Plume(Part):
     kind: Literal["plume"] = "plume"
     semi_axes_m: Annotated[tuple[_Length, _Length, _Length], Field(description="half of its width, length and height")]
     co2_share: Annotated[
-        Annotated[float, Quantity(ge=0, le=1)] | None,
-        Field(description="mole fraction of carbon dioxide at 1 atm, in place of emissivity"),
+        Annotated[float, Quantity(ge=0, le=1)] | None, Field(description="mole fraction of carbon dioxide at 1 atm, in place of emissivity")
     ] = None
     h2o_share: Annotated[
-        Annotated[float, Quantity(ge=0, le=1)] | None,
-        Field(description="mole fraction of water vapour at 1 atm, in place of emissivity"),
+        Annotated[float, Quantity(ge=0, le=1)] | None, Field(description="mole fraction of water vapour at 1 atm, in place of emissivity")
     ] = None
 
     @property
@@ -153,8 +148,7 @@ class Point(Record):
     ] = None
     area_m2: Annotated[Annotated[float, Quantity("m^2", gt=0, le=1e6)] | None, Field(description="projected area")] = None
     temperature_k: Annotated[
-        Temperature | None,
-        Field(description="of the blackbody with the spectrum of intensity_w_sr; default: no spectrum"),
+        Temperature | None, Field(description="of the blackbody with the spectrum of intensity_w_sr; default: no spectrum")
     ] = None
 
     @model_validator(mode="after")
@@ -198,30 +192,24 @@ Intersection.model_rebuild()
 Difference.model_rebuild()
 
 
-_Place = Annotated[float, Quantity("m", ge=-1e6, le=1e6)]
 _Height = Annotated[float, Quantity("m", ge=-1000, le=100_000)]
-_Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]
-_Longitude = Annotated[float, Quantity("deg", ge=-180, le=360)]
 
 
-class ObjectKeyframe(Record):
+class ObjectKeyframe(TimedPlace):
     """Where an object is at one time; what is left out stays as the object's own keys say."""
 
-    time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), Field(description="time from the first frame")]
-    east_m: Annotated[_Place | None, Field(description="position towards east")] = None
-    north_m: Annotated[_Place | None, Field(description="position towards north")] = None
     height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea")] = None
-    latitude_deg: Annotated[_Latitude | None, Field(description="latitude, instead of metres")] = None
-    longitude_deg: Annotated[_Longitude | None, Field(description="longitude, instead of metres")] = None
+    latitude_deg: Annotated[Latitude | None, Field(description="latitude, instead of metres")] = None
+    longitude_deg: Annotated[Longitude | None, Field(description="longitude, instead of metres")] = None
     heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end; default: along its way")] = None
     pitch_deg: Annotated[_Angle | None, Field(description="forward end up")] = None
     roll_deg: Annotated[_Angle | None, Field(description="starboard side down")] = None
 
 
 def with_names(items: Any) -> Any:
-    """Return tables of objects in which those without a name have that of their preset, or the kind of their shape.
+    """Return tables of objects in which every object has a name: by default its preset, or the kind of its shape.
 
-    Repeated names are numbered; names that are given stay as they are.
+    Repeated names are numbered; given names are unchanged.
 
     Examples
     --------
@@ -230,6 +218,7 @@ def with_names(items: Any) -> Any:
     """
     if not isinstance(items, Sequence) or isinstance(items, str):
         return items
+    # Names that are given are reserved first, so that numbered names never collide with them.
     taken = {item["name"] for item in items if isinstance(item, Mapping) and isinstance(item.get("name"), str)}
     out = []
     for item in items:
@@ -276,15 +265,7 @@ class Object(Record):
     ]
     preset: Annotated[
         Literal[
-            "buoy",
-            "swimmer",
-            "small-boat",
-            "sailing-yacht",
-            "container-ship",
-            "fishing-vessel",
-            "drone",
-            "light-aircraft",
-            "bird-flock",
+            "buoy", "swimmer", "small-boat", "sailing-yacht", "container-ship", "fishing-vessel", "drone", "light-aircraft", "bird-flock"
         ]
         | None,
         Field(description="shape, material and draught of public dimensions; instead of shape"),
@@ -294,12 +275,12 @@ class Object(Record):
         Temperature | None, Field(description="of its surface; needed unless all parts or the mesh have their own")
     ] = None
     emissivity: Annotated[Emissivity, Field(description="of its surface; the rest of 1 is reflected, in all directions alike")] = 0.95
-    east_m: Annotated[_Place | None, Field(description="position east of the sensor's start")] = None
-    north_m: Annotated[_Place | None, Field(description="position north of the sensor's start")] = None
-    latitude_deg: Annotated[_Latitude | None, Field(description="latitude, instead of metres; needs [place], where the sensor starts")] = (
+    east_m: Annotated[PlaceMetres | None, Field(description="position east of the sensor's start")] = None
+    north_m: Annotated[PlaceMetres | None, Field(description="position north of the sensor's start")] = None
+    latitude_deg: Annotated[Latitude | None, Field(description="latitude, instead of metres; needs [place], where the sensor starts")] = (
         None
     )
-    longitude_deg: Annotated[_Longitude | None, Field(description="longitude, instead of metres")] = None
+    longitude_deg: Annotated[Longitude | None, Field(description="longitude, instead of metres")] = None
     height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea; default: 0 for what floats")] = None
     draught_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
@@ -335,6 +316,7 @@ class Object(Record):
         if raw.get("shape") is not None and not _is_of_preset(raw["shape"], chosen.get("shape")):
             raise rule(f"objects ('{raw.get('name')}')", "has preset and shape; give one of them")
         if raw.get("draught_m") is not None:
+            # A draught replaces the height of the preset; both together would contradict.
             chosen.pop("height_m", None)
         return {**chosen, **{key: value for key, value in raw.items() if value is not None}}
 
@@ -355,6 +337,7 @@ class Object(Record):
         _require_place(self, where)
         for i, keyframe in enumerate(self.keyframes or ()):
             _require_place(keyframe, f"{where}.keyframes[{i}]")
+            # Interpolation needs each column at every keyframe.
             if keyframe.model_fields_set != (self.keyframes or ())[0].model_fields_set:
                 other = sorted(keyframe.model_fields_set ^ (self.keyframes or ())[0].model_fields_set)
                 raise rule(f"{where}.keyframes[{i}]", f"and keyframes[0] do not both have {', '.join(other)}; give them in all or in none")

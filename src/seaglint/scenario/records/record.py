@@ -1,8 +1,7 @@
-"""Numbers of a scenario: plain in the unit of their key, or text with a unit ("12 kn", "30 ft", "15 degC").
+"""Base of all tables of a scenario file: the frozen record, and its numbers, times and paths.
 
-Units end here: what leaves a validated scenario is a plain number in the unit that its key names.
-
-Base of all tables of a scenario file: the frozen record, the error of a rule, times and paths.
+A number is plain in the unit of its key, or text with a unit ("12 kn", "30 ft", "15 degC"). A validated scenario holds plain numbers in
+the unit that each key names; no other module handles texts with units.
 """
 
 from __future__ import annotations
@@ -106,6 +105,7 @@ def convert(text: str, unit: str) -> float:
     value, written = float(match[1]), match[2]
     if not written:
         raise ValueError(f"has no unit; write {match[1]} without quotes (in {unit}) or text such as '{example}'")
+    # Celsius has an offset, which a factor cannot express.
     if unit == "K" and written in CELSIUS:
         return value + 273.15
     factor = FACTORS.get(unit, {}).get(written)
@@ -200,6 +200,7 @@ class Quantity:
         if not finite:
             raise self._error(f"is not finite (allowed: {self.allowed})")
         if not self.holds(value):
+            # A number with a unit, or a count, has no other unit that could be meant.
             meant = "" if self.integer or isinstance(raw, str) else self.meant(value)
             raise self._error(f"is outside the allowed range: {self.allowed}{'; ' if self.advice else ''}{self.advice}{meant}")
         return value if self.integer else float(value)
@@ -273,6 +274,7 @@ class Record(BaseModel):
 
     def build(self, kind: type[_Built], **derived: Any) -> _Built:
         """Return the data class of the physics that has these values, by name in SI units; ``derived`` are what no key states."""
+        # Derived values replace keys of the same name, for example a default that follows from other tables.
         values = self.in_si() | derived
         return kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})  # type: ignore[arg-type]
 
@@ -329,6 +331,9 @@ def _must_exist(path: Path, info: ValidationInfo) -> Path:
     return path
 
 
+Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]  #: Latitude, north positive.
+Longitude = Annotated[float, Quantity("deg", ge=-180, le=360)]  #: Longitude, east positive.
+Azimuth = Annotated[float, Quantity("deg", ge=-360, le=360)]  #: Azimuth, clockwise from north.
 Utc = Annotated[datetime, BeforeValidator(_moment), AfterValidator(_as_utc)]
 InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
 InputFile = Annotated[InputPath, AfterValidator(_must_exist)]

@@ -1,10 +1,6 @@
-"""Table ``[wind]``: the wind at 10 m.
+"""Tables ``[wind]`` and ``[sea]``: the wind at 10 m, the water, its slopes, waves and glint.
 
-Table ``[sea.slopes]``: kinds of slope statistics, one record each.
-
-Table ``[sea.spectrum]``: kinds of wave spectra, one record each.
-
-Tables ``[sea]`` and ``[sea.glint]``: the water and its shape.
+Each kind of slope statistics (``[sea.slopes]``) and of wave spectra (``[sea.spectrum]``) is a record.
 """
 
 from __future__ import annotations
@@ -15,16 +11,14 @@ from pydantic import Field, StrictBool, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from seaglint.base.limits import BREON_HENRIOT_WIND, COX_MUNK_SLICK_WIND, COX_MUNK_WIND, WIND_PROFILE
-from seaglint.scenario.records.record import InputFile, Quantity, Record, Utc, default_tag
+from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, default_tag
 
 
 class Wind(Record):
     """Neutral wind at 10 m."""
 
     speed_m_s: Annotated[float, Quantity("m/s", ge=0, le=WIND_PROFILE[1]), Field(description="wind speed at 10 m")] = 7.0
-    from_deg: Annotated[float, Quantity("deg", ge=-360, le=360), Field(description="azimuth the wind comes FROM, clockwise from north")] = (
-        230.0
-    )
+    from_deg: Annotated[Azimuth, Field(description="azimuth the wind comes FROM, clockwise from north")] = 230.0
 
 
 Range = tuple[float, float]
@@ -91,7 +85,6 @@ Slopes = Annotated[
 ]
 
 
-_Azimuth = Annotated[float, Quantity("deg", ge=-360, le=360)]
 _Width = Annotated[float, Quantity("deg", ge=1, le=80)]
 
 
@@ -118,7 +111,7 @@ class Jonswap(Record):
     gamma: Annotated[
         float, Quantity(ge=1, le=20), Field(description="peak enhancement: 1 fully developed, 3.3 growing sea, more for swell")
     ] = 3.3
-    from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM; default: that of the wind")] = None
+    from_deg: Annotated[Azimuth | None, Field(description="azimuth the waves come FROM; default: that of the wind")] = None
     spreading_deg: Annotated[
         _Width, Field(description="width of their directions (circular standard deviation): wind sea about 30, swell 10 to 20")
     ] = 30.0
@@ -138,20 +131,16 @@ class SpectrumFile(Record):
         float, Quantity("s", ge=0, le=1e9), Field(description="farthest the record taken may be from the time wanted")
     ] = 3600.0
     latitude_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-90, le=90)] | None,
-        Field(description="latitude of the spectrum wanted, north positive; default: that of [place]"),
+        Latitude | None, Field(description="latitude of the spectrum wanted, north positive; default: that of [place]")
     ] = None
-    longitude_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-180, le=360)] | None, Field(description="its longitude, east positive")
-    ] = None
+    longitude_deg: Annotated[Longitude | None, Field(description="its longitude, east positive")] = None
     distance_tolerance_km: Annotated[
         float, Quantity("km", ge=0, le=20_100), Field(description="farthest the spectrum taken may be from the place wanted")
     ] = 50.0
     site: Annotated[str | None, Field(description="name of the site as the file has it, or its number from 1; instead of a place")] = None
-    from_deg: Annotated[_Azimuth | None, Field(description="azimuth the waves come FROM, for a file without directions only")] = None
+    from_deg: Annotated[Azimuth | None, Field(description="azimuth the waves come FROM, for a file without directions only")] = None
     spreading_deg: Annotated[
-        _Width | None,
-        Field(description="width of their directions (circular standard deviation), for a file without directions only"),
+        _Width | None, Field(description="width of their directions (circular standard deviation), for a file without directions only")
     ] = None
 
     @field_validator("longitude_deg")

@@ -1,12 +1,7 @@
-"""Table ``[sensor.detector]``: the pixels.
+"""Table ``[sensor]``: place, direction and pixels of the sensor, and its tables.
 
-Table ``[sensor.noise]``: what the detector adds beyond shot, dark and read noise.
-
-Table ``[sensor.optics]``: what stands before the detector.
-
-Table ``[sensor.scan]``: when each column and row is taken.
-
-Table ``[sensor]``: where the sensor stands and looks, and its pixels.
+``[sensor.optics]`` is the optics before the detector, ``[sensor.detector]`` its pixels, ``[sensor.noise]`` the noise beyond shot, dark and
+read noise, and ``[sensor.scan]`` the time at which each column and row is taken.
 """
 
 from __future__ import annotations
@@ -18,7 +13,7 @@ from pydantic import BeforeValidator, Field, StrictBool, TypeAdapter, Validation
 
 from seaglint.base.limits import SHAKEN, SMEARED, TOP_OF_AIR, WIDEST_PINHOLE_DEG
 from seaglint.base.reports import REPORTS
-from seaglint.scenario.records.record import InputFile, Quantity, Record, default_tag, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Quantity, Record, default_tag, rule
 
 
 class PhotonDetector(Record):
@@ -76,9 +71,7 @@ class PhotonDetector(Record):
         if self.short_integration_time_s is not None and self.well_capacity_e is None:
             text = "is missing beside short_integration_time_s, which is taken where the well is full; add it"
             raise rule("sensor.detector.well_capacity_e", text)
-        if self.offset_counts >= (1 << self.bit_depth) - 1:
-            text = f"= {self.offset_counts:g} leaves nothing of {self.bit_depth} bits; give a lower offset or a greater bit_depth"
-            raise rule("sensor.detector.offset_counts", text, value=self.offset_counts)
+        _require_offset(self)
         return self
 
 
@@ -101,16 +94,18 @@ class ThermalDetector(Record):
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:
-        if self.offset_counts >= (1 << self.bit_depth) - 1:
-            text = f"= {self.offset_counts:g} leaves nothing of {self.bit_depth} bits; give a lower offset or a greater bit_depth"
-            raise rule("sensor.detector.offset_counts", text, value=self.offset_counts)
+        _require_offset(self)
         return self
 
 
-Detector = Annotated[
-    Annotated[PhotonDetector | ThermalDetector, Field(discriminator="kind")],
-    default_tag("kind", "photon"),
-]
+def _require_offset(detector: PhotonDetector | ThermalDetector) -> None:
+    """Refuse an offset that fills all counts."""
+    if detector.offset_counts >= (1 << detector.bit_depth) - 1:
+        text = f"= {detector.offset_counts:g} leaves nothing of {detector.bit_depth} bits; give a lower offset or a greater bit_depth"
+        raise rule("sensor.detector.offset_counts", text, value=detector.offset_counts)
+
+
+Detector = Annotated[Annotated[PhotonDetector | ThermalDetector, Field(discriminator="kind")], default_tag("kind", "photon")]
 
 
 Rms = Quantity("", ge=0, le=1e12)
@@ -247,7 +242,7 @@ _DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)
 
 
 def _from_space(raw: object) -> object:
-    """Top of the air for the word ``space``, reported; anything else as it is."""
+    """Return the top of the air for the word ``space`` and report it; return any other value unchanged."""
     if raw != SPACE:
         return raw
     text = "sensor.height_m = 'space': the sensor is at the top of the air, %g m; ranges and pixels are those seen from there"
@@ -264,9 +259,7 @@ class Sensor(Record):
         BeforeValidator(_from_space),
         Field(description="height above the mean sea, or 'space' for the top of the air, 100 km; with the table atmosphere 2 m to 10 km"),
     ] = 30.0
-    azimuth_deg: Annotated[
-        float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the image centre, clockwise from north")
-    ] = 180.0
+    azimuth_deg: Annotated[Azimuth, Field(description="azimuth of the image centre, clockwise from north")] = 180.0
     elevation_deg: Annotated[
         float, Quantity("deg", ge=-90, le=90), Field(description="elevation of the image centre; horizontal 0, looking down negative")
     ] = -3.5
@@ -343,15 +336,11 @@ class Sensor(Record):
             detector = _DETECTOR.validate_python(raw["detector"], context=info.context)
             columns, rows = (int(n) for n in raw.get("pixels", _PIXELS))
         except (ValidationError, TypeError, ValueError):
-            return raw  # told where these are validated themselves
+            return raw  # their own validation reports the mistakes
         focal = next(iter(_focal_lengths(optics, detector).values()), None)
         if focal is None or columns < 1 or rows < 1:
             return raw
-        step = 1e-6 * detector.pitch_um / focal
-        if raw.get("projection") == "pinhole":
-            view = [2.0 * math.degrees(math.atan(0.5 * step * n)) for n in (columns, rows)]
-        else:
-            view = [math.degrees(step) * n for n in (columns, rows)]
+        view = _view_of(focal, detector, (columns, rows), raw.get("projection") == "pinhole")
         scan = raw.get("scan")
         if isinstance(scan, dict) and scan.get("kind") == "panoramic":
             view[0] = 360.0
@@ -389,6 +378,7 @@ class Sensor(Record):
         if self.projection == "pinhole" and max(width, height) > WIDEST_PINHOLE_DEG:
             text = f"= [{width:g}, {height:g}] is too wide for sensor.projection = 'pinhole'; allowed: up to {WIDEST_PINHOLE_DEG:g} deg"
             raise rule("sensor.fov_deg", f"{text}, or 'equal-angle'", value=self.fov_deg, allowed=f"up to {WIDEST_PINHOLE_DEG:g} deg")
+        # Width and height of pixels and view in opposite order hint at swapped numbers, so less oblong pixels are refused.
         reverse = (nx - ny) * (width - height) < 0
         most = {"auto": REVERSED_OBLONG if reverse else MOST_OBLONG, "square": 1.0 + SQUARE_PIXEL_TOLERANCE, "any": float("inf")}
         if max(dx, dy) > most[self.pixel_shape] * min(dx, dy):
@@ -397,6 +387,7 @@ class Sensor(Record):
                 f"for square pixels use pixels = [{nx}, {max(round(nx * height / width), 1)}], or set sensor.pixel_shape = 'any'"
             )
             raise rule("sensor.pixels", text, value=self.pixels)
+        # Rows of an equal-angle picture beyond the zenith would repeat directions of other columns.
         top, bottom = self.elevation_deg + 0.5 * height, self.elevation_deg - 0.5 * height
         if self.projection == "equal-angle" and (top > 90.0 or bottom < -90.0):
             reach = f"reaches from {bottom:g} to {top:g} deg; allowed is -90 to 90 deg, or sensor.projection = 'pinhole'"
@@ -415,6 +406,12 @@ def _focal_lengths(optics: Optics, detector: Detector) -> dict[str, float]:
     if optics.ifov_urad is not None:
         out["sensor.optics.ifov_urad"] = detector.pitch_um / optics.ifov_urad
     return out
+
+
+def _view_of(focal: float, detector: Detector, pixels: tuple[int, int], plane: bool) -> list[float]:
+    """Return the field of view of pixels behind a focal length [deg, (width, height)]."""
+    step = 1e-6 * detector.pitch_um / focal
+    return [2.0 * math.degrees(math.atan(0.5 * step * n)) if plane else math.degrees(step) * n for n in pixels]
 
 
 def _from_view(fov_deg: tuple[float, float], pixels: tuple[int, int], sensor: Sensor) -> float:
@@ -442,15 +439,11 @@ def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) ->
     if optics.aperture_m is None and optics.f_number is None:
         text = "is missing: blur and light need the aperture; add it, or sensor.optics.f_number"
         raise rule("sensor.optics.aperture_m", text)
+    # The sine condition allows no f-number below 0.5.
     if focal / sensor.aperture_m < 0.5 * (1.0 - AGREEMENT):
         text = f"= {sensor.aperture_m:g} with a focal length of {focal:g} m is F/{focal / sensor.aperture_m:.2g}; no optics are below F/0.5"
         raise rule("sensor.optics.aperture_m", text, value=sensor.aperture_m, allowed=f"up to {2 * focal:g} m")
-    step = math.degrees(1e-6 * detector.pitch_um / focal)
-    width, height = (
-        (2.0 * math.degrees(math.atan(0.5 * math.radians(step) * n)) for n in sensor.pixels)
-        if sensor.projection == "pinhole"
-        else (step * n for n in sensor.pixels)
-    )
+    width, height = _view_of(focal, detector, sensor.pixels, sensor.projection == "pinhole")
     for name, value, own in (("width", width, sensor.fov_deg[0]), ("height", height, sensor.fov_deg[1])):
         if abs(value / own - 1.0) > AGREEMENT:
             text = (
@@ -466,6 +459,7 @@ def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) ->
 
 def _require_steady(sensor: Sensor, optics: Optics, detector: Detector) -> None:
     """Refuse movement of the line of sight in an exposure that is too wide for the picture."""
+    # Pitch [um] over focal length [m] is the pixel's angle in microradians, the unit of jitter and drift.
     step, sides = detector.pitch_um / sensor.focal_length_m, sensor.pixels  # microradians, pixels
     most = max(SHAKEN[0] * min(sides), SHAKEN[1]) * step
     if optics.jitter_urad > most:
@@ -518,8 +512,10 @@ def _exposure(sensor: Sensor, detector: PhotonDetector) -> float | None:
 def _require_times(sensor: Sensor) -> None:
     """Refuse exposures and scans that do not fit into a frame."""
     frame, scan, detector = 1.0 / sensor.frame_rate_hz, sensor.scan, sensor.detector
+    # The margin lets an exposure equal to the frame pass after rounding.
     longest = frame * (1.0 + 1e-9)
     if isinstance(detector, PhotonDetector) and detector.integration_time_s is not None:
+        # Both exposures of a high dynamic range follow one another within the frame.
         whole = detector.integration_time_s + (detector.short_integration_time_s or 0.0)
         if whole > longest:
             rate = f"sensor.frame_rate_hz = {sensor.frame_rate_hz:g}"

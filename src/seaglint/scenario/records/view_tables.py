@@ -1,12 +1,7 @@
-"""Tables ``[time]``, ``[place]`` and ``[sun]``: when and where, or the Sun's position itself.
+"""Tables of the view: Sun, platform, band, and the computation of mean maps and images.
 
-Table ``[platform]``: how the sensor moves.
-
-Table ``[band]``: the spectral band.
-
-Table ``[mean]``: how the mean radiance is computed.
-
-Table ``[render]``: accuracy and cost of the image, and what is written.
+``[time]``, ``[place]`` and ``[sun]`` give the Sun's position, ``[platform]`` the motion of the sensor, ``[band]`` the spectral band,
+``[mean]`` the method of the mean radiance, and ``[render]`` accuracy, cost and written arrays of the image.
 """
 
 from __future__ import annotations
@@ -17,7 +12,7 @@ from pydantic import Field, StrictBool, model_validator
 
 from seaglint.base.limits import TABLE_BANDS_UM
 from seaglint.base.schema import Layer
-from seaglint.scenario.records.record import InputFile, Quantity, Record, Utc, rule
+from seaglint.scenario.records.record import Azimuth, InputFile, Latitude, Longitude, Quantity, Record, Utc, rule
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 
 
@@ -30,8 +25,8 @@ class Time(Record):
 class Place(Record):
     """Where: with ``[time]`` it gives the Sun's position."""
 
-    latitude_deg: Annotated[float, Quantity("deg", ge=-90, le=90), Field(description="latitude, north positive")]
-    longitude_deg: Annotated[float, Quantity("deg", ge=-180, le=360), Field(description="longitude, east positive")]
+    latitude_deg: Annotated[Latitude, Field(description="latitude, north positive")]
+    longitude_deg: Annotated[Longitude, Field(description="longitude, east positive")]
 
 
 class Sun(Record):
@@ -42,15 +37,23 @@ class Sun(Record):
         Quantity("deg", ge=0, le=180),
         Field(description="zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint"),
     ] = 75.0
-    azimuth_deg: Annotated[float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the Sun, clockwise from north")] = 180.0
+    azimuth_deg: Annotated[Azimuth, Field(description="azimuth of the Sun, clockwise from north")] = 180.0
 
 
-class Keyframe(Record):
-    """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
+PlaceMetres = Annotated[float, Quantity("m", ge=-1e6, le=1e6)]  #: Position towards east or north.
+
+
+class TimedPlace(Record):
+    """Time and place that keyframes of the sensor and of objects share."""
 
     time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), Field(description="time from the first frame")]
-    east_m: Annotated[Annotated[float, Quantity("m", ge=-1e6, le=1e6)] | None, Field(description="position towards east")] = None
-    north_m: Annotated[Annotated[float, Quantity("m", ge=-1e6, le=1e6)] | None, Field(description="position towards north")] = None
+    east_m: Annotated[PlaceMetres | None, Field(description="position towards east")] = None
+    north_m: Annotated[PlaceMetres | None, Field(description="position towards north")] = None
+
+
+class Keyframe(TimedPlace):
+    """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
+
     height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=HIGHEST_SENSOR)] | None, Field(description="height above the mean sea")] = (
         None
     )
@@ -86,8 +89,7 @@ class Platform(Record):
         Field(description="waterline [width, length] over which waves are averaged where it floats; the sensor stands above its middle"),
     ] = (3.0, 10.0)
     heading_deg: Annotated[
-        Annotated[float, Quantity("deg", ge=-360, le=360)] | None,
-        Field(description="azimuth of the vessel's forward end where it floats; along its way, else the sensor's azimuth"),
+        Azimuth | None, Field(description="azimuth of the vessel's forward end where it floats; along its way, else the sensor's azimuth")
     ] = None
 
     @model_validator(mode="after")
@@ -97,6 +99,7 @@ class Platform(Record):
         if (self.track is None) == (self.keyframes is None):
             both = "are both given" if self.track is not None else "are both missing"
             raise rule("platform", f"track and keyframes {both}; give one of the two, or leave [platform] out")
+        # Interpolation needs each column at every keyframe.
         for name in Keyframe.model_fields if self.keyframes else ():
             given = [getattr(keyframe, name) is not None for keyframe in self.keyframes or ()]
             if any(given) and not all(given):
@@ -114,12 +117,10 @@ class BandSettings(Record):
     """Spectral band: a rectangle, or a measured response; inside 2-5.5 or 7.5-14 um with the table atmosphere."""
 
     min_um: Annotated[
-        Annotated[float, Quantity("um", gt=0, le=100)] | None,
-        Field(description="short-wave edge of a rectangular band (default 3.5)"),
+        Annotated[float, Quantity("um", gt=0, le=100)] | None, Field(description="short-wave edge of a rectangular band (default 3.5)")
     ] = None
     max_um: Annotated[
-        Annotated[float, Quantity("um", gt=0, le=100)] | None,
-        Field(description="long-wave edge of a rectangular band (default 5.0)"),
+        Annotated[float, Quantity("um", gt=0, le=100)] | None, Field(description="long-wave edge of a rectangular band (default 5.0)")
     ] = None
     response: Annotated[InputFile | None, Field(description="CSV file with columns wavelength_um, response; instead of the two edges")] = (
         None
@@ -129,6 +130,7 @@ class BandSettings(Record):
     @classmethod
     def _edges(cls, raw: Any) -> Any:
         if isinstance(raw, dict) and raw.get("response") is None:
+            # The default edges apply only without a response file, which has its own edges.
             return {"min_um": 3.5, "max_um": 5.0} | {k: v for k, v in raw.items() if v is not None}
         return raw
 

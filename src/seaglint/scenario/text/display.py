@@ -1,6 +1,6 @@
-"""Compass of a scenario as SVG: wind, Sun and view by their azimuths, clockwise from north.
+"""HTML of a scenario for notebooks: keys that differ from the defaults, and a compass.
 
-HTML of a scenario for notebooks: keys that differ from the defaults, and the compass.
+The compass is SVG with wind, Sun and view at their azimuths, clockwise from north.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ _RADIUS: Final = 88.0
 
 def _at(azimuth_deg: float, radius: float) -> str:
     """Return the point at an azimuth: north up, east to the right."""
+    # SVG's y axis points down, so north is a smaller y.
     angle, middle = math.radians(azimuth_deg), 0.5 * _SIZE
     return f"{middle + radius * math.sin(angle):.1f},{middle - radius * math.cos(angle):.1f}"
 
@@ -33,8 +34,8 @@ def _at(azimuth_deg: float, radius: float) -> str:
 def compass(scenario: Scenario, sun: SunPosition | None, azimuth_deg: float | None = None) -> str:
     """Return a compass with the wind, the Sun and the field of view as SVG.
 
-    The Sun stands on the rim at the horizon and in the middle at the zenith; below the horizon it is a ring outside. The wind's arrow flies
-    with the wind, from where it comes.
+    The Sun is on the rim at the horizon and in the centre at the zenith; below the horizon it is a ring outside. The arrow of the wind
+    points to where the wind blows.
 
     Parameters
     ----------
@@ -80,6 +81,7 @@ def _view(scenario: Scenario, azimuth_deg: float | None) -> str:
 def _wind(scenario: Scenario) -> str:
     speed, azimuth = scenario.wind.speed_m_s, scenario.wind.from_deg
     title = f"<title>wind of {speed:g} m/s from {azimuth % 360:g}°</title>"
+    # The arrow begins at the rim on the windward side and points to the centre; its length grows with the speed.
     begin, tip = _RADIUS - 2, _RADIUS - 2 - (20 + 2.2 * min(speed, 20))
     barbs = f"M{_at(azimuth, begin)}L{_at(azimuth, tip)}"
     # the head: two short lines back from the tip, on both sides
@@ -93,6 +95,7 @@ def _sun_mark(sun: SunPosition | None) -> str:
         return ""
     zenith, azimuth = math.degrees(sun.zenith), math.degrees(sun.azimuth)
     up = zenith <= 90.0
+    # The distance from the centre is proportional to the zenith angle.
     x, y = _at(azimuth, _RADIUS * zenith / 90.0 if up else _RADIUS + 4).split(",")
     look = f'fill="{SUN}"' if up else 'fill="none"'
     title = f"<title>Sun at {azimuth % 360:.1f}°, zenith angle {zenith:.1f}°</title>"

@@ -1,6 +1,6 @@
-"""Values of a key as they are typed on a command line: a list, or a range of numbers.
+"""Parsers of texts on a command line: values of keys, and column maps of weather files.
 
-Parser of column maps ``NAME=COLUMN:UNIT`` for CSV files of weather.
+Values of a key are a list or a range of numbers; column maps are ``NAME=COLUMN:UNIT``.
 """
 
 from __future__ import annotations
@@ -67,6 +67,7 @@ def _values(text: str, where: str) -> list[Any]:
     start, stop, step = (Decimal(part) for part in whole.groups())
     if step == 0 or (stop - start) * step < 0:
         raise DataError(f"{where}: steps of {step} do not lead from {start} to {stop}; {FORMS}")
+    # Decimal numbers keep 0.1 steps exact, so that the end is included.
     count = int((stop - start) / step + Decimal("1e-9")) + 1
     if count > MOST_VALUES:
         raise DataError(f"{where}: has {count} values; give at most {MOST_VALUES} of one key, with a larger STEP")
@@ -77,8 +78,8 @@ def _values(text: str, where: str) -> list[Any]:
 
 
 def _parts(text: str) -> list[str]:
-    """Split at commas that stand in no brackets or quotes."""
-    found, depth, quote, part = [], 0, "", ""
+    """Split at commas outside brackets and quotes."""
+    parts, depth, quote, part = [], 0, "", ""
     for letter in text:
         if quote:
             quote = "" if letter == quote else quote
@@ -86,11 +87,11 @@ def _parts(text: str) -> list[str]:
             quote = letter
         depth += (letter in "[{") - (letter in "]}") if not quote else 0
         if letter == "," and depth == 0 and not quote:
-            found.append(part)
+            parts.append(part)
             part = ""
         else:
             part += letter
-    return [*found, part]
+    return [*parts, part]
 
 
 def plain_value(text: str) -> Any:
@@ -147,6 +148,7 @@ def _parsed(text: str) -> MappedColumn:
     if name not in UNITS:
         raise ScenarioError(f"map='{text}': {name} has no unit; write {name}={column}")
     try:
+        # Two points give factor and offset of any linear unit, Celsius included.
         zero, one = (convert(f"{value} {unit}", UNITS[name]) for value in (0, 1))
     except ValueError as error:
         raise ScenarioError(f"map='{text}': {name} {error}") from None

@@ -139,9 +139,9 @@ def write_template(output: str | Path, preset: str = "glint", *, camera: CameraT
         if output.exists() and not overwrite:
             raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
         for name in PRESETS[preset].files:
-            beside = output.with_name(name)
-            if not beside.exists():
-                beside.write_bytes((DATA / name).read_bytes())
+            copy = output.with_name(name)
+            if not copy.exists():
+                copy.write_bytes((DATA / name).read_bytes())
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error
@@ -159,8 +159,10 @@ def _lines(preset: Preset) -> Iterator[str]:
 def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
     """Return the lines of a table: plain keys first, then the tables inside, as TOML requires."""
     keys = list(fields_of(type(record), path))
+    # TOML requires plain keys before the tables of a table.
     plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
     for key in plain:
+        # A field of view that follows from the optics is written as a comment, else it would conflict after a change.
         follows = key.path == ("sensor", "fov_deg") and isinstance(record, Sensor) and record.fov_follows
         yield ("# " if follows else "") + _entry(key, getattr(record, key.path[-1]))
     for key in keys:
@@ -174,6 +176,7 @@ def _list(key: Key) -> Iterator[str]:
     record = key.records[0]
     yield f"#   [[{'.'.join(key.path)}]]  # {_first_line(record)}"
     for inner in fields_of(record, key.path):
+        # A union is shown with one line per kind.
         kinds = [kind for kind in inner.records if "kind" in kind.model_fields]
         if kinds:
             yield from (_kind(inner.path[-1], kind) for kind in kinds)

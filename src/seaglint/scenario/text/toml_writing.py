@@ -1,7 +1,4 @@
-"""Writer of TOML text from plain values and tables, laid out as scenario files are.
-
-Writer of a scenario as a TOML file that holds only what differs from the defaults.
-"""
+"""Writer of TOML text: of plain values and tables, and of a scenario's differences from the defaults."""
 
 from __future__ import annotations
 
@@ -21,7 +18,7 @@ _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def inline(value: Any) -> str:
-    """Return a value as it stands to the right of the equals sign.
+    """Return a value as TOML text for the right-hand side of an equals sign.
 
     Examples
     --------
@@ -69,16 +66,16 @@ def _lines(table: Mapping[str, Any], above: tuple[str, ...]) -> Iterator[str]:
         if name not in inner:
             yield _entry(name, value)
     for name, value in inner.items():
-        way = (*above, name)
-        heading = ".".join(map(_key, way))
+        path = (*above, name)
+        heading = ".".join(map(_key, path))
         if isinstance(value, Mapping):
-            if not value or any(not isinstance(held, Mapping) for held in value.values()):
+            if not value or any(not isinstance(inner_value, Mapping) for inner_value in value.values()):
                 yield from ("", f"[{heading}]")  # else the headings of its tables name it
-            yield from _lines(value, way)
+            yield from _lines(value, path)
             continue
         for item in value:
             yield from ("", f"[[{heading}]]")
-            yield from (_entry(key, held) for key, held in item.items())
+            yield from (_entry(key, inner_value) for key, inner_value in item.items())
 
 
 def _entry(name: str, value: Any) -> str:
@@ -113,6 +110,7 @@ def stated(scenario: Scenario) -> TomlTables:
     """
     tables: TomlTables = scenario.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     try:
+        # model_copy changes values without marking them as set, so the stated keys are checked to give this scenario.
         same = Scenario.model_validate(tables) == scenario
     except ValidationError:
         same = False
@@ -148,6 +146,7 @@ def differing(scenario: Scenario) -> TomlTables:
 
 def _thin(table: TomlTables, same: Callable[[], bool]) -> None:
     """Remove every key of a table without which the scenario is the same."""
+    # Every key is removed on trial; keys that change the scenario are restored in their former order.
     order = list(table)
     for key in order:
         value = table.pop(key)
@@ -170,7 +169,7 @@ def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:
     scenario : Scenario
         Any.
     base : path, optional
-        Folder of the file: paths below it are written from there, others whole. Without it paths are written as they are.
+        Folder of the file: paths below it are written from there, others whole. Without it paths are written unchanged.
 
     Examples
     --------

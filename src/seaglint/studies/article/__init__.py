@@ -1,1 +1,1 @@
-"""Results of the source article, computed anew."""
+"""Results of the source article, reproduced with this program's models."""

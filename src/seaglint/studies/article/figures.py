@@ -1,23 +1,21 @@
-"""The source article's Figure 10, computed anew: autobinomial textures of a glinting sea seen from straight above.
+"""The source article's Figures 2, 3, 4 and 10: each a labelled dataset for the plots and for a CSV file.
 
-The article fitted isotropic couplings and ones that emphasise the horizontal, and reports estimates that did not converge and Gibbs samples
-that melted into white noise or crystallised into constants. Here both are fitted to a rendered picture; pseudo-likelihoods converge, and
-Gibbs sweeps at them freeze as the article's did, because couplings of so smooth a picture lie beyond the phase transition. The textures
-are exchange samples at the maximum of the likelihood given the histogram. What the article leaves open (picture, levels, order) is
-chosen here.
+Figures 2 to 4 share LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, a sea of 288.15 K, the article's refractive
+index, Cox-Munk slopes with the unchanged wind, and shadowing of the viewer's leg. The article does not state the heights of Figs. 3 and 4,
+the winds of all three, and the Sun of Fig. 4; they are chosen here and reported in the attributes.
 
-The source article's Figures 2, 3, 4 and 10, computed anew: each a labelled dataset that the plots draw and a CSV file holds.
-
-The first three have in common: LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, sea 288.15 K, the article's
-refractive index, Cox-Munk slopes with the wind taken as it is, the viewer's leg shadowed. What the article leaves open (the heights of
-Figs. 3 and 4, the winds of all three, the Sun of Fig. 4) is chosen here and told in the attributes.
+Figure 10 has autobinomial textures of a glinting sea seen from straight above. The article fitted isotropic couplings and ones that
+emphasise the horizontal, and reports estimates that did not converge and Gibbs samples that melted into white noise or crystallised into
+constants. Here both are fitted to a rendered picture; pseudo-likelihoods converge, and Gibbs sweeps at them freeze as the article's did,
+because couplings of so smooth a picture lie beyond the phase transition. The textures are exchange samples at the maximum of the
+likelihood given the histogram. The article does not state picture, levels and order; they are chosen here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,17 +23,15 @@ from numpy.typing import NDArray
 from seaglint.air.protocol import slant_range
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, horizon_range, surface_range, view_zenith
 from seaglint.base.free_form import Attributes, TomlTables
-from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
-from seaglint.optics import sea_water
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.mean_radiance import SeaRadiance, mean_radiance
 from seaglint.radiance.variance import capillary_length, sea_variance
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
-from seaglint.studies.build.profile_air import model_air
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
+from seaglint.studies.article.headline import MODEL, SEA_TEMPERATURE, article_sea
 from seaglint.studies.sequence.labelled_frames import image
 from seaglint.textures.autobinomial import Autobinomial, classes
 from seaglint.textures.autobinomial_fit import AutobinomialFit, fit
@@ -46,6 +42,8 @@ from seaglint.textures.regime import Regime, correlations, mean_field, regime
 if TYPE_CHECKING:
     import xarray as xr
 
+
+Item = TypeVar("Item")
 
 #: Straight down on half a metre a pixel; waves run down the picture, so that its crests lie along the rows.
 SCENE: Final[TomlTables] = {
@@ -67,24 +65,34 @@ SWEEPS: Final = 300
 MOLTEN_SLOPE: Final = 0.8
 
 
-def _silent_progress(done: int, total: int) -> None:
+def ignore_progress(done: int, total: int) -> None:
     """Ignore progress."""
 
 
+def reported(items: Sequence[Item], report: Progress) -> Iterator[tuple[int, Item]]:
+    """Yield items with their numbers; report the number of finished items before each and after the last."""
+    for number, item in enumerate(items):
+        report(number, len(items))
+        yield number, item
+    report(len(items), len(items))
+
+
 def glint_from_above() -> NDArray[np.float64]:
-    """In-band radiance of the sea of :data:`SCENE` [W m-2 sr-1]."""
+    """Return the in-band radiance of the sea of :data:`SCENE` [W m-2 sr-1]."""
     return np.asarray(image(parse_scenario(SCENE))["radiance"].to_numpy(), dtype=np.float64)
 
 
 def weakened(model: Autobinomial, share: float, slope: float) -> Autobinomial:
-    """The field with its couplings reduced to a slope of the mean field, its mean kept."""
+    """Return the field with couplings reduced to a slope of the mean field, and an unchanged mean."""
+    # The slope of the mean field is proportional to the couplings, so one factor scales them all.
     factor = slope / mean_field(model, share)[0]
     pull = 2.0 * model.most * sum(beta * len(one) for one, beta in zip(model.neighbours, model.beta, strict=True)) * factor
+    # The weaker pull of the neighbours is replaced in alpha, so that the mean level remains.
     alpha = np.log(share / (1.0 - share)) - pull * share
     return model.with_parameters(np.array([alpha, *(factor * beta for beta in model.beta)]))
 
 
-def figure_10(report: Progress = _silent_progress) -> xr.Dataset:
+def figure_10(report: Progress = ignore_progress) -> xr.Dataset:
     """Autobinomial textures of the article's Fig. 10.
 
     Returns
@@ -92,19 +100,16 @@ def figure_10(report: Progress = _silent_progress) -> xr.Dataset:
     xarray.Dataset
         ``grey_level`` over texture (0 isotropic, 1 horizontal), picture (:data:`PICTURES`), row and column; ``coupling`` and its standard
         error over texture, method (0 pseudo-likelihood, 1 likelihood given the histogram), rows down and columns right to the neighbour;
-        what tells fits and samples apart over texture and picture.
+        statistics that distinguish fits and samples over texture and picture.
     """
     import xarray as xr
 
     radiance = glint_from_above()
     grey = GreyLevels.of(radiance, LEVELS)
     sea = grey.to_levels(radiance)
+    # Both textures are shown by the couplings of single pairs, also if isotropic ones share a value.
     offsets = [offset for one in classes(ORDER, isotropic=False) for offset in one]
-    results = []
-    for done, name in enumerate(TEXTURES):
-        report(done, len(TEXTURES))
-        results.append(_texture(sea, isotropic=name == "isotropic"))
-    report(len(TEXTURES), len(TEXTURES))
+    results = [_texture(sea, isotropic=name == "isotropic") for _, name in reported(TEXTURES, report)]
     pictures, fits, regimes = [row[0] for row in results], [row[1] for row in results], [row[2] for row in results]
     couplings = np.array([[[_of(one, offset, one.parameters) for offset in offsets] for one in pair] for pair in fits])
     errors = np.array([[[_of(one, offset, one.standard_errors) for offset in offsets] for one in pair] for pair in fits])
@@ -146,6 +151,7 @@ def _texture(
     pseudo = fit(sea, LEVELS, ORDER, isotropic=isotropic)
     given = fit(sea, LEVELS, ORDER, isotropic=isotropic, method="monte-carlo-exchange", check=False)
     weak = weakened(pseudo.model, float(sea.mean()) / pseudo.model.most, MOLTEN_SLOPE)
+    # Exchanges keep the histogram, so they start from the picture's own levels in random order.
     shuffled = np.random.Generator(np.random.Philox(10)).permutation(sea.ravel()).reshape(sea.shape)
     drawn = [
         exchange(shuffled, given.model, SWEEPS, seed=10),
@@ -164,9 +170,6 @@ def _of(result: AutobinomialFit, offset: tuple[int, int], values: NDArray[np.flo
 def _slope(result: AutobinomialFit, sea: NDArray[np.int16]) -> float:
     return mean_field(result.model, float(sea.mean()) / result.model.most)[0]
 
-
-MODEL: Final = "midlatitude-summer"
-SEA_TEMPERATURE: Final = 288.15
 
 PATH_BAND: Final = (3.0, 5.0)
 PATH_HEIGHT: Final = 130.0
@@ -193,25 +196,6 @@ IMAGE_IFOV: Final = 1e-3  #: Side of the article's detector [rad].
 IMAGE_FIELD: Final = (50.0, 35.0)  #: Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg].
 
 
-def _silent(done: int, total: int) -> None:
-    pass
-
-
-def _view(band: Band, wind_speed: float, height: float) -> SeaView:
-    """The article's sea and air at a wind."""
-    return SeaView(
-        atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um), "lowtran", "lowtran7"),
-        band=band,
-        water=sea_water.article(),
-        slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),
-        sea_temperature=SEA_TEMPERATURE,
-        sensor_height=height,
-        solar_zenith=0.0,
-        shadowing=VIEWER,
-        background="blackbody",
-    )
-
-
 def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> Attributes:
     from seaglint.version import __version__
 
@@ -219,7 +203,7 @@ def _attributes(title: str, band: tuple[float, float], height: float, **more: An
     return {**common, "sensor_height_m": height, "sea_temperature_k": SEA_TEMPERATURE, **more}
 
 
-def figure_2(report: Progress = _silent) -> xr.Dataset:
+def figure_2(report: Progress = ignore_progress) -> xr.Dataset:
     """Path and boundary properties against range and zenith angle at several winds, 3-5 um, from 130 m down to the sea.
 
     Returns
@@ -236,14 +220,15 @@ def figure_2(report: Progress = _silent) -> xr.Dataset:
     import xarray as xr
 
     band = Band.rectangular(*PATH_BAND)
+    # Paths end at the sea horizon of the sensor; the first is straight down.
     arc = np.concatenate([[0.0], np.geomspace(50.0, horizon_range(PATH_HEIGHT), 119)])
     slant = slant_range(PATH_HEIGHT, arc)
+    # Angles are finer near the horizon, where the air mass grows fast.
     zenith = np.concatenate([np.arange(0.0, 80.0, 2.0), np.arange(80.0, 90.01, 0.5)])
     paths: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_RANGE}
     skies: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_ZENITH}
-    for i, wind in enumerate(PATH_WINDS):
-        report(i, len(PATH_WINDS))
-        view = _view(band, wind, PATH_HEIGHT)
+    for _, wind in reported(PATH_WINDS, report):
+        view = article_sea(band, wind, PATH_HEIGHT)
         over = view.in_band
         spectral = view.atmosphere.transmittance(PATH_HEIGHT, arc)[..., over.grid]
         path = over(view.atmosphere.path_radiance(PATH_HEIGHT, arc))
@@ -253,7 +238,6 @@ def figure_2(report: Progress = _silent) -> xr.Dataset:
         paths["boundary_radiance_W_m2_sr"].append(path + spectral @ (over.weights * planck_wavenumber(over.wavenumber_cm, SEA_TEMPERATURE)))
         skies["solar_irradiance_W_m2"].append(over(view.atmosphere.solar_irradiance(np.radians(zenith))))
         skies["sky_radiance_W_m2_sr"].append(over(view.atmosphere.sky_radiance(np.radians(zenith), 0.0)))
-    report(len(PATH_WINDS), len(PATH_WINDS))
     blackbody = float(band.radiance(PATH_BLACKBODY, view.atmosphere.wavenumber_cm))
     return xr.Dataset(
         {name: (("wind_speed_m_s", "slant_range_m"), np.array(rows)) for name, rows in paths.items()}
@@ -273,7 +257,7 @@ _ALONG_RANGE: Final = ("transmittance", "transmittance_eq_9", "path_radiance_W_m
 _ALONG_ZENITH: Final = ("solar_irradiance_W_m2", "sky_radiance_W_m2_sr")
 
 
-def figure_3(report: Progress = _silent) -> xr.Dataset:
+def figure_3(report: Progress = ignore_progress) -> xr.Dataset:
     """Sunlight scattered by the sea and its apparent temperature against the zenith angles of Sun and sensor, at three winds.
 
     Returns
@@ -289,23 +273,21 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
     # Evenly spaced in the logarithm of depression: the brightest points of low Suns lie within a degree of the horizon.
     depression = np.geomspace(1.01 * horizon_depression(GLINT_HEIGHT), np.radians(12.0), SURFACE_DEPRESSIONS)[::-1]
     sun = SURFACE_SUNS
-    ways: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
-    ways = (("", mean_radiance), ("_band_means", article_radiance))
+    methods: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
+    methods = (("", mean_radiance), ("_band_means", article_radiance))
     shape = (len(SURFACE_WINDS), sun.size, depression.size)
-    maps = {name + way: np.zeros(shape) for way, _ in ways for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
+    maps = {name + suffix: np.zeros(shape) for suffix, _ in methods for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
     background = np.zeros((len(SURFACE_WINDS), depression.size))
-    for i, wind in enumerate(SURFACE_WINDS):
-        report(i, len(SURFACE_WINDS))
-        view = _view(band, wind, GLINT_HEIGHT)
+    for i, wind in reported(SURFACE_WINDS, report):
+        view = article_sea(band, wind, GLINT_HEIGHT)
         inverse = ApparentTemperature.create(band, view.atmosphere.wavenumber_cm)
         for j, zenith in enumerate(np.radians(sun)):
-            for way, radiance in ways:
-                seen = radiance(replace(view, solar_zenith=float(zenith)), -depression, np.zeros(1))
-                maps["solar_radiance_W_m2_sr" + way][i, j] = seen.sun[:, 0]
-                maps["apparent_temperature_k" + way][i, j] = inverse(seen.total[:, 0])
-                if way == "":
-                    background[i] = inverse((seen.path + seen.emission + seen.sky)[:, 0])
-    report(len(SURFACE_WINDS), len(SURFACE_WINDS))
+            for suffix, radiance in methods:
+                components = radiance(replace(view, solar_zenith=float(zenith)), -depression, np.zeros(1))
+                maps["solar_radiance_W_m2_sr" + suffix][i, j] = components.sun[:, 0]
+                maps["apparent_temperature_k" + suffix][i, j] = inverse(components.total[:, 0])
+                if suffix == "":
+                    background[i] = inverse((components.path + components.emission + components.sky)[:, 0])
     return xr.Dataset(
         {name: (("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg"), values) for name, values in maps.items()}
         | {"background_temperature_k": (("wind_speed_m_s", "sensor_zenith_deg"), background)},
@@ -320,7 +302,7 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
     )
 
 
-def figure_4(report: Progress = _silent) -> xr.Dataset:
+def figure_4(report: Progress = ignore_progress) -> xr.Dataset:
     """Images of the mirrored Sun, mean and standard deviation in detectors of 1 mrad, for three winds from three directions.
 
     Returns
@@ -338,19 +320,19 @@ def figure_4(report: Progress = _silent) -> xr.Dataset:
     azimuth = step * (np.arange(columns) - 0.5 * (columns - 1))
     elevation = -step * (np.arange(rows_down) + 0.5)
     rows = np.radians(elevation)
+    # Columns are steps of azimuth, which shrink with the cosine of elevation.
     solid_angle = IMAGE_IFOV**2 * np.cos(rows)
+    # The article's correlation time of glint is 70 ms (Eq. 17).
     length = capillary_length(0.07)
     shape = (len(IMAGE_WINDS), len(IMAGE_WIND_DIRECTIONS), elevation.size, azimuth.size)
     mean, deviation = (np.zeros(shape, dtype=np.float32) for _ in range(2))
-    for i, wind in enumerate(IMAGE_WINDS):
-        report(i, len(IMAGE_WINDS))
-        calm = replace(_view(band, wind, GLINT_HEIGHT), solar_zenith=float(np.radians(IMAGE_SUN)))
+    for i, wind in reported(IMAGE_WINDS, report):
+        calm = replace(article_sea(band, wind, GLINT_HEIGHT), solar_zenith=float(np.radians(IMAGE_SUN)))
         for j, wind_from in enumerate(IMAGE_WIND_DIRECTIONS):
             view = replace(calm, slopes=cox_munk_anisotropic(wind, np.radians(wind_from + 180.0), height=WIND_HEIGHT))
             components = mean_radiance(view, rows, np.radians(azimuth))
             mean[i, j] = components.sun
             deviation[i, j] = np.sqrt(sea_variance(view, components, rows, solid_angle, length))
-    report(len(IMAGE_WINDS), len(IMAGE_WINDS))
     dims = ("wind_speed_m_s", "wind_from_sun_deg", "elevation_deg", "azimuth_from_sun_deg")
     return xr.Dataset(
         {"solar_radiance_W_m2_sr": (dims, mean), "glint_std_W_m2_sr": (dims, deviation)},
@@ -372,7 +354,7 @@ def figure_4(report: Progress = _silent) -> xr.Dataset:
     )
 
 
-#: What ``seaglint reproduce`` computes, by name.
+#: Functions of ``seaglint reproduce`` by the name of the figure.
 FIGURES: Final[dict[str, Callable[[Progress], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
 
 #: Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB.
@@ -383,7 +365,7 @@ CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
 
 
 def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
-    """Columns of a figure's CSV file: coordinates first, a row for each point; a quantity that a row has not is NaN.
+    """Return the columns of a figure's CSV file: coordinates first, a row for each point; quantities without a value in a row are NaN.
 
     Variables over the same coordinates share their rows; figures with several kinds follow one another.
     """
@@ -394,7 +376,8 @@ def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
     )
     coordinates, variables = list(map(str, picked.coords)), list(map(str, picked.data_vars))
     kinds = {picked[v].dims for v in variables}
-    # What varies with fewer coordinates stands in the rows of what varies with more.
+    # A variable of fewer coordinates is repeated in the rows of a variable that has these and more coordinates.
+    # Only the largest sets of coordinates have blocks of rows.
     kinds = {dims for dims in kinds if not any(set(dims) < set(others) for others in kinds)}
     blocks = []
     for dims in sorted(kinds, key=lambda dims: next(i for i, v in enumerate(variables) if picked[v].dims == dims)):

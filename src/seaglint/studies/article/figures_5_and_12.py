@@ -1,17 +1,17 @@
-"""The source article's Fig. 5, computed anew: the chance that glint exceeds a threshold, against the azimuth from the Sun.
+"""The source article's Figs. 5 and 12: the chance of glint against the azimuth from the Sun, and two bodies over a glinting sea.
 
-Settings of the article: 3-5 um, band means, isotropic slopes, one shadowed leg; depressions of 1.5 to 6 deg; time uniform over the day and
-the year, place uniform over the North Atlantic; a single look with its clouds, a trajectory over all depressions, and one widened by a
-field of view of 4 x 4 deg, both hidden by an overcast sky alone. Its height and weather are not told: 30 m and the packaged table here.
+Settings of the article for Fig. 5: 3-5 um, band means, isotropic slopes, one shadowed leg; depressions of 1.5 to 6 deg; time uniform over
+the day and the year, place uniform over the North Atlantic; a single look with its clouds, a trajectory over all depressions, and one
+widened by a field of view of 4 x 4 deg, both hidden by an overcast sky alone. The article does not state height and weather: 30 m and the
+packaged table here.
 
 The caption's threshold of 0.25 W cm-2 sr-1 is 2500 W m-2 sr-1. The Sun itself shows some 1e5 W m-2 sr-1 in 3-5 um, but of a sea with
 1 m/s of wind or more few facets mirror it: glint stays below a few hundred W m-2 sr-1. A thousandth of the caption's number,
-0.25 mW cm-2 sr-1, is 2.5 W m-2 sr-1; 0.25 W m-2 sr-1 stands beside it.
+0.25 mW cm-2 sr-1, is 2.5 W m-2 sr-1; 0.25 W m-2 sr-1 is computed too.
 
-The class of the source article's Fig. 12: two bodies that close over a glinting sea, seen by a third that follows one of them.
-
-The article shows one frame of 100, the view of a defending missile's seeker on a sea-skimming one in solar glint, over a sea 14 km long
-and 3.5 km wide on average; heights, speeds and shapes it does not tell. Ours are those of ``examples/approach.toml``, the same scene.
+Fig. 12 shows two bodies that close over a glinting sea, seen by a third that follows one of them. The article prints one frame of 100, the
+view of a defending missile's seeker on a sea-skimming one in solar glint, over a sea 14 km long and 3.5 km wide on average. It does not
+state heights, speeds and shapes; here they are taken from ``examples/approach.toml``, the same scene.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ SAMPLES: Final = 8192
 
 @dataclass(frozen=True, eq=False)
 class Fig5:
-    """Both panels: columns by name, ``case`` counts :data:`CASES`; and what the printed threshold gives."""
+    """Both panels: columns by name, where ``case`` counts :data:`CASES`, and the results of the printed threshold."""
 
     columns: dict[str, FloatArray]
     brightest: float  #: Brightest glint of all draws [W m-2 sr-1].
@@ -56,7 +56,7 @@ class Fig5:
 
 
 def scenario(case: str, weather: Path | None, mode: str = "article", samples: int = SAMPLES) -> TomlTables:
-    """Mapping of the scenario of one case."""
+    """Return the tables of the scenario of one case."""
     table: TomlTables = {"case": case, "samples": samples, "threshold_w_m2_sr": list(THRESHOLDS), **NORTH_ATLANTIC}
     if weather is not None:
         table["weather"] = str(weather)
@@ -79,11 +79,11 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
     weather : Path, optional
         Weather table; the packaged North Atlantic where nothing is given.
     mode : {"article", "spectral"}
-        The article's way of the radiance, or this program's.
+        Radiance as in the article, or per wavenumber.
     samples : int
         Draws for each azimuth.
     report : callable, optional
-        Told steps done and all of them.
+        Called with (steps done, all of them).
 
     Notes
     -----
@@ -92,7 +92,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
     :data:`AZIMUTHS` to both sides, exceeds (``probability_within``; the same draws look at all azimuths), and that a look in a direction
     drawn evenly among them does (``probability_averaged``, the mean of (a) up to theta_T).
     """
-    tell = report or (lambda done, total: None)
+    progress = report or (lambda done, total: None)
     rows: list[tuple[float, ...]] = []
     brightest, printed = 0.0, 0.0
     total = len(CASES) * (2 * AZIMUTHS.size - 1)
@@ -102,20 +102,24 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
         within: dict[float, FloatArray] = {}
         for azimuth in AZIMUTHS.tolist():
             sides = []
+            # Winds come from anywhere, so both sides of the Sun are equally probable; azimuth 0 has one side.
             for side in (1.0, -1.0) if azimuth > 0.0 else (1.0,):
-                tell(done, total)
+                progress(done, total)
                 sides.append(draw(model, azimuth=side * np.radians(azimuth)))
                 done += 1
             brightest = max(brightest, *(float(d.radiance.max()) for d in sides))
             printed = max(printed, *(float(np.average(d.illuminated * (d.radiance > PRINTED), weights=d.weight)) for d in sides))
             for threshold in THRESHOLDS:
                 above = [(d.radiance > threshold).astype(np.float64) for d in sides]
+                # The largest over all azimuths so far: glint at any azimuth up to this one.
                 within[threshold] = np.maximum(within.get(threshold, np.zeros(1)), np.max(above, axis=0))
+                # The mean of both sides uses all looks.
                 both = np.mean([d.illuminated * a for d, a in zip(sides, above, strict=True)], axis=0)
-                here = estimate(both, sides[0].plan, weight=sides[0].weight)
-                any_ = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
-                rows.append((number, threshold, azimuth, here.value, here.low, here.high, any_.value, any_.low, any_.high))
-    tell(total, total)
+                at_azimuth = estimate(both, sides[0].plan, weight=sides[0].weight)
+                at_any_azimuth = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
+                chances = [value for one in (at_azimuth, at_any_azimuth) for value in (one.value, one.low, one.high)]
+                rows.append((number, threshold, azimuth, *chances))
+    progress(total, total)
     names = (
         "case", "threshold_w_m2_sr", "azimuth_deg", "probability", "interval_low", "interval_high",
         "probability_within", "within_low", "within_high",
@@ -126,7 +130,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
 
 
 def _averaged(columns: dict[str, FloatArray]) -> FloatArray:
-    """Mean of (a) over azimuths from the Sun's to each, by trapezia [1]."""
+    """Return the mean of (a) over azimuths from the Sun's to each, by trapezia [1]."""
     out = np.empty(columns["probability"].size)
     for number in range(len(CASES)):
         for threshold in THRESHOLDS:
@@ -141,7 +145,7 @@ FRAMES: Final = 100  #: Frames of the article's sequence.
 
 PIXELS: Final = 512  #: Pixels along each side.
 
-FRAME_RATE: Final = 10.0  #: Frames per second [Hz]; the article does not tell its own.
+FRAME_RATE: Final = 10.0  #: Frames per second [Hz]; the article does not state its rate.
 
 SPEED: Final = 50.0  #: Speed of the viewpoint [m/s].
 
@@ -195,12 +199,12 @@ _DEFENDING: Final[TomlTables] = {
 
 
 def scene(pixels: int = PIXELS) -> Scenario:
-    """Scenario of the sequence, with as many ``pixels`` along each side.
+    """Return the scenario of the sequence, with as many ``pixels`` along each side.
 
     Examples
     --------
-    >>> found = scene()
-    >>> found.sensor.frames, found.sensor.pixels, [item.name for item in found.objects]
+    >>> scenario = scene()
+    >>> scenario.sensor.frames, scenario.sensor.pixels, [item.name for item in scenario.objects]
     (100, (512, 512), ['attacking body', 'defending body'])
     """
     last = (FRAMES - 1) / FRAME_RATE
@@ -219,9 +223,7 @@ def scene(pixels: int = PIXELS) -> Scenario:
                 "frame_rate_hz": FRAME_RATE,
                 "frames": FRAMES,
             },
-            "platform": {
-                "keyframes": [{"time_s": 0, "east_m": 0, "north_m": 0}, {"time_s": last, "east_m": 0, "north_m": -SPEED * last}],
-            },
+            "platform": {"keyframes": [{"time_s": 0, "east_m": 0, "north_m": 0}, {"time_s": last, "east_m": 0, "north_m": -SPEED * last}]},
             "band": {"min_um": 3.5, "max_um": 5.0},
             "wind": {"speed_m_s": 7, "from_deg": 215},
             "sea": {"temperature_k": 290.15, "shortest_wave_m": 3},
@@ -232,19 +234,19 @@ def scene(pixels: int = PIXELS) -> Scenario:
 
 
 @dataclass(frozen=True, eq=False)
-class Ways:
+class Trajectories:
     """Positions of sensor and bodies in the vertical plane of the line of sight."""
 
     time: FloatArray  #: Of the frames [s].
-    #: ``ahead``, ``height``: Distance ahead of the sensor's start, along the sea, and height above the mean sea [m], by name; that of the
-    #: sensor is ``"sensor"``.
+    #: ``ahead``, ``height``: Distance ahead of the sensor's start, along the sea, and height above the mean sea [m], by name; the name of
+    #: the sensor is ``"sensor"``.
     ahead: dict[str, FloatArray]
     height: dict[str, FloatArray]
     sight: tuple[float, float]  #: Elevations of the image's lower and upper edge [rad].
 
 
-def ways(scenario: Scenario, frames: range) -> Ways:
-    """Ways of sensor and bodies over some frames."""
+def trajectories(scenario: Scenario, frames: range) -> Trajectories:
+    """Return the positions of sensor and bodies over some frames."""
     sensor, track = scenario.sensor, scenario_physics.track(scenario)
     time = np.asarray(frames) / sensor.frame_rate_hz
     start = track.at(0.0)
@@ -255,12 +257,13 @@ def ways(scenario: Scenario, frames: range) -> Ways:
     for body in bodies_of(scenario)(None):
         places[body.name] = np.array([body.motion.at(float(t)).position for t in time])
     middle, half = start.attitude.elevation, 0.5 * math.radians(sensor.fov_deg[1])
+    # Distances are projected on the first line of sight, the plane of the drawing.
     ahead = {name: (place[:, :2] - origin) @ look for name, place in places.items()}
-    return Ways(time, ahead, {name: place[:, 2] for name, place in places.items()}, (middle - half, middle + half))
+    return Trajectories(time, ahead, {name: place[:, 2] for name, place in places.items()}, (middle - half, middle + half))
 
 
 def shown_frame(frames: range) -> int:
-    """Index of the frame that the figure shows: some way from the end, where both bodies are seen against the corridor."""
+    """Return the index of the frame that the figure shows, at 7/10 of the frames: both bodies are in front of the corridor."""
     return (7 * (len(frames) - 1)) // 10
 
 

@@ -1,8 +1,6 @@
-"""A number of the source article beside ours.
+"""The source article's headline numbers: each row with the article's value, ours and the settings.
 
-The source article's headline numbers, computed anew: each row with the article's value, ours and the settings.
-
-Nothing here is a constant but the article's own values and the settings; a change of any model shows in these rows.
+Only the article's values and the settings are constants; a change of any model changes these rows.
 """
 
 from __future__ import annotations
@@ -60,8 +58,10 @@ class SensedRow(ArticleRow):
         return {"article": self.article, "as rendered": self.ours, "detector": self.through_detector}
 
 
-_MODEL: Final = "midlatitude-summer"
-_SEA_TEMPERATURE: Final = 288.15
+MODEL: Final = "midlatitude-summer"  #: The article's model atmosphere.
+
+SEA_TEMPERATURE: Final = 288.15  #: Temperature of the article's sea [K].
+
 _SENSOR_HEIGHT: Final = 100.0
 _CALM: Final = 0.5  # the article's calm: its 526 K is the peak near 0.5 m/s (0 m/s 570 K, 1 m/s 500 K)
 _BAND: Final = Band.rectangular(3.5, 5.0)
@@ -84,11 +84,26 @@ class BrightestPoint:
         return self.apparent_temperature - self.background
 
 
+def article_sea(band: Band, wind_speed: float, sensor_height: float) -> SeaView:
+    """Return the article's sea and air at a wind [m/s] from a height [m], under a Sun at the zenith."""
+    return SeaView(
+        atmosphere=model_air(MODEL, wind_speed, (band.min_um, band.max_um), "lowtran", "lowtran7"),
+        band=band,
+        water=sea_water.article(),
+        slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),
+        sea_temperature=SEA_TEMPERATURE,
+        sensor_height=sensor_height,
+        solar_zenith=0.0,
+        shadowing=VIEWER,
+        background="blackbody",
+    )
+
+
 def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, radiance: Radiance = mean_radiance) -> BrightestPoint:
-    """Brightest mean glint of the article's case at a wind speed.
+    """Return the brightest mean glint of the article's case at a wind speed.
 
     LOWTRAN7 midlatitude summer with the Navy maritime aerosol at that wind, sea 288.15 K, the article's index, isotropic Cox-Munk
-    slopes with the wind taken as it is, the viewer's leg shadowed, sea and mirrored sky a blackbody, 3.5-5 um.
+    slopes with the unchanged wind, the viewer's leg shadowed, sea and mirrored sky a blackbody, 3.5-5 um.
 
     Parameters
     ----------
@@ -102,23 +117,13 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
     Returns
     -------
     BrightestPoint
-        Found by a search over 60-89 deg Sun zenith and depressions from the horizon to 12 deg, refined once to 0.3 deg of the Sun
+        From a search over 60-89 deg Sun zenith and depressions from the horizon to 12 deg, refined once to 0.3 deg of the Sun
         (0.1 K of a peak several degrees wide).
     """
-    air = model_air(_MODEL, wind_speed, (_BAND.min_um, _BAND.max_um), "lowtran", "lowtran7")
-    view = SeaView(
-        atmosphere=air,
-        band=_BAND,
-        water=sea_water.article(),
-        slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),
-        sea_temperature=_SEA_TEMPERATURE,
-        sensor_height=sensor_height,
-        solar_zenith=0.0,
-        shadowing=VIEWER,
-        background="blackbody",
-    )
-    inverse = ApparentTemperature.create(_BAND, air.wavenumber_cm)
+    view = article_sea(_BAND, wind_speed, sensor_height)
+    inverse = ApparentTemperature.create(_BAND, view.atmosphere.wavenumber_cm)
     depression = np.geomspace(1.05 * horizon_depression(sensor_height), np.radians(12.0), 120)
+    # Two searches over the Sun: steps of 2 deg, then of 0.3 deg around the best.
     coarse = max((_at(view, z, depression, inverse, radiance) for z in np.arange(60.0, 89.5, 2.0)), key=_temperature)
     centre = coarse.solar_zenith_deg
     return max((_at(view, z, depression, inverse, radiance) for z in centre + np.arange(-1.8, 1.81, 0.3)), key=_temperature)
@@ -129,10 +134,10 @@ def _temperature(point: BrightestPoint) -> float:
 
 
 def _at(view: SeaView, solar_zenith_deg: float, depression: FloatArray, inverse: ApparentTemperature, radiance: Radiance) -> BrightestPoint:
-    seen = radiance(replace(view, solar_zenith=float(np.radians(solar_zenith_deg))), -depression, np.zeros(1))
-    temperature = inverse(seen.total[:, 0])
+    components = radiance(replace(view, solar_zenith=float(np.radians(solar_zenith_deg))), -depression, np.zeros(1))
+    temperature = inverse(components.total[:, 0])
     row = int(np.nanargmax(temperature))
-    background = float(inverse((seen.path + seen.emission + seen.sky)[row, 0]))
+    background = float(inverse((components.path + components.emission + components.sky)[row, 0]))
     return BrightestPoint(float(temperature[row]), background, float(np.degrees(depression[row])), float(solar_zenith_deg))
 
 
@@ -142,7 +147,7 @@ def _contrast(min_um: float, max_um: float) -> float:
 
 
 def headline() -> dict[str, ArticleRow]:
-    """Rows of the article's headline numbers.
+    """Return the rows of the article's headline numbers.
 
     Returns
     -------
@@ -174,10 +179,10 @@ def _glint_rows() -> dict[str, ArticleRow]:
     calm, windy = brightest_point(_CALM), brightest_point(10.0)
     means = brightest_point(10.0, 50.0, article_radiance)
     common = {
-        "atmosphere": f"LOWTRAN7 {_MODEL}, Navy maritime aerosol",
+        "atmosphere": f"LOWTRAN7 {MODEL}, Navy maritime aerosol",
         "band_um": [_BAND.min_um, _BAND.max_um],
         "sensor_height_m": _SENSOR_HEIGHT,
-        "sea_temperature_k": _SEA_TEMPERATURE,
+        "sea_temperature_k": SEA_TEMPERATURE,
         "water": "article",
         "slopes": "isotropic Cox-Munk, viewer's leg shadowed",
         "background": "sea and mirrored sky a blackbody",

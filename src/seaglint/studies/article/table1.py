@@ -1,12 +1,12 @@
-"""The source article's Table 1, computed anew: false alarms of the Laplacian filter in a rendered two-second glint sequence.
+"""The source article's Table 1: false alarms of the Laplacian filter in a rendered two-second glint sequence.
 
-The article does not describe the scene of its recording. Ours is that of its Fig. 4 (sensor at 100 m, 5 m/s of wind from 45 degrees
+The article does not describe the scene of its recording. Ours is the scene of its Fig. 4 (sensor at 100 m, 5 m/s of wind from 45 degrees
 beside the Sun), seen at the depressions of its Fig. 5 (1.5 to 6 degrees) with the Sun 30 degrees high and waves down to half a metre.
-The rates depend on wind, Sun and range; ``docs/figures/false_alarm_table.py`` says how.
+The rates depend on wind, Sun and range; ``docs/figures/false_alarm_table.py`` computes this dependence.
 
-The article's pictures are those of a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
-Correlation times need one: blur joins a glint with those beside it, and lets it last longer. So the same frames are counted twice, as
-rendered and through a detector (:data:`BLUR_PX`), and beside it with other blurs (:data:`BLURS_PX`).
+The article's pictures come from a sensor, the General Dynamics Advanced Imaging Sensor, of which it states neither pixels nor blur.
+Correlation times need a blur: it joins neighbouring glints and prolongs them. So the same frames are counted twice, as rendered and
+through a detector (:data:`BLUR_PX`), and again with other blurs (:data:`BLURS_PX`).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from seaglint.instrument.figures_of_merit import blur_px as beyond_pixel
 from seaglint.radiance.mean_radiance import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
+from seaglint.studies.article.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS, ignore_progress
 from seaglint.studies.article.headline import ArticleRow, SensedRow
 from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.sensor_model import sensor_model
@@ -56,34 +56,30 @@ CORRIDOR_SHARE: Final = 0.5  #: Mean mirrored Sun, as a share of its row's large
 
 #: Blur of the detector beyond its pixels, a standard deviation [px of 0.56 mrad].
 #:
-#: Assumed: the article does not state that of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample about
-#: twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of resolution,
-#: at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
+#: Assumed: the article does not state the blur of its sensor. Its Fig. 4 takes detectors of 1.0 mrad, which pixels of 0.56 mrad sample
+#: about twice, as scanners do. With this blur of 0.67 mrad the transfer of the whole sensor has fallen to a tenth, the usual limit of
+#: resolution, at the Nyquist frequency of such detectors, 0.5 cycles/mrad.
 BLUR_PX: Final = 1.2
 
-#: Blurs with which rates and correlation times are given too [px]: how much they hang on the assumed one.
+#: Blurs with which rates and correlation times are computed too [px], to show their dependence on the assumed blur.
 BLURS_PX: Final = (0.8, 1.0, 1.2, 1.5)
 
-F_NUMBER: Final = 2.1  #: F-number of the optics: that of cooled cameras.
+F_NUMBER: Final = 2.1  #: F-number of the optics, usual in cooled cameras.
 
 #: Pitch of the pixels [um]: assumed; at F/2.1 the aperture is the 2 in. of the seeker to whose noise the article compares its clutter.
 PITCH_UM: Final = 60.0
 
 FILL_FACTOR: Final = 0.9  #: Sensitive share of a pixel's area: assumed, as in the ready sensors.
 
-INTEGRATION_TIME: Final = 1e-3  #: Integration time [s]: assumed, short against the frame of 0.04 s, as the waves stand still in it.
+INTEGRATION_TIME: Final = 1e-3  #: Integration time [s]: assumed, short against the frame of 0.04 s, because waves do not move within it.
 
-MARGIN: Final = 6  #: Pixels that are rendered beyond each border of the picture, five blurs of 1.2: what lies there blurs into it.
+MARGIN: Final = 6  #: Pixels that are rendered beyond each border of the picture, five blurs of 1.2: their light blurs into it.
 
 #: Table 1: false-alarm rate and correlation time [s] by region and threshold; None where the article has "not measured".
 ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
     "glint": {3.0: (0.0096, 0.270), 3.5: (0.0050, 0.202)},
     "background": {3.0: (0.014, 0.292), 3.5: (None, None)},
 }
-
-
-def _silent(done: int, total: int) -> None:
-    """Ignore progress."""
 
 
 def scene(
@@ -93,7 +89,7 @@ def scene(
     margin: int = 0,
     sensor: TomlTables | None = None,
 ) -> Scenario:
-    """Scenario of the sequence, at another wind or Sun too.
+    """Return the scenario of the sequence, also at another wind or Sun.
 
     Parameters
     ----------
@@ -113,6 +109,7 @@ def scene(
     Scenario
     """
     low, high = DEPRESSIONS_DEG
+    # Pixels are square in angle; a margin adds pixels without changing their size.
     step = (high - low) / PIXELS[1]
     pixels = [size + 2 * margin for size in PIXELS]
     south = 180.0
@@ -137,8 +134,8 @@ def scene(
     )
 
 
-def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDArray[np.float32]:
-    """Radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
+def sequence(scene: Scene, times: FloatArray, report: Progress = ignore_progress) -> NDArray[np.float32]:
+    """Return the radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
     images = []
     report(0, times.size)
     for time in times.tolist():
@@ -148,16 +145,16 @@ def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDA
 
 
 def corridor(view: SeaView, camera: Camera) -> NDArray[np.bool_]:
-    """Mask of the glint corridor: at least half of the row's brightest mean mirrored Sun, (rows, columns).
+    """Return the mask of the glint corridor: at least half of the row's brightest mean mirrored Sun, (rows, columns).
 
-    The mean-radiance model knows nothing of the frames, so that no bright wave puts itself into the region.
+    The mean-radiance model is independent of the frames, so that no bright wave adds itself to the region.
     """
     sun = mean_radiance(view, camera.elevations, camera.azimuths).sun
     return np.asarray((sun > 0.0) & (sun >= CORRIDOR_SHARE * sun.max(axis=1, keepdims=True)))
 
 
 def detector(blur_px: float = BLUR_PX) -> SensorModel:
-    """Return the detector through which the pictures are seen, without noise: of cooled ones it is a thousandth of this clutter.
+    """Return the detector through which the pictures are seen, without noise: noise of cooled detectors is a thousandth of this clutter.
 
     Parameters
     ----------
@@ -180,7 +177,7 @@ Rates = dict[str, list[FalseAlarmRate]]  #: Rates at the article's thresholds by
 
 
 def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates:
-    """Rates in the corridor and beside it as the analysis counts them, without its fits and without the pixels at the border.
+    """Return the rates inside and outside the corridor as the analysis counts them, without its fits and without pixels at the border.
 
     Parameters
     ----------
@@ -190,6 +187,7 @@ def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates
         The corridor, (rows, columns).
     """
     laplacian = Laplacian()
+    # Filtered pixels at the border depend on repeated pixels, which are no sea.
     edge = laplacian.margin
     filtered = laplacian.apply(frames)[:, edge:-edge, edge:-edge]
     inner = mask[edge:-edge, edge:-edge]
@@ -203,7 +201,7 @@ def blurred_rates(frames: NDArray[np.float32], mask: NDArray[np.bool_]) -> Rates
 
 @dataclass(frozen=True)
 class Table1:
-    """The analyses of a rendered sequence, as it is and through the detector, beside the article's numbers."""
+    """The analyses of a rendered sequence, without and with the detector, beside the article's numbers."""
 
     scenario: Scenario
     analysis: Analysis
@@ -211,22 +209,21 @@ class Table1:
     by_blur: dict[float, Rates]
 
     def rows(self) -> dict[str, ArticleRow]:
-        """Article's value and ours by region, threshold and quantity; absent ones are None."""
+        """Return the article's value and ours by region, threshold and quantity; absent values are None."""
         out: dict[str, ArticleRow] = {}
         sensed = _alarms(self.through_detector)
         for (region, threshold), alarm in _alarms(self.analysis).items():
             rate, time = ARTICLE[region][threshold]
             ratio = None if rate is None else rate / alarm.gaussian_rate
-            name, seen = f"{region}_{threshold:g}_sigma", sensed[region, threshold]
-            interval = {
-                "interval_95": _interval(alarm), "note": alarm.note, "detector_interval_95": _interval(seen), "detector_note": seen.note,
-            }  # fmt: skip
+            name, through_detector = f"{region}_{threshold:g}_sigma", sensed[region, threshold]
+            interval = {"interval_95": _interval(alarm), "note": alarm.note}
+            interval |= {"detector_interval_95": _interval(through_detector), "detector_note": through_detector.note}
             blurred = self._of_blurs(region, threshold)
             times = {f"blur_{blur:g}_px": _seconds(value) for blur, value in blurred.items()}
             ratios = {f"blur_{blur:g}_px": value.ratio for blur, value in blurred.items()}
-            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, seen.rate)
-            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, seen.ratio)
-            out[f"correlation_time_{name}"] = SensedRow(time, alarm.correlation_time_s, "s", times, seen.correlation_time_s)
+            out[f"rate_{name}"] = SensedRow(rate, alarm.rate, "1", interval, through_detector.rate)
+            out[f"times_gaussian_{name}"] = SensedRow(ratio, alarm.ratio, "1", ratios, through_detector.ratio)
+            out[f"correlation_time_{name}"] = SensedRow(time, alarm.correlation_time_s, "s", times, through_detector.correlation_time_s)
         return out
 
     def columns(self) -> dict[str, FloatArray]:
@@ -253,6 +250,7 @@ class Table1:
 
     def settings(self) -> JsonObject:
         """Return the settings that all rows share."""
+        # Settings are read from the scenario, so that they follow its changes.
         s, sun = self.scenario, self.scenario.sun
         recording = self.analysis.recording
         ifov = round(float(1e3 * np.radians(s.sensor.ifov_deg[0])), 4)
@@ -280,7 +278,7 @@ class Table1:
         }
 
     def _of_blurs(self, region: str, threshold: float) -> dict[float, FalseAlarmRate]:
-        """Return what each blur makes of a region at a threshold."""
+        """Return the rate of each blur in a region at a threshold."""
         return {blur: next(rate for rate in rates[region] if rate.threshold_sigma == threshold) for blur, rates in self.by_blur.items()}
 
 
@@ -293,7 +291,7 @@ def _interval(alarm: AlarmSummary) -> list[float | None] | None:
 
 
 def _alarms(analysis: Analysis) -> dict[tuple[str, float], AlarmSummary]:
-    """Alarms by region and threshold, those that the article has."""
+    """Return the alarms by region and threshold, as far as the article has them."""
     regions = analysis.summary().present
     return {
         (name, alarm.threshold_sigma): alarm
@@ -303,13 +301,13 @@ def _alarms(analysis: Analysis) -> dict[tuple[str, float], AlarmSummary]:
     }
 
 
-def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
+def table1(report: Progress = ignore_progress, frames: int = FRAMES) -> Table1:
     """Render the sequence and count its false alarms, as rendered and through the detector.
 
     Parameters
     ----------
     report : callable
-        Told how many of how many frames are rendered.
+        Called with (frames rendered, frames in all).
     frames : int
         Number of frames.
 
@@ -319,8 +317,8 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
 
     Notes
     -----
-    Of the sea's glints those of waves longer than half a metre are in the picture; shorter ones are a mean brightness of each facet.
-    The detector blurs pictures of its own pixels, not finer ones: what their sampling folds to low frequencies stays.
+    Glints of waves longer than half a metre are in the picture; shorter waves are a mean brightness of each facet. The detector blurs
+    pictures in its pixels, not finer ones: aliases that their sampling folds to low frequencies remain.
 
     References
     ----------
@@ -329,9 +327,11 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
     wide = scene(frames=frames, margin=MARGIN)
     prepared = prepare_sequence(wide).scene
     images = sequence(prepared, np.arange(frames) / FRAME_RATE, report)
+    # Blur needs light from beyond the border, so a wider picture is rendered and cut afterwards.
     inner = np.s_[..., MARGIN:-MARGIN, MARGIN:-MARGIN]
     mask = corridor(prepared.view, scenario_physics.camera(wide))[inner]
     options = AnalysisOptions(mask=mask)
+    # A set, because the assumed blur is usually one of the others too.
     blurred = {blur: detector(blur).focal_plane(images)[inner] for blur in {BLUR_PX, *BLURS_PX}}
     return Table1(
         scene(frames=frames),
@@ -344,12 +344,5 @@ def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
 def _recording(name: str, images: NDArray[np.float32], blur_px: float) -> Recording:
     count, rows, columns = images.shape
     return Recording(
-        name,
-        count,
-        rows,
-        columns,
-        lambda start, stop: images[start:stop],
-        frame_rate=FRAME_RATE,
-        units="W m-2 sr-1",
-        blur_px=blur_px,
+        name, count, rows, columns, lambda start, stop: images[start:stop], frame_rate=FRAME_RATE, units="W m-2 sr-1", blur_px=blur_px
     )

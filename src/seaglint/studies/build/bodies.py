@@ -1,10 +1,10 @@
-"""The objects of a scenario become bodies: shapes are built and checked, ways are laid, what floats gets its waterline."""
+"""Bodies of a scenario's objects: their shapes, motions and waterlines, built and checked."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, assert_never
+from typing import assert_never
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError, Mistake, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.formats.mesh import METRES, read_mesh
-from seaglint.formats.tables.input_tables import OBJECT_COLUMNS, read_track
+from seaglint.formats.tables.input_tables import OBJECT_COLUMNS
 from seaglint.imaging.camera.pose import Track
 from seaglint.objects import solids as primitives
 from seaglint.objects.approach import CLEARANCE, first_contact
@@ -23,34 +23,35 @@ from seaglint.objects.motion import Course, Keyframed, Rest, east_north, rotatio
 from seaglint.objects.solids import Operation, combined, common_volume, placed, plume_in, solid
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import object_tables
-from seaglint.scenario.records.object_tables import Object, ObjectKeyframe
+from seaglint.scenario.records.object_tables import Object
 from seaglint.sea.wave_field import WaveField
 from seaglint.studies.build import scenario_physics
 
-MOST_CHECKED = 33  #: Times at which objects are held against each other.
+MOST_CHECKED = 33  #: Times at which objects are compared with each other.
 
-OVERLAP = 1e-6  #: Share of the smaller of two solids that they may have in common: what touches does not overlap.
+OVERLAP = 1e-6  #: Share of the smaller of two solids that they may have in common: solids that touch do not overlap.
 
-Parts = list[Solid | GasPlume | PointSource]
-# Temperature [K] and emissivity of what says nothing itself.
+Part = Solid | GasPlume | PointSource
+Parts = list[Part]
+# Temperature [K] and emissivity of parts that do not state their own.
 Material = tuple[float | None, float]
 
 
 def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ...]:
-    """The scenario's objects.
+    """Return the scenario's objects as bodies.
 
     Parameters
     ----------
     scenario : Scenario
         With ``objects``, or without any.
     waves : WaveField, optional
-        What floating objects ride on; None is a flat sea.
+        Waves on which floating objects ride; None is a flat sea.
 
     Returns
     -------
     tuple of Body
-        In the scenario's order. Positions are on the sea's own axes, from which the sensor's are told too: what the scenario says from the
-        sensor's start is moved there.
+        In the scenario's order. Positions are on the axes of the sea, as the sensor's positions are: places that the scenario states from
+        the sensor's start are shifted by that start.
 
     Raises
     ------
@@ -64,6 +65,7 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
     start = track.at(0.0)
     origin = np.array([start.east, start.north])
     last = (scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz
+    # A long sequence is checked at some of its frames only.
     times = np.linspace(0.0, last, min(scenario.sensor.frames, MOST_CHECKED))
     swells: dict[float, Swell] = {}
 
@@ -89,7 +91,7 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
 
 
 def unchecked_bodies(scenario: Scenario) -> tuple[Body, ...]:
-    """Return the scenario's objects on a flat sea, each where it is, without holding them against each other and the sensor.
+    """Return the scenario's objects on a flat sea, each where it is, without comparing them with each other and the sensor.
 
     Raises
     ------
@@ -132,9 +134,10 @@ def shape_parts(item: Object) -> Parts:
 
 
 def _built(shape: object_tables.Shape, above: Material) -> Parts:
-    """A shape in the axes of what it is part of."""
+    """Return the parts of a shape in the axes of the object or shape that contains it."""
     if isinstance(shape, object_tables.Point):
         return [PointSource(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2, shape.temperature_k)]
+    # A part without its own material has the material of the shape or object that contains it.
     own = (above[0] if shape.temperature_k is None else shape.temperature_k, above[1] if shape.emissivity is None else shape.emissivity)
     turn = rotation(*(float(np.radians(angle)) for angle in (shape.heading_deg, shape.pitch_deg, shape.roll_deg)))
     out: Parts = []
@@ -168,7 +171,7 @@ def _unplaced(shape: object_tables.Shape, material: Material) -> Parts:
         case object_tables.MeshFile():
             return [_from_file(shape, material)]
         case object_tables.Plume(semi_axes_m=semi_axes):
-            # a plume of gases has no emissivity of what it is part of
+            # a plume of gases does not inherit the emissivity of the object that contains it
             emissivity = None if shape.gases else material[1]
             return [
                 GasPlume((0.0, 0.0, 0.0), semi_axes, _temperature(material), emissivity, shape.co2_share or 0.0, shape.h2o_share or 0.0)
@@ -218,7 +221,7 @@ def _from_file(shape: object_tables.MeshFile, material: Material) -> Solid:
         data = read_mesh(shape.path, metres=METRES[shape.units] * shape.scale, up=shape.up)
     except DataError as error:
         raise DataError(f"shape.path: {error}") from error
-    # what is said of the mesh itself counts before the file's own
+    # keys of the scenario replace the file's values
     temperature = data.temperature if data.temperature is not None and shape.temperature_k is None else _temperature(material)
     emissivity = data.emissivity if data.emissivity is not None and shape.emissivity is None else material[1]
     try:
@@ -227,8 +230,8 @@ def _from_file(shape: object_tables.MeshFile, material: Material) -> Solid:
         raise DomainError(f"shape.path = '{shape.path}': {error}") from error
 
 
-def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Steered:
-    """Motion of an object on a flat sea."""
+def _motion(scenario: Scenario, item: Object, parts: Sequence[Part], origin: FloatArray) -> Steered:
+    """Return the motion of an object on a flat sea."""
     trim = tuple(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg))
     if item.track is not None or item.keyframes is not None:
         return _keyframed(scenario, item, parts, origin)
@@ -242,16 +245,9 @@ def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | Po
     return Course(start, item.speed_m_s * np.array([np.sin(towards), np.cos(towards), 0.0]))
 
 
-def _keyframed(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Keyframed:
-    columns: dict[str, Any]
-    if item.track is not None:
-        columns, names = read_track(item.track, OBJECT_COLUMNS)
-        where = f"track = '{item.track}': "
-    else:
-        keyframes, where = item.keyframes or (), ""
-        given = [name for name in ObjectKeyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
-        columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
-        names = [f"keyframes[{i}]" for i in range(len(keyframes))]
+def _keyframed(scenario: Scenario, item: Object, parts: Sequence[Part], origin: FloatArray) -> Keyframed:
+    columns, names = scenario_physics.keyframe_columns(item, OBJECT_COLUMNS)
+    where = "" if item.track is None else f"track = '{item.track}': "
     size = len(names)
     if "latitude_deg" in columns or "longitude_deg" in columns:
         ways = [name for name in ("latitude_deg", "longitude_deg") if name not in columns]
@@ -266,11 +262,13 @@ def _keyframed(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume |
     height = columns["height_m"] if "height_m" in columns else np.full(size, _height(item, parts))
     rest_angles = {"heading_deg": item.heading_deg or 0.0, "pitch_deg": item.pitch_deg, "roll_deg": item.roll_deg}
     angles = np.radians(np.stack([columns.get(name, np.full(size, value)) for name, value in rest_angles.items()], axis=1))
+    # Without any heading the forward end points along the motion.
     follows = "heading_deg" not in columns and item.heading_deg is None
     try:
         motion = Keyframed.create(
             np.asarray(columns["time_s"]), np.column_stack([place + origin, height]), angles, names, follows=follows, path=item.path
         )
+        # Both ends of the sequence must be inside the keyframes.
         motion.at(0.0)
         motion.at((scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz)
     except DomainError as error:
@@ -285,15 +283,15 @@ def _start(scenario: Scenario) -> tuple[float, float]:
 
 
 def _place(scenario: Scenario, item: Object) -> FloatArray:
-    """East and north of the sensor's start [m]."""
+    """Return the place of an object east and north of the sensor's start [m]."""
     if item.latitude_deg is not None and item.longitude_deg is not None:
         latitude, longitude = float(np.radians(item.latitude_deg)), float(np.radians(item.longitude_deg))
         return np.array(east_north(latitude, longitude, _start(scenario)))
     return np.array([item.east_m or 0.0, item.north_m or 0.0])
 
 
-def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> float:
-    """Height of an object's origin [m]."""
+def _height(item: Object, parts: Sequence[Part]) -> float:
+    """Return the height of an object's origin [m]."""
     if item.height_m is not None:
         return item.height_m
     if item.draught_m is None:
@@ -307,18 +305,17 @@ def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> 
     return -item.draught_m - float((corners @ turn.T)[:, 2].min())
 
 
-def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
-    """Vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
+def _corners(parts: Sequence[Part]) -> FloatArray:
+    """Return the vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
     corners = [part.vertices for part in parts if isinstance(part, Solid)]
+    # The eight corners of the box around an ellipsoid.
     signs = np.stack(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)), axis=-1).reshape(-1, 3)
     corners += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, GasPlume)]
     return np.concatenate(corners) if corners else np.zeros((0, 3))
 
 
-def _ridden(
-    item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, swell: Callable[[FloatArray], Swell | None]
-) -> Steered:
-    """A motion on the waves, over the waterline of the largest solid that the water cuts."""
+def _ridden(item: Object, parts: Sequence[Part], base: Steered, swell: Callable[[FloatArray], Swell | None]) -> Steered:
+    """Return a motion on the waves, over the waterline of the largest solid that the water cuts."""
     first = base.at(0.0)
     trim = rotation(0.0, *(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg)))
     cuts = [waterline(placed(part, np.zeros(3), trim), -float(first.position[2])) for part in parts if isinstance(part, Solid)]
@@ -333,8 +330,8 @@ def _ridden(
     return base if waves is None else Afloat(base, waves, centre, half)
 
 
-def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, times: FloatArray) -> None:
-    """Refuse what is wholly under the sea, and what is above the air."""
+def _require_seen(scenario: Scenario, parts: Sequence[Part], base: Steered, times: FloatArray) -> None:
+    """Refuse objects that are wholly under the sea or reach above the air."""
     corners = _corners(parts)
     if not len(corners):
         corners = np.zeros((1, 3))
@@ -356,7 +353,7 @@ def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSourc
 
 
 def _require_clear(placed: list[Body], track: Track, last: float) -> None:
-    """Refuse objects that the sensor runs into at any time; a floating sensor goes along its way on a flat sea."""
+    """Refuse objects that the sensor enters at any time; a floating sensor is taken along its keyframes on a flat sea."""
 
     def eye(time: float) -> FloatArray:
         pose = track.at(time)
@@ -378,7 +375,8 @@ def _require_clear(placed: list[Body], track: Track, last: float) -> None:
 
 
 def _require_apart(placed: list[Body], times: FloatArray) -> None:
-    """Refuse objects in each other."""
+    """Refuse objects that overlap."""
+    # A ball around each body is a cheap first test before solids are intersected.
     reach = [float(np.linalg.norm(_corners(body.parts), axis=1).max(initial=0.0)) for body in placed]
     for time in times:
         now = [body.motion.at(float(time)) for body in placed]
@@ -400,13 +398,14 @@ def _refused(name: str, text: str) -> ScenarioError:
 
 def _overlap(one: Body, at: Placement, other: Body, there: Placement) -> bool:
     for part in (p for p in one.parts if isinstance(p, Solid)):
-        mine = placed(part, at.position - there.position, at.rotation)
-        for beside in (p for p in other.parts if isinstance(p, Solid)):
-            yours = placed(beside, np.zeros(3), there.rotation)
-            low = np.maximum(mine.vertices.min(axis=0), yours.vertices.min(axis=0))
-            high = np.minimum(mine.vertices.max(axis=0), yours.vertices.max(axis=0))
+        first = placed(part, at.position - there.position, at.rotation)
+        for other_part in (p for p in other.parts if isinstance(p, Solid)):
+            second = placed(other_part, np.zeros(3), there.rotation)
+            # Boxes that do not meet cannot hold solids that do.
+            low = np.maximum(first.vertices.min(axis=0), second.vertices.min(axis=0))
+            high = np.minimum(first.vertices.max(axis=0), second.vertices.max(axis=0))
             if np.all(low < high):
-                smaller = min(primitives.volume((p.vertices, p.triangles)) for p in (mine, yours))
-                if common_volume(mine, yours) > OVERLAP * smaller:
+                smaller = min(primitives.volume((p.vertices, p.triangles)) for p in (first, second))
+                if common_volume(first, second) > OVERLAP * smaller:
                     return True
     return False

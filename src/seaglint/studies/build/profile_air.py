@@ -1,8 +1,7 @@
-"""A sounding as the levels that LOWTRAN7's program takes: thinned, continued by the model atmosphere's own levels.
+"""Air of a scenario from a profile: a model atmosphere or a sounding, with a haze at the scenario's wind.
 
-The sounding of a scenario, and what a user needs to see of it: what was left out, what a model atmosphere continues, and its share.
-
-Air of a scenario from a profile: a model atmosphere or a sounding, with a haze at the scenario's wind.
+For LOWTRAN7's program a sounding is thinned to the number of levels that the program takes, and continued by levels of the model
+atmosphere. Levels that were left out, and the effect of water vapour that a model atmosphere continues, are reported.
 """
 
 from __future__ import annotations
@@ -36,8 +35,11 @@ from seaglint.formats.soundings.sounding import Continuation, Sounding, continua
 from seaglint.formats.tables.input_tables import read_track
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.scenario.records.view_tables import TABLE_BANDS_TEXT
+
+AirWithSounding = requested_air.LowtranAtmosphere | requested_air.LowtranFortranAtmosphere  #: Tables of air that may have a sounding.
+ComputedAir = requested_air.TableAtmosphereSettings | requested_air.LowtranAtmosphere  #: Tables of air whose absorption is summed here.
 
 if TYPE_CHECKING:
     from seaglint.air.profile.profile_scattering import Scatterers
@@ -53,7 +55,7 @@ THINNING = (0.002, 0.3, 2.0)
 
 
 def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple[ProfileLevel, ...]:
-    """Return the levels of a sounding from the sea to 100 km, thinned to what LOWTRAN7 takes, then those of the model atmosphere.
+    """Return the levels of a sounding from the sea to 100 km, thinned for LOWTRAN7, then the levels of the model atmosphere.
 
     Levels are left out where the others, interpolated (pressure logarithmically), miss the sounding least.
 
@@ -66,7 +68,7 @@ def program_levels(path: str | Path, model: str = "midlatitude-summer") -> tuple
 
 
 def levels_of(sounding: Sounding, model: str) -> tuple[ProfileLevel, ...]:
-    """Return the levels of a sounding that was read, as :func:`program_levels` does; humidity that ends is the model's above."""
+    """Return the levels of a sounding that was read, as :func:`program_levels` does; above its end humidity is the model's."""
     air = (sounding.height, sounding.pressure, sounding.temperature, sounding.humidity(model))
     return _to_the_top(np.column_stack(air))
 
@@ -75,6 +77,7 @@ def _to_the_top(levels: FloatArray) -> tuple[ProfileLevel, ...]:
     top = float(levels[-1, 0]) / 1e3
     above = [float(z) for z in MODEL_LEVELS_KM if z > top + 0.2]  # closer levels make LOWTRAN7's layers degenerate
     room = MOST_LEVELS - min(len(above), LEVELS_ABOVE)
+    # LOWTRAN7 takes a limited number of levels for the sounding and the model above together.
     thinned = _thinned_levels(levels, room)
     while len(thinned) + len(above) > MOST_LEVELS:
         # The closest pair of the model's levels loses its upper one, never the last.
@@ -88,26 +91,28 @@ def _thinned_levels(levels: FloatArray, room: int) -> FloatArray:
     """Return the rows that interpolate the others best: ends first, then the worst interpolated one after the other."""
     if len(levels) <= room:
         return levels
+    # Differences of pressure, temperature and humidity become comparable in units of THINNING.
     scaled = np.column_stack([np.log(levels[:, 1]) / THINNING[0], levels[:, 2] / THINNING[1], levels[:, 3] / THINNING[2]])
     chosen = [0, len(levels) - 1]
     while len(chosen) < room:
         order = np.sort(chosen)
         guess = np.column_stack([np.interp(levels[:, 0], levels[order, 0], column[order]) for column in scaled.T])
+        # Chosen levels are interpolated exactly, so the worst level is always a new one.
         chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=1))))
     return np.asarray(levels[np.sort(chosen)])
 
 
-#: Zenith angle of the sky by which the effect of continued water vapour is shown [deg]: low sky, as slopes of waves mirror it.
+#: Zenith angle of the sky in which the effect of continued water vapour is computed [deg]: low sky, as slopes of waves mirror it.
 SKY_DEG: Final = 78.0
 
-MOST_SKY_LEVELS: Final = 2000  #: Levels of the profiles by which the effect is shown.
+MOST_SKY_LEVELS: Final = 2000  #: Largest number of levels of the profiles with which the effect is computed.
 
-LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which only that is reported [K].
+LEAST_EFFECT: Final = 0.1  #: Difference of the sky below which no temperatures are reported [K].
 
-ALMOST_NONE: Final = 1e-6  #: Factor of the water vapour that is taken away [1]; none at all has no logarithm.
+ALMOST_NONE: Final = 1e-6  #: Factor of the removed water vapour [1]: an amount of 0 has no logarithm.
 
 
-def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere, scenario: Scenario) -> Sounding:
+def scenario_sounding(requested: AirWithSounding, scenario: Scenario) -> Sounding:
     """Return the sounding of a scenario at its place and time.
 
     Raises
@@ -115,16 +120,14 @@ def scenario_sounding(wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranF
     DataError
         As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
     """
-    from seaglint.formats.soundings.sounding import read_sounding
-
-    assert wanted.sounding is not None  # callers asked
+    assert requested.sounding is not None  # callers checked
     place = None if scenario.place is None else (scenario.place.latitude_deg, scenario.place.longitude_deg)
     time: datetime | None = None if scenario.time is None else scenario.time.utc
-    return read_sounding(wanted.sounding, place, time)
+    return read_sounding(requested.sounding, place, time)
 
 
 def report_sounding(sounding: Sounding, model: str, scenario: Scenario, over: Band) -> None:
-    """Log what a user of the result needs to see, a line a fact: levels left out, what the model continues and what it changes.
+    """Report levels of a sounding that are left out, heights that the model continues, and the effect of this, a line a fact.
 
     Records of one fact carry the same ``fact``: an ensemble of many sensors has one line of it.
     """
@@ -139,13 +142,11 @@ def report_sounding(sounding: Sounding, model: str, scenario: Scenario, over: Ba
 def report_air(scenario: Scenario, over: Band) -> None:
     """Report the sounding of a scenario, where it has one, for workers that prepare its air and print nothing."""
     air = scenario.atmosphere
-    if isinstance(air, wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere) and air.sounding is not None:
+    if isinstance(air, AirWithSounding) and air.sounding is not None:
         report_sounding(scenario_sounding(air, scenario), air.model, scenario, over)
 
 
-def program_sounding(
-    wanted: wanted_air.LowtranAtmosphere | wanted_air.LowtranFortranAtmosphere, scenario: Scenario, over: Band
-) -> tuple[ProfileLevel, ...]:
+def program_sounding(requested: AirWithSounding, scenario: Scenario, over: Band) -> tuple[ProfileLevel, ...]:
     """Return the levels of a scenario's sounding for LOWTRAN7's program and for decks, none without one, and report the sounding.
 
     Raises
@@ -153,22 +154,22 @@ def program_sounding(
     DataError
         As :func:`~seaglint.formats.soundings.sounding.read_sounding`.
     """
-    if wanted.sounding is None:
+    if requested.sounding is None:
         return ()
 
-    sounding = scenario_sounding(wanted, scenario)
-    report_sounding(sounding, wanted.model, scenario, over)
+    sounding = scenario_sounding(requested, scenario)
+    report_sounding(sounding, requested.model, scenario, over)
     if sounding.ozone_ppmv is not None:
-        REPORTS.warning("%s: LOWTRAN7's program and decks take no ozone of it but that of %s", sounding.path, wanted.model)
-    return levels_of(sounding, wanted.model)
+        REPORTS.warning("%s: LOWTRAN7's program and decks take no ozone of it but that of %s", sounding.path, requested.model)
+    return levels_of(sounding, requested.model)
 
 
 def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: Band) -> str:
-    """Apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
+    """Return a clause with the apparent temperatures of the sky with and without the continued vapour, seen from the sensor."""
     height = float(np.clip(scenario.sensor.height_m, *PROFILE_HEIGHTS))
     profile = _thinned(profile, part.height)
-    there = profile.height < part.height if part.below else profile.height > part.height
-    dry = replace(profile, vapour=np.where(there, ALMOST_NONE, 1.0) * profile.vapour)
+    continued = profile.height < part.height if part.below else profile.height > part.height
+    dry = replace(profile, vapour=np.where(continued, ALMOST_NONE, 1.0) * profile.vapour)
     wind = scenario.wind.speed_m_s
     without, given = (_sky(air, HazeWeather(wind=wind, wind_24h=wind), height, over) for air in (dry, profile))
     if not np.isfinite([without, given]).all():
@@ -180,24 +181,25 @@ def _effect(part: Continuation, profile: AirProfile, scenario: Scenario, over: B
 
 
 def _thinned(profile: AirProfile, height: float) -> AirProfile:
-    """Return at most about :data:`MOST_LEVELS` levels of a profile, that at a height [m] among them."""
+    """Return at most about :data:`MOST_SKY_LEVELS` levels of a profile, the level at a height [m] among them."""
     step = -(-profile.height.size // MOST_SKY_LEVELS)
     if step == 1:
         return profile
     last = profile.height.size - 1
-    some = np.unique(np.r_[np.arange(0, last, step), last - np.arange(40), np.searchsorted(profile.height, height)])
+    # The lowest and the highest levels and the level of the change remain; others are thinned evenly.
+    indices = np.unique(np.r_[np.arange(0, last, step), last - np.arange(40), np.searchsorted(profile.height, height)])
     return replace(
         profile,
-        height=profile.height[some],
-        pressure=profile.pressure[some],
-        temperature=profile.temperature[some],
-        vapour=profile.vapour[some],
-        gas=profile.gas[:, some],
+        height=profile.height[indices],
+        pressure=profile.pressure[indices],
+        temperature=profile.temperature[indices],
+        vapour=profile.vapour[indices],
+        gas=profile.gas[:, indices],
     )
 
 
 def _sky(profile: AirProfile, haze: HazeWeather, height: float, over: Band) -> float:
-    """Apparent temperature of the sky [K]."""
+    """Return the apparent temperature of the sky [K]."""
     grid = wavenumber_grid(over.min_um, over.max_um)
     emitted = AirSums(profile, haze, grid).along(height, float(np.radians(SKY_DEG))).emitted
     return float(apparent_temperature(float(emitted @ over.weights(grid)), over, grid))
@@ -205,67 +207,62 @@ def _sky(profile: AirProfile, haze: HazeWeather, height: float, over: Band) -> f
 
 _log = logging.getLogger(__name__)
 
-OWN_OF_THE_PROFILE: Final = OwnGases()  #: Gases that are those of the profile.
+OWN_OF_THE_PROFILE: Final = OwnGases()  #: Choice of gases that leaves the gases of the profile unchanged.
 
-INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are looked for [cm-1]: 4 um.
+INFRARED_CM: Final = 2500.0  #: Wavenumber at which layers that trap rays are searched [cm-1]: 4 um.
 
 
-def profile_atmosphere(
-    wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band
-) -> ProfileAtmosphere:
-    """Return the air over a band; the same object for the same air, whose rays are kept.
+def profile_atmosphere(requested: ComputedAir, scenario: Scenario, over: Band) -> ProfileAtmosphere:
+    """Return the air over a band; equal air is one object, which caches its rays.
 
     Raises
     ------
     ScenarioError
         A response file reaches beyond the air's band.
     """
-    _require_band(wanted, scenario, over)
+    _require_band(requested, scenario, over)
     wind = scenario.wind.speed_m_s
-    lowest = None if wanted.air_minus_sea_k is None else (wind, scenario.sea.temperature_k, wanted.air_minus_sea_k)
+    lowest = None if requested.air_minus_sea_k is None else (wind, scenario.sea.temperature_k, requested.air_minus_sea_k)
     choice = _Choice(
         HazeWeather(wind=wind, wind_24h=wind),
         (over.min_um, over.max_um),
-        wanted.levels,
+        requested.levels,
         _changes_height(scenario),
         lowest,
-        wanted.spectroscopy,
-        wanted_gases(wanted),
+        requested.spectroscopy,
+        requested_gases(requested),
     )
-    if isinstance(wanted, wanted_air.TableAtmosphereSettings):
-        return _kept(wanted.model, choice)
-    longer = wind if wanted.wind_24h_m_s is None else wanted.wind_24h_m_s
-    haze = HazeWeather(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, longer)
+    if isinstance(requested, requested_air.TableAtmosphereSettings):
+        return _cached_model_air(requested.model, choice)
+    longer = wind if requested.wind_24h_m_s is None else requested.wind_24h_m_s
+    haze = HazeWeather(requested.haze, requested.visibility_km, requested.air_mass_character, wind, longer)
     choice = replace(choice, haze=haze)
-    if wanted.sounding is None:
-        return _kept(wanted.model, choice)
-    sounding = scenario_sounding(wanted, scenario)
-    report_sounding(sounding, wanted.model, scenario, over)
-    profile = sounding.profile(wanted.model)
+    if requested.sounding is None:
+        return _cached_model_air(requested.model, choice)
+    sounding = scenario_sounding(requested, scenario)
+    report_sounding(sounding, requested.model, scenario, over)
+    profile = sounding.profile(requested.model)
+    # A duct bends rays more than the sums assume, which the user has to know.
     trapped = trapping_layers(profile.height, refractivity(profile, INFRARED_CM), profile.earth_radius)
     if trapped:
         layers = ", ".join(f"{low:.0f}-{high:.0f} m" for low, high in trapped)
-        shown = "" if wanted.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
+        shown = "" if requested.refraction == "profile" else ", and pictures show no mirage (atmosphere.refraction = 'profile' does)"
         _log.warning("%s traps rays at %s: its sums bend them a little less%s", sounding.path, layers, shown)
-    return _made(profile, choice, sounding.provenance)
+    return _with_haze(_hazeless_air(profile, choice, sounding.provenance), choice)
 
 
-def wanted_gases(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) -> OwnGases:
-    """Return the gases of a scenario, carbon dioxide of today among them."""
-    return OwnGases(wanted.co2_ppmv, wanted.ch4_ppmv, wanted.n2o_ppmv, wanted.ozone_du).of(wanted.spectroscopy)
+def requested_gases(requested: ComputedAir) -> OwnGases:
+    """Return the gases of a scenario, with the default carbon dioxide of its spectroscopy."""
+    return OwnGases(requested.co2_ppmv, requested.ch4_ppmv, requested.n2o_ppmv, requested.ozone_du).of(requested.spectroscopy)
 
 
 def model_air(
-    model: str,
-    wind_speed: float,
-    edges: tuple[float, float],
-    levels: Levels = "continuous",
-    spectroscopy: Spectroscopy = "lblrtm",
+    model: str, wind_speed: float, edges: tuple[float, float], levels: Levels = "continuous", spectroscopy: Spectroscopy = "lblrtm"
 ) -> ProfileAtmosphere:
     """Return a model atmosphere with the Navy maritime aerosol at a wind [m s-1], at most 20, over wavelengths [um]."""
     wind = min(wind_speed, NAVY_AEROSOL_WIND[1])
     haze = HazeWeather(wind=wind, wind_24h=wind)
-    return _kept(model, _Choice(haze, edges, levels, spectroscopy=spectroscopy, gases=OwnGases().of(spectroscopy)))
+    return _cached_model_air(model, _Choice(haze, edges, levels, spectroscopy=spectroscopy, gases=OwnGases().of(spectroscopy)))
 
 
 def _changes_height(scenario: Scenario) -> bool:
@@ -309,12 +306,13 @@ class _HazelessAir:
     _scatterers: dict[tuple[int | None, int | None, int | None], Scatterers] = field(default_factory=dict)
 
     def scattering(self, haze: HazeWeather, part: slice) -> ScatteringAir:
-        """Scatterers of a haze on part of the channels."""
+        """Return the scatterers of a haze on part of the channels."""
         # Numba comes with it: thermal bands do without.
         from seaglint.air.profile.profile_scattering import Scatterers
 
         key = (part.start, part.stop, part.step)
         if key not in self._scatterers:
+            # Rays are bent at one wavenumber for the whole band.
             middle = 0.5 * float(self.grid[0] + self.grid[-1])
             self._scatterers[key] = Scatterers(
                 self.profile, self.grid[part], middle, continuous=self.levels == "continuous", spectroscopy=self.spectroscopy
@@ -323,20 +321,17 @@ class _HazelessAir:
 
 
 @lru_cache(maxsize=64)
-def _kept(model: str, choice: _Choice) -> ProfileAtmosphere:
-    return _with_haze(_kept_hazeless(model, replace(choice, haze=HazeWeather(), moving=False)), choice)
+def _cached_model_air(model: str, choice: _Choice) -> ProfileAtmosphere:
+    # Hazes and motion do not change the gases, so air of all winds shares one set of sums.
+    return _with_haze(_cached_hazeless_air(model, replace(choice, haze=HazeWeather(), moving=False)), choice)
 
 
 @lru_cache(maxsize=4)
-def _kept_hazeless(model: str, choice: _Choice) -> _HazelessAir:
-    return _hazeless(model_profile(model), choice, {})
+def _cached_hazeless_air(model: str, choice: _Choice) -> _HazelessAir:
+    return _hazeless_air(model_profile(model), choice, {})
 
 
-def _made(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> ProfileAtmosphere:
-    return _with_haze(_hazeless(profile, choice, noted), choice)
-
-
-def _hazeless(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> _HazelessAir:
+def _hazeless_air(profile: AirProfile, choice: _Choice, noted: dict[str, str]) -> _HazelessAir:
     provenance: JsonObject = {**noted}
     if choice.lowest is not None:
         profile = with_marine_layer(profile, *choice.lowest)
@@ -360,9 +355,9 @@ def _with_haze(air: _HazelessAir, choice: _Choice) -> ProfileAtmosphere:
     )
 
 
-def _require_band(wanted: wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere, scenario: Scenario, over: Band) -> None:
-    """Refuse what a response file reaches; the scenario checked its own numbers."""
-    of_table = isinstance(wanted, wanted_air.TableAtmosphereSettings)
+def _require_band(requested: ComputedAir, scenario: Scenario, over: Band) -> None:
+    """Refuse wavelengths of a response file outside the air's band; the records check the scenario's numbers."""
+    of_table = isinstance(requested, requested_air.TableAtmosphereSettings)
     inside = TABLE_BANDS_UM if of_table else (PROFILE_BAND_UM,)
     if any(low <= over.min_um and over.max_um <= high for low, high in inside):
         return

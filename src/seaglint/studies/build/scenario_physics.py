@@ -1,14 +1,13 @@
-"""A sensor's track on the waves, where its platform floats, at heights that the air covers.
+"""Physics of a scenario: band, air, sea, view, camera and track, in SI units.
 
-From a scenario to the records of physics: units become SI, names become models.
-
-Refraction of a scenario's pictures: standard, or by the profile of its air.
+Names in the scenario's tables select models. A sensor on a floating platform rides on the waves. Refraction is standard, or follows the
+profile of the air (:func:`bending`).
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, assert_never
 
@@ -24,7 +23,7 @@ from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.sea_view import SeaView
-from seaglint.formats.tables.input_tables import read_track
+from seaglint.formats.tables.input_tables import COLUMNS, read_track
 from seaglint.formats.tables.spectra import read_response
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
 from seaglint.imaging.camera.pose import Track
@@ -37,21 +36,22 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.variance import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere_table as wanted_air
-from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records import atmosphere_table as requested_air
+from seaglint.scenario.records import sea_tables as requested_sea
+from seaglint.scenario.records.object_tables import Object
 from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
-from seaglint.scenario.records.view_tables import Keyframe
+from seaglint.scenario.records.view_tables import Platform
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.wave_field import WaveField
-from seaglint.studies.build.profile_air import profile_atmosphere, program_sounding
+from seaglint.studies.build.profile_air import ComputedAir, profile_atmosphere, program_sounding
 from seaglint.studies.build.waves_and_slopes import Waves, slopes, waves
 
 
 def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:
-    """The track itself, or afloat.
+    """Return the track, on the waves where the platform floats.
 
     Raises
     ------
@@ -64,6 +64,7 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
         heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
         times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
         floating = FloatingTrack.create(floating, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
+    # Waves may lift a sensor out of the heights of the air, so the track is checked after it floats.
     covered = {"table": PROFILE_HEIGHTS, "lowtran": PROFILE_HEIGHTS, "lowtran-fortran": LOWTRAN_HEIGHTS}
     lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
     if floating.lowest < lowest or floating.highest > highest:
@@ -74,7 +75,7 @@ def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: 
     return floating
 
 
-RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest.
+RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets have the rest.
 
 ANGLES = ("azimuth", "elevation", "roll")  #: Angles of the sensor, by the names of its keys without their unit.
 
@@ -89,7 +90,7 @@ class PreparedSea:
 
 
 def band(scenario: Scenario) -> Band:
-    """Spectral response."""
+    """Return the spectral response."""
     if scenario.band.response is not None:
         return read_response(scenario.band.response)
     assert scenario.band.min_um is not None  # the model fills both edges where no file is given
@@ -98,42 +99,43 @@ def band(scenario: Scenario) -> Band:
 
 
 def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
-    """The air, sampled over a band."""
+    """Return the air, sampled over a band."""
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphereSettings() | wanted_air.LowtranAtmosphere() as wanted:
-            return profile_atmosphere(wanted, scenario, over)
-        case wanted_air.LowtranFortranAtmosphere() as wanted:
-            return _lowtran(scenario, wanted, over)
-        case wanted_air.FileAtmosphere(path=path):
+        case requested_air.TableAtmosphereSettings() | requested_air.LowtranAtmosphere() as requested:
+            return profile_atmosphere(requested, scenario, over)
+        case requested_air.LowtranFortranAtmosphere() as requested:
+            return _lowtran(scenario, requested, over)
+        case requested_air.FileAtmosphere(path=path):
             from seaglint.formats.air_file import read_atmosphere
 
-            air, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            air, arcs_in_view = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
             if air.scattered is not None:
                 air.scattered.require_sun(sun_position(scenario).zenith, str(path))
-            return air if seen is None else air.seen_between(*seen)
-        case wanted_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
+            return air if arcs_in_view is None else air.seen_between(*arcs_in_view)
+        case requested_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
-        case wanted_air.NoAtmosphere():
+        case requested_air.NoAtmosphere():
             return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
         case other:
             assert_never(other)
 
 
 def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
-    """Arcs along the sea of the nearest and farthest pixel [m], the latter None where the horizon is in view; None for moving sensors."""
+    """Return arcs along the sea of the nearest and farthest pixel [m], the latter None with the horizon in view; None if it moves."""
     if scenario.platform is not None:
         return None
     pose, pixels = track(scenario).at(0.0), imager(scenario)
-    # The extremes stand on the border, or at the nadir: a grid of pixels has both closely enough.
+    # The extremes lie on the border or at the nadir: a grid of at most 129 x 129 pixels comes close enough to both.
     across, down = (np.linspace(0.5, n - 0.5, min(n, 129)) for n in (pixels.columns, pixels.rows))
+    # The grid has pixel centres of the border rows and columns at its edges.
     sight = pixels.directions(pose.attitude, across, down[:, None])
     arc = surface_range(pose.height, -np.arcsin(np.clip(sight[..., 2], -1.0, 1.0)))
     sea = np.isfinite(arc)
     return (float(arc[sea].min()), float(arc.max()) if sea.all() else None) if sea.any() else None
 
 
-def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
-    """LOWTRAN7's runs for this sensor height, band and wind, from the cache where it has them."""
+def _lowtran(scenario: Scenario, source: requested_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
+    """Return LOWTRAN7's runs for this sensor height, band and wind, from the cache if it has them."""
     from seaglint.formats.lowtran.deck import Aerosol
     from seaglint.formats.lowtran.lowtran_sample import lowtran_atmosphere
 
@@ -149,7 +151,7 @@ def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, ov
 
 
 def water(scenario: Scenario) -> WaterIndex:
-    """Refractive index of the sea."""
+    """Return the refractive index of the sea."""
     match scenario.sea.water:
         case "hale-querry-sea":
             return sea_water.hale_querry_sea()
@@ -162,7 +164,7 @@ def water(scenario: Scenario) -> WaterIndex:
 
 
 def glint_length(scenario: Scenario) -> float:
-    """Correlation length of glint on the sea [m]."""
+    """Return the correlation length of glint on the sea [m]."""
     glint = scenario.sea.glint
     if glint.cell_m is not None:
         return glint.cell_m
@@ -176,23 +178,25 @@ def glint_length(scenario: Scenario) -> float:
 
 
 def sparkles(scenario: Scenario) -> Sparkles:
-    """Sparkles below a pixel, as the scenario wants them; none by themselves in the mean picture, without resolved waves."""
+    """Return the sparkles below a pixel; ``auto`` draws none in the mean picture, without resolved waves."""
     mode = scenario.render.subpixel_glint
+    # Without resolved waves the picture is the mean over all slopes.
     mode = "off" if mode == "auto" and not scenario.sea.resolve_waves else mode
     return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode)
 
 
 def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
-    """Sea, air and Sun as a sensor sees them from any height [m] on the platform's way; what does not depend on it is made once."""
+    """Return a function of the sensor's height [m] that gives sea, air and Sun from there; parts without height are made once."""
     first = view(scenario)
 
     def at(height: float) -> SeaView:
         if height == first.sensor_height:
             return first
         match scenario.atmosphere:
-            case wanted_air.LowtranFortranAtmosphere():
+            # The program's air is computed for one height, so each height is another run.
+            case requested_air.LowtranFortranAtmosphere():
                 return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
-            case wanted_air.FileAtmosphere():
+            case requested_air.FileAtmosphere():
                 raise ScenarioError(
                     f"platform: the sensor's height changes (sensor.height_m = {first.sensor_height:g}, platform {height:g} m), and "
                     "atmosphere.source = 'file' is made for one height; keep the height, or use another atmosphere"
@@ -204,22 +208,34 @@ def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
 
 
 def standing_view(scenario: Scenario, height: float) -> SeaView:
-    """Sea, air and Sun as a sensor sees them that stands at one height [m] of its platform's way, as from a scenario without platform."""
-    if scenario.platform is None or isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
+    """Return sea, air and Sun for a sensor at rest at a height [m] of its track, as of a scenario without platform."""
+    if scenario.platform is None or isinstance(scenario.atmosphere, requested_air.FileAtmosphere):
         return view_at(scenario)(height)
     sensor = scenario.sensor.model_copy(update={"height_m": height})
     return view(scenario.model_copy(update={"sensor": sensor, "platform": None}))
 
 
 def imager(scenario: Scenario) -> Imager:
-    """The camera's pixels, whatever its attitude."""
+    """Return the camera's pixels, without an attitude."""
     sensor = scenario.sensor
     width, height = (float(np.radians(angle)) for angle in sensor.fov_deg)
     return Imager(sensor.projection, width, height, *sensor.pixels)
 
 
+def keyframe_columns(moving: Platform | Object, allowed: Sequence[str]) -> tuple[dict[str, FloatArray], list[str]]:
+    """Return the columns of a track's file or of keyframes by their keys, and the names of the keyframes in messages."""
+    if moving.track is not None:
+        return read_track(moving.track, allowed)
+    keyframes = moving.keyframes or ()
+    # All keyframes have the keys of the first, which the records check.
+    given = [name for name in type(keyframes[0]).model_fields if getattr(keyframes[0], name) is not None] if keyframes else []
+    # Angles and lengths stay in the units of their keys; callers convert them.
+    columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
+    return columns, [f"keyframes[{i}]" for i in range(len(keyframes))]
+
+
 def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
-    """Where the sensor is and how it is turned, over the time of the scenario's frames; a platform that floats rides on ``waves``.
+    """Return position and attitude of the sensor over the time of the scenario's frames; a platform that floats rides on ``waves``.
 
     Raises
     ------
@@ -229,25 +245,17 @@ def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
     sensor, platform = scenario.sensor, scenario.platform
     rest = {"east_m": 0.0, "north_m": 0.0, "height_m": sensor.height_m, "azimuth_deg": sensor.azimuth_deg}
     rest |= {"elevation_deg": sensor.elevation_deg, "roll_deg": sensor.roll_deg}
-    if platform is None:
-        return Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
-    if platform.track is None and platform.keyframes is None:
+    if platform is None or (platform.track is None and platform.keyframes is None):
         still = Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
-        return afloat(scenario, still, waves, "platform: ")
-    columns: dict[str, FloatArray]
-    if platform.track is not None:
-        columns, names = read_track(platform.track)
-        where = f"{platform.track}: "
-    else:
-        keyframes = platform.keyframes or ()
-        given = [name for name in Keyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
-        columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
-        names, where = [f"keyframes[{i}]" for i in range(len(keyframes))], "platform: "
+        return still if platform is None else afloat(scenario, still, waves, "platform: ")
+    columns, names = keyframe_columns(platform, COLUMNS)
+    where = "platform: " if platform.track is None else f"{platform.track}: "
     size = len(names)
     filled = {name: columns.get(name, np.full(size, value)) for name, value in ({"time_s": 0.0} | rest).items()}
     values = {name.rsplit("_", 1)[0]: np.radians(v) if name.endswith("_deg") else v for name, v in filled.items()}
     try:
         keyframed = Track.create(values, names)
+        # Both ends of the sequence must be inside the keyframes.
         keyframed.at(0.0)
         keyframed.at((sensor.frames - 1) / sensor.frame_rate_hz)
     except DomainError as error:
@@ -262,7 +270,7 @@ def scatters(scenario: Scenario) -> bool:
 
 
 def view(scenario: Scenario) -> SeaView:
-    """Sea, air and Sun as one sensor height sees them."""
+    """Return sea, air and Sun for the scenario's sensor height."""
     over = band(scenario)
     sun = sun_position(scenario)
     return SeaView(
@@ -286,24 +294,24 @@ def under(view: SeaView, sun: SunPosition) -> SeaView:
 
 
 def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
-    """A view, the scenario's own by default, in the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and
-    sky, one leg shadowed.
+    """Return a view, by default the scenario's, in the source article's mode.
 
-    The water stays the scenario's; ``sea.water = "article"`` is the article's own. A mirror stays a mirror.
+    This mode has isotropic slopes at the unchanged wind, one blackbody for sea and sky, and one shadowed leg. The water is the scenario's;
+    ``sea.water = "article"`` is the article's. A flat sea remains flat.
     """
     kind = scenario.sea.slopes
     isotropic = (
         flat()
-        if isinstance(kind, wanted_slopes.FlatSlopes)
+        if isinstance(kind, requested_sea.FlatSlopes)
         else cox_munk_isotropic(
-            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, wanted_slopes.SpectrumSlopes) and kind.extrapolate
+            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, requested_sea.SpectrumSlopes) and kind.extrapolate
         )
     )
     return replace(seen or view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
 
 
 def upright_camera(scenario: Scenario) -> Camera | None:
-    """The image grid of a standing sensor with equal steps of azimuth and elevation, upright; None for any other sensor."""
+    """Return the image grid of an upright sensor at rest with equal steps of azimuth and elevation; None for any other sensor."""
     if scenario.platform is not None:
         return None
     pose = track(scenario).at(0.0)
@@ -311,8 +319,9 @@ def upright_camera(scenario: Scenario) -> Camera | None:
 
 
 def gliding_camera(scenario: Scenario) -> Camera | None:
-    """The image grid of a scanner whose columns have places of their own: upright, at one height, wherever it is; None for one that turns
-    or rises on its platform, or is rolled.
+    """Return the image grid of an upright scanner at one height, whose columns may have separate places.
+
+    It is None for a scanner that turns or rises on its platform, or is rolled.
 
     Raises
     ------
@@ -328,21 +337,22 @@ def gliding_camera(scenario: Scenario) -> Camera | None:
 
 
 def swept_camera(scenario: Scenario) -> Camera | None:
-    """The image grid of a sensor that is drawn without turning its picture: upright, equal steps of angle, at one height, standing or on a
-    platform that neither turns nor rises; None for any other.
+    """Return the image grid of a sensor that is drawn without turning its picture; None for any other.
+
+    Such a sensor is upright with equal steps of angle at one height, at rest or on a platform that neither turns nor rises.
     """
     return _level_camera(scenario) if scenario.sensor.projection == "equal-angle" else None
 
 
 def _level_camera(scenario: Scenario) -> Camera | None:
-    way = track(scenario)
-    pose = way.at(float(way.time[0]))
+    path = track(scenario)
+    pose = path.at(float(path.time[0]))
     floats = scenario.platform is not None and scenario.platform.floats
-    return None if floats or way.turns or way.highest > way.lowest else imager(scenario).camera(pose.height, pose.attitude)
+    return None if floats or path.turns or path.highest > path.lowest else imager(scenario).camera(pose.height, pose.attitude)
 
 
 def camera(scenario: Scenario) -> Camera:
-    """Return the image grid of a standing, upright sensor; refuse any other sensor.
+    """Return the image grid of an upright sensor at rest; refuse any other sensor.
 
     Raises
     ------
@@ -359,7 +369,7 @@ def camera(scenario: Scenario) -> Camera:
 
 
 def accuracy(scenario: Scenario) -> Accuracy:
-    """How finely images are drawn."""
+    """Return the accuracy with which images are drawn."""
     settings = scenario.render
     return Accuracy(
         step=settings.step_m,
@@ -370,7 +380,7 @@ def accuracy(scenario: Scenario) -> Accuracy:
 
 
 def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
-    """The waves to be geometry: as short as asked for, but never more slope variance than the energy rule allows.
+    """Return the waves that are geometry: as short as requested, with at most the slope variance that the energy rule allows.
 
     Raises
     ------
@@ -397,6 +407,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
         )
     requested = 2.0 * np.pi / scenario.sea.shortest_wave_m
     limit = resolve_limit(spectral, statistics, RESOLVED_SHARE)
+    # The shortest geometric wave: as requested, as the energy rule allows, and as the spectrum has.
     cut = min(requested, limit, spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
@@ -424,7 +435,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
 
 
 def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:
-    """Refuse to draw a slope model with skewness and peakedness by its variances alone, unless the scenario asks for it.
+    """Refuse to draw a slope model with skewness and peakedness by its variances alone, unless the scenario requests it.
 
     Raises
     ------
@@ -451,17 +462,17 @@ def atmosphere_provenance(air: Atmosphere) -> Attributes:
     return dict(air.provenance)
 
 
-AIR_AT: Final = 10.0  #: Height of the air whose temperature stands for the lowest air [m].
+AIR_AT: Final = 10.0  #: Height at which the temperature of the lowest air is taken [m].
 
 
 def bends_by_profile(scenario: Scenario) -> bool:
     """Return true where lines of sight are to bend as in the scenario's own air."""
     air = scenario.atmosphere
-    return isinstance(air, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) and air.refraction == "profile"
+    return isinstance(air, ComputedAir) and air.refraction == "profile"
 
 
 def bending(scenario: Scenario, view: SeaView) -> Bending | None:
-    """Bending of the lines of sight of an upright sensor; None with standard refraction.
+    """Return the bending of the lines of sight of an upright sensor; None with standard refraction.
 
     Raises
     ------
@@ -477,6 +488,7 @@ def bending(scenario: Scenario, view: SeaView) -> Bending | None:
         )
     assert isinstance(view.atmosphere, ProfileAtmosphere)  # of the two kinds of air above
     profile = view.atmosphere.sums.profile
+    # A sensor below 10 m takes the air at its own height.
     lowest = float(np.interp(min(view.sensor_height, AIR_AT), profile.height, profile.temperature))
     return Bending(view.atmosphere.index, view.sensor_height, lowest)
 
@@ -487,7 +499,7 @@ def require_standard_refraction(scenario: Scenario) -> None:
     Raises
     ------
     ScenarioError
-        Saying what it needs.
+        The scenario requests refraction by the profile.
     """
     if bends_by_profile(scenario):
         raise ScenarioError(

@@ -1,4 +1,4 @@
-"""From a scenario's sensor tables to the sensor of physics, and the attributes of its counts."""
+"""Sensor model of a scenario's sensor tables, and the attributes of its counts."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def require_sensor(scenario: Scenario) -> None:
 
 
 def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None = None) -> SensorModel:
-    """The sensor of a scenario.
+    """Return the sensor of a scenario.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
     Raises
     ------
     ScenarioError
-        No detector, or one whose response is not that of the scene's band.
+        No detector, or a response that does not match the scene's band.
     """
     require_sensor(scenario)
     sensor, source = scenario.sensor, scenario.sensor.detector
@@ -73,6 +73,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         SensorOptics,
         aperture=sensor.aperture_m,
         focal_length=sensor.focal_length_m,
+        # A scanner's motion blurs along rows as drift does.
         drift=(1e-6 * given.drift_along_urad_s + scan_rate(scenario), 1e-6 * given.drift_across_urad_s),
         solid_angle_law=given.solid_angle,
     )
@@ -90,18 +91,20 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         scenario.seed if seed is None else seed,
         frame,
         scanning=scan_rate(scenario) != 0.0,
+        # Only a full turn of equal angles closes, so that blur continues across the seam.
         circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
     )
     return _with_room(_with_stated_netd(_with_noise(model, scenario), scenario))
 
 
 def _with_stated_netd(model: SensorModel, scenario: Scenario) -> SensorModel:
-    """The sensor with the read noise or the integration time that gives the NETD of its data sheet, where one is stated."""
+    """Return the sensor with the read noise or the integration time that gives the NETD of its data sheet, if one is stated."""
     source = scenario.sensor.detector
     if not isinstance(source, PhotonDetector) or source.netd_k is None or not isinstance(model.detector, PhotonPixels):
         return model
     try:
         if source.integration_time_s is None:
+            # Noise depends on the integration time through the correction temperatures, so it is built again.
             time = integration_time_for(model, source.netd_k, source.netd_temperature_k, _dwell(scenario))
             return _with_noise(replace(model, detector=replace(model.detector, integration_time=time)), scenario)
         read = read_noise_for(model, source.netd_k, source.netd_temperature_k)
@@ -113,7 +116,7 @@ def _with_stated_netd(model: SensorModel, scenario: Scenario) -> SensorModel:
 
 
 def _with_room(model: SensorModel) -> SensorModel:
-    """The sensor; refused where dark current alone fills its wells, reported where dark current and warm optics do."""
+    """Return the sensor; refuse dark current that fills its wells, report dark current and warm optics that do together."""
     line, detector = model.readout, model.detector
     if not isinstance(detector, PhotonPixels) or detector.well_capacity is None:
         return model
@@ -152,13 +155,14 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
         return model
     line, corrected = model.readout, None
     if settings.corrected_at_k is not None:
+        # The correction is made on the signal without dark current.
         first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in settings.corrected_at_k)
         corrected = (first, second)
     return replace(model, noise=settings.build(DetectorNoise, corrected_at=corrected))
 
 
 def scan(scenario: Scenario) -> ScanPattern:
-    """When columns and rows are taken."""
+    """Return the times at which columns and rows are taken."""
     settings = scenario.sensor.scan
     if settings is None:
         return ScanPattern()
@@ -167,7 +171,7 @@ def scan(scenario: Scenario) -> ScanPattern:
 
 
 def scan_rate(scenario: Scenario) -> float:
-    """Movement of a scanner's line of sight along rows [rad s-1]; 0 where all columns have one instant."""
+    """Return the movement of a scanner's line of sight along rows [rad s-1]; 0 if all columns have one instant."""
     pattern = scan(scenario)
     if pattern.kind == "staring" or pattern.period == 0.0:
         return 0.0
@@ -176,7 +180,7 @@ def scan_rate(scenario: Scenario) -> float:
 
 
 def _dwell(scenario: Scenario) -> float:
-    """Integration time where none is given [s]: a whole frame, of a scanner the time in which it moves on by a pixel."""
+    """Return the default integration time [s]: a whole frame, or the time in which a scanner moves by a pixel."""
     pattern = scan(scenario)
     if pattern.kind == "staring" or pattern.period == 0.0:
         return 1.0 / scenario.sensor.frame_rate_hz
@@ -184,12 +188,13 @@ def _dwell(scenario: Scenario) -> float:
 
 
 def line_of_sight_rates(track: Track, time: float, exposure: float, projection: str) -> tuple[float, float]:
-    """Movement of the middle of the picture by the platform in an exposure, along rows and across them [rad s-1].
+    """Return the movement of the middle of the picture by the platform in an exposure, along rows and across them [rad s-1].
 
-    Places of things in the picture go the other way; blur is the same.
+    Objects in the picture move in the opposite direction; the blur is equal.
     """
     if not track.turns or exposure <= 0.0:
         return (0.0, 0.0)
+    # At the ends of the track the exposure is shifted inside it, so that its length remains.
     end = min(time + 0.5 * exposure, float(track.time[-1]))
     begin = max(end - exposure, float(track.time[0]))
     if end <= begin:
@@ -204,7 +209,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
 
 
 def platform_rates(scenario: Scenario, exposure: float) -> tuple[float, float]:
-    """Root mean square of :func:`line_of_sight_rates` over the scenario's frames [rad s-1]; signs are not known to an MTF."""
+    """Return the root mean square of :func:`line_of_sight_rates` over the scenario's frames [rad s-1]; signs are not known to an MTF."""
     platform, sensor = scenario.platform, scenario.sensor
     if platform is None:
         return (0.0, 0.0)

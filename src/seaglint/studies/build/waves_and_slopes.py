@@ -1,6 +1,6 @@
-"""Wave spectra as a scenario wants them: models at its wind, files, and sums of both.
+"""Wave spectra and slope statistics of a scenario's sea.
 
-From a scenario to the slope statistics of its sea.
+Spectra are models at the scenario's wind, files, and sums of both.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from seaglint.base.conventions import travel_azimuth
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import sea_tables as wanted
-from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records import sea_tables as requested_sea
 from seaglint.scenario.records.sea_tables import FlatSea
 from seaglint.sea.slopes.breon_henriot import breon_henriot
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
@@ -30,32 +29,32 @@ from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 
-_ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
+_FILE_KEYS: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
 
 
 @dataclass(frozen=True)
 class Waves:
-    """A spectrum, None for a sea without waves, and where what was read is from."""
+    """A spectrum, None for a sea without waves, and the sources of spectra from files."""
 
     spectrum: DirectionalSpectrum | None
-    #: For the provenance, one for every file: format, time, place, and how far they are from those wanted.
+    #: For the provenance, one for every file: format, time, place, and their distances from the requested time and place.
     sources: tuple[JsonObject, ...] = ()
 
 
 def waves(scenario: Scenario) -> Waves:
-    """Waves of a scenario.
+    """Return the waves of a scenario.
 
     Raises
     ------
     ScenarioError
         Keys that a file or a model finds wrong or missing.
     DataError
-        A file that cannot be read, or has nothing near the time and place wanted.
+        A file that cannot be read, or has nothing near the requested time and place.
     """
     match scenario.sea.spectrum:
-        case wanted.FlatSea():
+        case requested_sea.FlatSea():
             return Waves(None)
-        case wanted.WaveSystems(systems=systems):
+        case requested_sea.WaveSystems(systems=systems):
             parts = [_system(scenario, system, f"sea.spectrum.systems[{i}]") for i, system in enumerate(systems)]
             spectra = tuple(part.spectrum for part in parts if part.spectrum is not None)
             return Waves(CombinedSpectrum(spectra) if spectra else None, tuple(source for part in parts for source in part.sources))
@@ -64,46 +63,48 @@ def waves(scenario: Scenario) -> Waves:
 
 
 def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
-    """Wave spectrum; None for a sea without waves."""
+    """Return the wave spectrum; None for a sea without waves."""
     return waves(scenario).spectrum
 
 
 def has_wind_sea(scenario: Scenario) -> bool:
     """Return true where waves come from a model of the wind sea, alone or with other systems."""
     table = scenario.sea.spectrum
-    systems = table.systems if isinstance(table, wanted.WaveSystems) else (table,)
-    return any(isinstance(system, wanted.Elfouhaily | wanted.PiersonMoskowitz) for system in systems)
+    systems = table.systems if isinstance(table, requested_sea.WaveSystems) else (table,)
+    return any(isinstance(system, requested_sea.Elfouhaily | requested_sea.PiersonMoskowitz) for system in systems)
 
 
-def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
-    """One system; its table stands at ``key``."""
+def _system(scenario: Scenario, system: requested_sea.System, key: str) -> Waves:
+    """Return the waves of one system, whose table has the dotted name ``key``."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match system:
-        case wanted.SpectrumFile():
+        case requested_sea.SpectrumFile():
             return _file(scenario, system, to, key)
-        case wanted.Jonswap():
+        case requested_sea.Jonswap():
             return Waves(_jonswap(system, to, key))
+        # Order matters: files and JONSWAP have waves without wind; the models of the wind sea below do not.
         case _ if speed == 0.0:
             return Waves(None)  # no wind, no wind sea
-        case wanted.Elfouhaily():
+        case requested_sea.Elfouhaily():
             return Waves(elfouhaily(speed, to))
-        case wanted.PiersonMoskowitz():
+        case requested_sea.PiersonMoskowitz():
             return Waves(_wind_sea(lambda wind: PiersonMoskowitzSpectrum.of_u10(wind, to), speed))
         case other:
             assert_never(other)
 
 
 def elfouhaily(speed: float, to: float) -> DirectionalSpectrum:
-    """Elfouhaily's wind sea of a wind above 0 m/s at 10 m that blows TO an azimuth [rad]."""
+    """Return Elfouhaily's wind sea of a wind above 0 m/s at 10 m that blows TO an azimuth [rad]."""
     return _wind_sea(lambda wind: ElfouhailySpectrum(wind, to), speed)
 
 
 def _wind_sea(model: Callable[[float], DirectionalSpectrum], speed: float) -> DirectionalSpectrum:
-    """Sea of a model at a wind [m/s]; of winds too light for it, that of the lightest with less energy."""
+    """Return the sea of a model at a wind [m/s]; for winds below its range, the sea of its lightest wind with less energy."""
+    # The energy is reduced in proportion to the wind, so that the sea becomes flat at 0 m/s.
     return model(speed) if speed >= LIGHTEST else CalmSpectrum(model(LIGHTEST), speed / LIGHTEST)
 
 
-def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
+def _jonswap(system: requested_sea.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
     to = wind_to if system.from_deg is None else travel_azimuth(np.radians(system.from_deg))
     try:
         return JonswapSpectrum(
@@ -114,9 +115,10 @@ def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectru
         raise _mistake(name, f"{name}: {error}", error) from error
 
 
-def _file(scenario: Scenario, system: wanted.SpectrumFile, wind_to: float, key: str) -> Waves:
+def _file(scenario: Scenario, system: requested_sea.SpectrumFile, wind_to: float, key: str) -> Waves:
     from seaglint.formats.waves import WaveChoice, read_waves
 
+    # The scenario's place is a default; a place or a site of the file's table replaces it.
     place = scenario.place if system.latitude_deg is None and system.site is None else None
     choice = system.build(
         WaveChoice,
@@ -127,7 +129,7 @@ def _file(scenario: Scenario, system: wanted.SpectrumFile, wind_to: float, key: 
     try:
         read = read_waves(system.path, choice, wind_to, format=None if system.format == "auto" else system.format)
     except DomainError as error:
-        if error.name not in _ASKED:
+        if error.name not in _FILE_KEYS:
             raise
         name = f"{key}.{error.name}"
         raise _mistake(name, f"{name} {error}", error) from error
@@ -144,45 +146,47 @@ FEW_SLOPES: Final = 0.6  #: Slope variance of a spectrum over that of Cox and Mu
 
 
 def slopes(scenario: Scenario) -> SlopeStatistics:
-    """Slope statistics of the whole sea, with the covariances of the scenario's longer waves; isotropic laws have no direction at all."""
+    """Return the slope statistics of the whole sea, with the covariances of longer waves; isotropic laws have no direction."""
     sea = spectrum(scenario)
-    made = _law(scenario, sea)
-    if isinstance(scenario.sea.slopes, wanted_slopes.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
-        return made
-    if made.directed is None or made.directed >= 1.0:
-        return made if sea is None else _nested(made, sea)
+    statistics = _law(scenario, sea)
+    if isinstance(scenario.sea.slopes, requested_sea.CoxMunkIsotropic) or isinstance(scenario.sea.spectrum, FlatSea):
+        return statistics
+    if statistics.directed is None or statistics.directed >= 1.0:
+        return statistics if sea is None else _nested(statistics, sea)
     without_wind = scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": 0.0})})
-    return _nested(made, sea, spectrum(without_wind))
+    return _nested(statistics, sea, spectrum(without_wind))
 
 
 @lru_cache(maxsize=256)
-def _nested(made: SlopeStatistics, waves: DirectionalSpectrum | None, calm: DirectionalSpectrum | None = None) -> SlopeStatistics:
-    return nested_in(made, waves, calm)
+def _nested(statistics: SlopeStatistics, waves: DirectionalSpectrum | None, calm: DirectionalSpectrum | None = None) -> SlopeStatistics:
+    return nested_in(statistics, waves, calm)
 
 
 def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics:
-    """Slope statistics by the scenario's slope law, which may be that of its waves."""
+    """Return the slope statistics by the scenario's slope law, which may be the spectrum of its waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.slopes:
-        case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
+        case requested_sea.CoxMunkIsotropic(extrapolate=extrapolate):
             return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkAnisotropic(extrapolate=extrapolate):
+        case requested_sea.CoxMunkAnisotropic(extrapolate=extrapolate):
             return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkGramCharlier(extrapolate=extrapolate):
+        case requested_sea.CoxMunkGramCharlier(extrapolate=extrapolate):
             return cox_munk_gram_charlier(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.CoxMunkSlick(extrapolate=extrapolate):
+        case requested_sea.CoxMunkSlick(extrapolate=extrapolate):
             return cox_munk_slick(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.BreonHenriot(extrapolate=extrapolate):
+        case requested_sea.BreonHenriot(extrapolate=extrapolate):
             return breon_henriot(speed, to, extrapolate=extrapolate)
-        case wanted_slopes.SpectrumSlopes():
-            made = SlopeStatistics(0.0, 0.0, to) if sea is None else spectrum_slopes(sea)
+        # A file may lack the short waves that carry most of the slopes; this is reported below.
+        case requested_sea.SpectrumSlopes():
+            statistics = SlopeStatistics(0.0, 0.0, to) if sea is None else spectrum_slopes(sea)
+            # A calm wind sea still has residual slopes, as the fits of Cox and Munk have.
             if has_wind_sea(scenario):
-                made = at_least_residual(made)
-            if made.is_flat:
-                return made
-            _warn_of_few_slopes(made.mss, speed)
-            return made
-        case wanted_slopes.FlatSlopes():
+                statistics = at_least_residual(statistics)
+            if statistics.is_flat:
+                return statistics
+            _warn_of_few_slopes(statistics.mss, speed)
+            return statistics
+        case requested_sea.FlatSlopes():
             return flat()
         case other:
             assert_never(other)
@@ -190,7 +194,8 @@ def _law(scenario: Scenario, sea: DirectionalSpectrum | None) -> SlopeStatistics
 
 @lru_cache(maxsize=64)
 def _warn_of_few_slopes(mss: float, speed: float) -> None:
-    """Say once that a spectrum lacks the short waves that carry most of the slopes."""
+    """Report once that a spectrum lacks the short waves that carry most of the slopes."""
+    # Cox and Munk's variance includes all waves, down to the shortest.
     expected = cox_munk_isotropic(speed, extrapolate=True).mss
     if mss < FEW_SLOPES * expected:
         log.warning(

@@ -18,7 +18,7 @@ from seaglint.instrument.figures_of_merit import point_response
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
-from seaglint.studies.sequence.scene_objects import Drawn
+from seaglint.studies.sequence.scene_objects import DrawnImage
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
 
 Unit = Literal["W m-2 sr-1", "K", "W/sr"]
@@ -194,7 +194,7 @@ class Seen:
         return np.minimum(np.array(seen) / self.whole, 1.0)
 
 
-def _in_view(drawn: Drawn) -> float:
+def _in_view(drawn: DrawnImage) -> float:
     """Solid angle of the one object that is seen [sr]; of a point 1 or 0."""
     (sight,) = drawn.sights
     if sight.whole > 0.0:

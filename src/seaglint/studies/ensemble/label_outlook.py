@@ -20,7 +20,7 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene
 from seaglint.studies.sequence.out_of_view import out_of_view, times_of
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
-from seaglint.studies.sequence.sequence_work import Kept
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 MOST_SCENES: Final = 500  #: Scenes whose objects are looked for; a data set of more is judged by its first.
 
@@ -96,7 +96,7 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
     count = min(len(with_objects), frames // SHARE, most)
     if not count:
         return None
-    begin, cached = time.monotonic(), Kept()
+    begin, cached = time.monotonic(), SceneCache()
     ratios: list[float] = []
     drawn = objects = 0
     for place in np.unique(np.linspace(0, len(with_objects) - 1, count).round().astype(int)):
@@ -111,7 +111,7 @@ def weak_labels(scenes: Sequence[EnsembleScene], most: int = MOST_FRAMES, *, pat
     return WeakLabels(weak, len(ratios), drawn, labels, all(scenario.sensor.senses for scenario in with_objects))
 
 
-def _ratios(scenario: Scenario, cached: Kept) -> list[float]:
+def _ratios(scenario: Scenario, cached: SceneCache) -> list[float]:
     """Return the signal-to-noise ratios of the labels in the first frame of a scene."""
     with thread_limit():
         run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)

@@ -44,7 +44,7 @@ from seaglint.studies.ensemble.law_draws import (
 from seaglint.studies.sequence.memory import give_back, require_memory_of_all
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.sensed_sequence import prepare_sensed
-from seaglint.studies.sequence.sequence_work import Kept
+from seaglint.studies.sequence.sequence_work import SceneCache
 
 _MOST_NAMED: Final = 3  #: Scenes that failed, of which more are only counted.
 
@@ -198,7 +198,7 @@ class Rendering:
 
 def scene_renderer(settings: Rendering) -> Callable[[str], int]:
     """Function that renders the scene of a label, or the rest of it, and returns its number of frames."""
-    folder, cached = Folder(settings.folder), Kept()
+    folder, cached = Folder(settings.folder), SceneCache()
 
     def work(label: str) -> int:
         scenario = load_scenario(folder.scenario(label))
@@ -213,7 +213,7 @@ def scene_renderer(settings: Rendering) -> Callable[[str], int]:
     return work
 
 
-def render_scene(scenario: Scenario, output: Path, threads: int | None, cached: Kept) -> None:
+def render_scene(scenario: Scenario, output: Path, threads: int | None, cached: SceneCache) -> None:
     """Render a scene, or the rest of it: what 'seaglint render' writes of its scenario, with what it shares with the one before."""
     check_output(output, resume=True)
     with thread_limit(threads):
@@ -279,7 +279,7 @@ def expected_cost(first: Scenario, second: Scenario, scenes: int) -> ExpectedCos
     compression.
     """
     columns, rows = first.sensor.pixels
-    cached = Kept()
+    cached = SceneCache()
     _times(middle_of(first, rows, _STRIP), cached)
     ready, drawn = _times(first, cached)
     again = _ready(second, cached)[1]
@@ -287,7 +287,7 @@ def expected_cost(first: Scenario, second: Scenario, scenes: int) -> ExpectedCos
     return ExpectedCost(ready + (scenes - 1) * again + scenes * first.sensor.frames * drawn, size)
 
 
-def _times(scenario: Scenario, cached: Kept) -> tuple[float, float]:
+def _times(scenario: Scenario, cached: SceneCache) -> tuple[float, float]:
     """Times of making a scenario ready and of drawing its first frame [s]."""
     run, ready = _ready(scenario, cached)
     start = time.perf_counter()
@@ -295,7 +295,7 @@ def _times(scenario: Scenario, cached: Kept) -> tuple[float, float]:
     return ready, time.perf_counter() - start
 
 
-def _ready(scenario: Scenario, cached: Kept) -> tuple[Any, float]:
+def _ready(scenario: Scenario, cached: SceneCache) -> tuple[Any, float]:
     """Scenario made ready, and the time that it took [s]."""
     start = time.perf_counter()
     run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)

@@ -37,7 +37,7 @@ from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.build import scenario_physics
-from seaglint.studies.build.profile_air import model_air, wanted_gases
+from seaglint.studies.build.profile_air import model_air, requested_gases
 from seaglint.studies.build.waves_and_slopes import slopes
 
 _SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")  #: Tables that scenarios with the same air, sea and year share.
@@ -165,7 +165,7 @@ class LikelihoodModel:
         windy: dict[str, WindyAir] = {}
         spectroscopy: Spectroscopy = "lblrtm"
         if isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings):
-            spectroscopy, gases = scenario.atmosphere.spectroscopy, wanted_gases(scenario.atmosphere)
+            spectroscopy, gases = scenario.atmosphere.spectroscopy, requested_gases(scenario.atmosphere)
             profiles = {model: with_gases(model_profile(model), gases) for model in self.models}
             windy = {model: WindyAir.of(profile, wavenumber_grid(*edges), spectroscopy) for model, profile in profiles.items()}
 

@@ -1,4 +1,4 @@
-"""Air over the water of a scenario, and the share of a contrast that it leaves, for a line that commands print."""
+"""Temperature of the air over the water of a scenario, and the share of a contrast that the air transmits."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from seaglint.base.free_form import JsonObject
 from seaglint.facet.sea_view import BandSum
 from seaglint.formats.soundings.air_summary import REFERENCE_HEIGHT
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import atmosphere_table as requested_air
 from seaglint.studies.build import scenario_physics
+from seaglint.studies.build.profile_air import ComputedAir
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,14 +28,14 @@ if TYPE_CHECKING:
 
 RANGES: Final = (2_000.0, 5_000.0, 10_000.0)  #: Ranges of which the contrast is stated before a range is searched [m].
 
-BEYOND: Final = 5_000.0  #: Range where there is no object and the middle of the picture sees no sea [m].
+BEYOND: Final = 5_000.0  #: Range without objects and with no sea in the middle of the picture [m].
 
 _STEP: Final = 0.5  #: Half of the temperature difference whose contrast is taken [K].
 
 
 @dataclass(frozen=True)
 class AirContrast:
-    """Air over the water, and what it leaves of a contrast."""
+    """Air over the water, and the share of a contrast that it transmits."""
 
     air_k: float  #: Temperature of the air at 10 m [K].
     water_k: float  #: Temperature of the water [K].
@@ -42,7 +43,7 @@ class AirContrast:
     ranges_m: tuple[float, ...]  #: Distances along the sea [m].
     #: Share of the in-band contrast between two bodies of about the water's temperature that the air leaves there [1].
     contrast_left: tuple[float, ...]
-    place: str  #: What is at those distances; empty where they were given.
+    place: str  #: Object or sea at those distances; empty if the distances were given.
     #: ``air_stated``, ``water_stated``: Whether the scenario states the temperature of the air (``air_minus_sea_k``, a sounding, an
     #: isothermal air), and of the water.
     air_stated: bool
@@ -61,20 +62,20 @@ class AirContrast:
         >>> print(AirContrast(294.2, 288.15, 6.05, (5000.0,), (0.4,), "boat", False, True).line)
         air at 10 m 294.2 K, 6.0 K above the water; it leaves 40 % of a contrast at 5 km (boat); to state it: atmosphere.air_minus_sea_k
         """
-        unstated = [
+        assumed_keys = [
             key for key, stated in (("atmosphere.air_minus_sea_k", self.air_stated), ("sea.temperature_k", self.water_stated)) if not stated
         ]
-        if not unstated:
+        if not assumed_keys:
             return None
         difference = self.air_minus_water_k
         above = f"{abs(difference):.1f} K {'above' if difference >= 0.0 else 'below'} the water"
         shares = ", ".join(f"{100.0 * share:.2g} %" for share in self.contrast_left)
         ranges = ", ".join(f"{1e-3 * at:.2g}" for at in self.ranges_m)
         place = f" ({self.place})" if self.place else ""
-        it = "it" if len(unstated) == 1 else "them"
+        pronoun = "it" if len(assumed_keys) == 1 else "them"
         return (
             f"air at 10 m {self.air_k:.1f} K, {above}; it leaves {shares} of a contrast at {ranges} km{place}; "
-            f"to state {it}: {' and '.join(unstated)}"
+            f"to state {pronoun}: {' and '.join(assumed_keys)}"
         )
 
 
@@ -86,8 +87,8 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
     scenario : Scenario
         With its band, sensor and air.
     ranges : sequence of float, optional
-        Distances along the sea [m]; without them those of the nearest object, or of the sea in the middle of the picture, or
-        :data:`BEYOND` where the middle sees none.
+        Distances along the sea [m]; by default the distance of the nearest object, or of the sea in the middle of the picture, or
+        :data:`BEYOND` if the middle shows no sea.
 
     Returns
     -------
@@ -96,11 +97,11 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
 
     Notes
     -----
-    The share is that of a small difference of temperature at the water's: the transmittance, weighted over the band by its response times
-    the slope of Planck's law.
+    The share applies to a small difference of temperature at the water's temperature: it is the transmittance, weighted over the band by
+    its response times the slope of Planck's law.
     """
-    wanted, height = scenario.atmosphere, scenario_physics.track(scenario).at(0.0).height
-    if not isinstance(wanted, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere | wanted_air.IsothermalAtmosphereSettings):
+    height = scenario_physics.track(scenario).at(0.0).height
+    if not isinstance(scenario.atmosphere, ComputedAir | requested_air.IsothermalAtmosphereSettings):
         return None
     band = scenario_physics.band(scenario)
     air = scenario_physics.atmosphere(scenario, band)
@@ -109,6 +110,7 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
         return None
     place, at = ("", tuple(ranges)) if ranges is not None else _distance(scenario, height)
     over, water = BandSum.of(band, air), scenario.sea.temperature_k
+    # The slope of Planck's law, as the difference over one kelvin.
     warm, cold = (planck_wavenumber(over.wavenumber_cm, water + step) for step in (_STEP, -_STEP))
     weights = over.weights * (warm - cold)
     left = np.clip(air.transmittance(height, np.asarray(at), 0.0), 0.0, 1.0)[..., over.grid] @ weights / weights.sum()
@@ -127,7 +129,7 @@ def air_contrast(scenario: Scenario, ranges: Sequence[float] | None = None) -> A
 def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str | None:
     """Return the sentence of :func:`air_contrast`; None where both temperatures are stated, or the air's is not known.
 
-    A scenario that a model refuses gives none either: what follows refuses it with its reason.
+    It is None also for a scenario that a model refuses: the computation that follows reports the reason.
     """
     try:
         contrast = air_contrast(scenario, ranges)
@@ -137,11 +139,11 @@ def air_line(scenario: Scenario, ranges: Sequence[float] | None = None) -> str |
 
 
 def _states_air(scenario: Scenario) -> bool:
-    """Return whether a scenario states the temperature of its air: a model atmosphere's is that of a climate, whatever the water."""
+    """Return whether a scenario states the temperature of its air: a model atmosphere has that of a climate, whatever the water."""
     match scenario.atmosphere:
-        case wanted_air.LowtranAtmosphere(sounding=sounding, air_minus_sea_k=difference):
+        case requested_air.LowtranAtmosphere(sounding=sounding, air_minus_sea_k=difference):
             return sounding is not None or difference is not None
-        case wanted_air.TableAtmosphereSettings(air_minus_sea_k=difference):
+        case requested_air.TableAtmosphereSettings(air_minus_sea_k=difference):
             return difference is not None
         case _:
             return True

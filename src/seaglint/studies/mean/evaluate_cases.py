@@ -1,13 +1,8 @@
-"""Slope models that the rows of a spreadsheet of cases name.
-
-Spectra of the air for cases one by one, in continuous air with LOWTRAN7's band laws, as the tables of cases have them.
-
-Spreadsheets of cases become spreadsheets of results: the air, the emissivity and the mean radiance of the sea, row by row.
+"""Results for tables of cases, row by row: the air, scattered sunlight, and the emissivity and mean radiance of the sea.
 
 Each function takes the cases of a CSV file (:mod:`seaglint.formats.tables.input_tables`) and returns columns by name, in the order of the
-rows.
-
-Results of a table of cases as a labelled dataset, with bands as an axis.
+rows; :func:`labelled_cases` makes a dataset of them, with bands as an axis. Slope models are named in the rows. Continuous air is summed
+ray by ray with LOWTRAN7's band laws.
 """
 
 from __future__ import annotations
@@ -54,7 +49,7 @@ SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gr
 
 
 def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
-    """Slope model of every row; those that have a direction need the wind's."""
+    """Return the slope model of every row; models with a direction need the wind's direction."""
     if SLOPES not in cases.header:
         return np.full(len(cases), SLOPE_KINDS[1 if directed else 0])
     kinds = np.array(cases.choice(SLOPES, SLOPE_KINDS))
@@ -68,9 +63,9 @@ def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
 
 
 def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
-    """Slopes of a wind at 10 m towards an azimuth [rad], over the waves of Elfouhaily's spectrum as a scenario has them by default."""
-    made = _law(kind, speed, towards, extrapolate)
-    return made if kind == SLOPE_KINDS[0] else replace(made, nesting=_nesting(kind, speed, extrapolate))
+    """Return the slopes of a wind at 10 m towards an azimuth [rad], over waves of Elfouhaily's spectrum, a scenario's default."""
+    statistics = _law(kind, speed, towards, extrapolate)
+    return statistics if kind == SLOPE_KINDS[0] else replace(statistics, nesting=_nesting(kind, speed, extrapolate))
 
 
 def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
@@ -85,27 +80,29 @@ def _law(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeSta
 
 @lru_cache(maxsize=4096)
 def _nesting(kind: str, speed: float, extrapolate: bool) -> tuple[tuple[float, float, float, float], ...]:
-    """Covariances of the longer waves along and across the wind, whatever its direction."""
-    made = _law(kind, speed, 0.0, extrapolate)
-    return nested_in(made, elfouhaily(speed, made.wind_to_azimuth) if speed > 0.0 else None).nesting
+    """Return the covariances of the longer waves along and across the wind, whatever its direction."""
+    statistics = _law(kind, speed, 0.0, extrapolate)
+    return nested_in(statistics, elfouhaily(speed, statistics.wind_to_azimuth) if speed > 0.0 else None).nesting
 
 
 def continuous_rays(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Transmittance, path, sunlight and sky [(cases, n)] in continuous air, ray by ray.
+    """Return transmittance, path, sunlight and sky [(cases, n)] in continuous air, ray by ray.
 
     ``cases``: wind [m s-1], height [m], depression, zenith angles of Sun and sky [rad].
     """
     out = np.empty((4, cases[0].size, wavenumber_cm.size))
     for i, (wind, height, depression, sun, sky) in enumerate(zip(*(values.tolist() for values in cases), strict=True)):
         sums = _at_wind(model, wind, wavenumber_cm)
+        # A depression at the horizon's dip must end on the sea; the margin keeps rounding from lifting it.
         down = sums.along(height, 0.5 * np.pi + max(depression, sums.air.dip(height) * (1.0 + 1e-9)))
+        # A Sun below the horizontal of the sea gives no direct light there.
         lit = sums.passed(0.0, sun) * sums.laws.source if sun <= 0.5 * np.pi else np.zeros(wavenumber_cm.size)
         out[:, i] = down.transmittance[-1], down.emitted, lit, sums.along(0.0, sky).emitted
     return out[0], out[1], out[2], out[3]
 
 
 def continuous_light(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) -> FloatArray:
-    """Thermal radiance [(cases, n)] of continuous air along rays to the sea or the sky.
+    """Return the thermal radiance [(cases, n)] of continuous air along rays to the sea or the sky.
 
     ``cases``: wind [m s-1], height [m], elevation [rad].
     """
@@ -116,6 +113,7 @@ def continuous_light(model: str, wavenumber_cm: FloatArray, *cases: FloatArray) 
 
 
 def _at_wind(model: str, wind: float, wavenumber_cm: FloatArray) -> AirSums:
+    # The aerosol model ends at this wind; stronger winds take its strongest aerosol.
     blown = min(wind, NAVY_AEROSOL_WIND[1])
     return AirSums(model_profile(model), HazeWeather(wind=blown, wind_24h=blown), wavenumber_cm, spectroscopy="lowtran7")
 
@@ -124,7 +122,7 @@ Columns = dict[str, FloatArray | list[str]]
 
 CORRELATION_TIME: Final = 0.07  #: Time after which glint at a point is forgotten, as in the scenario's default [s].
 
-EXTRAPOLATED: Final = "extrapolated"  #: Column that names what was extrapolated in each row, where that was asked for.
+EXTRAPOLATED: Final = "extrapolated"  #: Column with the names of the extrapolated columns of each row, if extrapolation is requested.
 
 ATMOSPHERE_INPUTS: Final = (
     "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg",
@@ -146,7 +144,7 @@ _THREADS: Final = min(os.cpu_count() or 1, 4)
 
 @dataclass(frozen=True)
 class NamedBand:
-    """A rectangular band and the text it was asked for with."""
+    """A rectangular band and the text of its request."""
 
     label: str
     band: Band
@@ -158,7 +156,7 @@ class NamedBand:
 
 
 def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
-    """Bands of ``a-b`` in micrometres, each under its own text.
+    """Return bands of ``a-b`` in micrometres, each with its text as label.
 
     Raises
     ------
@@ -188,12 +186,12 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
 def evaluate_atmosphere(
     cases: Cases, bands: Sequence[NamedBand], *, levels: str = "lowtran", extrapolate: bool = False, progress: Progress | None = None
 ) -> Columns:
-    """Band values of the air between sea and sensor, of sunlight and of the sky.
+    """Compute band values of the air between sea and sensor, of sunlight and of the sky.
 
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`ATMOSPHERE_INPUTS`; depression is that of LOWTRAN7's own refracted ray at the sensor.
+        With the columns :data:`ATMOSPHERE_INPUTS`; depression is the depression of LOWTRAN7's refracted ray at the sensor.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -221,7 +219,8 @@ def evaluate_atmosphere(
     dip = np.empty(len(cases))
     for model, rows in groups:
         dip[rows] = airs[bands[0].label][str(model)].dip(height[rows])
-    _hits_sea(cases, depression, dip)
+    _require_sea(cases, depression, dip)
+    # A part has one model and one band, so threads never write the same numbers.
     parts = [(name, band, rows[i : i + _CHUNK]) for name, rows in groups for band in bands for i in range(0, rows.size, _CHUNK)]
     quantities = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
     columns: dict[str, FloatArray] = {f"{quantity}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in quantities}
@@ -243,16 +242,16 @@ def evaluate_atmosphere(
         return int(rows.size)
 
     done, total = 0, len(cases) * len(bands)
-    with ThreadPoolExecutor(_THREADS) as pool:  # NumPy lets go of the interpreter; each part has rows of its own
+    with ThreadPoolExecutor(_THREADS) as pool:  # NumPy releases the interpreter; each part has separate rows
         for count in pool.map(fill, parts):
             done += count
-            _tell(progress, done, total)
+            _report(progress, done, total)
     return {**columns, **marks}
 
 
 @documented(EvaluationRequest)
 def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
-    """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
+    """Compute the emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
 
     Parameters
     ----------
@@ -287,18 +286,18 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
         slopes = cox_munk_isotropic(float(str(key)), height=WIND_HEIGHT, extrapolate=extrapolate)
         # Rows of one wind share their facets: all wavelengths of a chunk are taken at all of its angles.
         for rows in (all_rows[i : i + 128] for i in range(0, all_rows.size, 128)):
-            _tell(progress, done, len(cases))
+            _report(progress, done, len(cases))
             angles, angle = np.unique(zenith[rows], return_inverse=True)
             waves, wave = np.unique(wavelength[rows], return_inverse=True)
             values[rows] = emissivity(angles, slopes, water, 1e4 / waves)[angle, wave]
             done += rows.size
-    _tell(progress, done, len(cases))
+    _report(progress, done, len(cases))
     return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
 @documented(BandsRequest)
 def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
-    """Mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
+    """Compute the mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
     Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
     by a correlation time of 0.07 s and the full dispersion relation; geometry of the command ``mean`` (straight rays over an effective
@@ -341,7 +340,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)
     temperature = cases.within(Column("sea_temperature_k", 260.0, 320.0, what="K"))
     ifov = 1e-3 * cases.within(Column("ifov_mrad", 0.0, 1000.0, above=True, what="mrad"))
-    _hits_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
+    _require_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
     directed = WIND_FROM in cases.header
     wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
     kinds = slope_kinds(cases, directed)
@@ -358,25 +357,26 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = model_air(model, speed, band.edges)
             over = BandSum.of(band.band, air)
+            # Tables of the sky are made once per air; the blackbody of other temperatures is exchanged below.
             surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
             of_rows = (height, sun, temperature, azimuth, wind_from, kinds)
             views = zip(*(values[same_air].tolist() for values in of_rows), strict=True)
             for (at, solar_zenith, kelvin, towards, origin, kind), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
-                _tell(progress, done, total)
+                _report(progress, done, total)
                 rows = same_air[of_air]
                 slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
-                seen = mean_radiance(view, -depression[rows], [towards], of_kelvin)
-                variance = sea_variance(view, seen, -depression[rows], ifov[rows] ** 2, length)
-                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = seen.total[:, 0]
+                components = mean_radiance(view, -depression[rows], [towards], of_kelvin)
+                variance = sea_variance(view, components, -depression[rows], ifov[rows] ** 2, length)
+                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = components.total[:, 0]
                 columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
-                    seen.total[:, 0], band.band, air.wavenumber_cm
+                    components.total[:, 0], band.band, air.wavenumber_cm
                 )
                 columns[f"std_W_m2_sr[{band.label}]"][rows] = np.sqrt(variance[:, 0])
                 done += rows.size
-    _tell(progress, done, total)
+    _report(progress, done, total)
     return {**columns, **marks}
 
 
@@ -384,13 +384,13 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
 def evaluate_scattered(
     cases: Cases, bands: Sequence[NamedBand], *, levels: str = "lowtran", extrapolate: bool = False, progress: Progress | None = None
 ) -> Columns:
-    """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
+    """Compute sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
 
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`SCATTERED_INPUTS`; elevation is that of LOWTRAN7's own refracted ray at the sensor, below 0 for paths,
-        the Sun's zenith angle at the sensor that without refraction, as LOWTRAN7 takes it.
+        With the columns :data:`SCATTERED_INPUTS`; elevation is the elevation of LOWTRAN7's refracted ray at the sensor, below 0 for
+        paths; the Sun's zenith angle at the sensor is without refraction, as LOWTRAN7 takes it.
     {request}
     progress : callable, optional
         Called with (done, total).
@@ -398,7 +398,7 @@ def evaluate_scattered(
     Returns
     -------
     dict
-        Per band ``scattered_W_m2_sr``, 0 in 7.5-14 um where the air scatters next to none, and ``thermal_W_m2_sr``; Sun at 1 au.
+        Per band ``scattered_W_m2_sr``, 0 in 7.5-14 um where the air scatters hardly any light, and ``thermal_W_m2_sr``; Sun at 1 au.
 
     Raises
     ------
@@ -424,7 +424,8 @@ def evaluate_scattered(
     dip = np.empty(len(cases))
     for key, rows in groups:
         dip[rows] = airs[bands[0].label][_model_of(key)].dip(height[rows])
-    _hits_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
+    # Rows of the sky pass this check with an infinite depression.
+    _require_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
     cases.check(
         is_path | (elevation >= -dip * (1.0 - 1e-9)),
         "elevation_deg",
@@ -433,9 +434,10 @@ def evaluate_scattered(
     columns = {f"{q}_W_m2_sr[{band.label}]": np.zeros(len(cases)) for band in bands for q in ("scattered", "thermal")}
     parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
     done, total = 0, len(cases) * len(bands)
-    seen = [band for band in bands if scatters_in(band.edges)]
+    # Scattered sunlight is computed in bands where the air scatters; elsewhere its column remains 0.
+    lit_bands = [band for band in bands if scatters_in(band.edges)]
     for key, rows in parts:
-        _tell(progress, done, total)
+        _report(progress, done, total)
         for band in bands:
             air = airs[band.label][_model_of(key)]
             if levels == "continuous":
@@ -446,11 +448,11 @@ def evaluate_scattered(
                 thermal = air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
             columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
         lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
-        light = scattered_cases(_model_of(key), lines, [band.band for band in seen], continuous=levels == "continuous")
-        for band, values in zip(seen, light, strict=True):
+        light = scattered_cases(_model_of(key), lines, [band.band for band in lit_bands], continuous=levels == "continuous")
+        for band, values in zip(lit_bands, light, strict=True):
             columns[f"scattered_W_m2_sr[{band.label}]"][rows] = values
         done += rows.size * len(bands)
-    _tell(progress, done, total)
+    _report(progress, done, total)
     return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
 
 
@@ -459,7 +461,7 @@ def _model_of(key: Hashable) -> str:
 
 
 def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]]]:
-    """Rows that share a key, in order of first appearance.
+    """Return the rows that share a key, in order of first appearance.
 
     >>> [(key, rows.tolist()) for key, rows in groups_of("abca")]
     [('a', [0, 3]), ('b', [1]), ('c', [2])]
@@ -470,13 +472,13 @@ def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]
     return [(key, np.array(rows)) for key, rows in groups.items()]
 
 
-def _tell(progress: Progress | None, done: int, total: int) -> None:
+def _report(progress: Progress | None, done: int, total: int) -> None:
     if progress is not None:
         progress(done, total)
 
 
 def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[str, dict[str, BatchAtmosphere]]:
-    """Tables by band and model; bands and names are refused here, before any work."""
+    """Return tables by band and model; wrong bands and names are refused here, before any work."""
     names = sorted(set(cases.choice("atmosphere", table_models())))
     tables: dict[str, dict[str, BatchAtmosphere]] = {}
     with ThreadPoolExecutor(_THREADS) as pool:  # unpacking takes most of it, several at a time
@@ -489,7 +491,7 @@ def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[s
 def _wind_and_height(
     cases: Cases, air: BatchAtmosphere, extrapolate: bool, heights: tuple[float, float] | None = None
 ) -> tuple[FloatArray, FloatArray, Columns]:
-    """Winds [m s-1], heights [m], and the column that marks those outside the table, or outside ``heights``, where that is asked for."""
+    """Return winds [m s-1], heights [m], and with ``extrapolate`` a column of marks for values outside the table or ``heights``."""
     wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
     what = "m of the atmosphere tables" if heights is None else "m"
     height, high = _ranged(cases, "sensor_height_m", heights or air.height_range, (1e-3, TOP_OF_AIR), what, extrapolate)
@@ -499,32 +501,32 @@ def _wind_and_height(
 def _ranged(
     cases: Cases, name: str, covered: tuple[float, float], possible: tuple[float, float], what: str, extrapolate: bool
 ) -> tuple[FloatArray, NDArray[np.bool_]]:
-    """Values of a column, and which lie outside what is covered; those are refused unless ``extrapolate``."""
+    """Return the values of a column, and a mask of those outside the covered range, which are refused without ``extrapolate``."""
     advice = "as far as extrapolation goes" if extrapolate else f"{what}; --extrapolate goes beyond and marks the row"
     values = cases.within(Column(name, *(possible if extrapolate else covered), what=advice))
     return values, (values < covered[0]) | (values > covered[1])
 
 
 def _marks(beyond: dict[str, NDArray[np.bool_]]) -> list[str]:
-    """Per row the names of the columns that lie beyond, parted by blanks; empty where none does."""
+    """Return per row the names of the columns outside their range, separated by blanks."""
     flags = zip(*(flags.tolist() for flags in beyond.values()), strict=True)
     return [" ".join(name for name, flag in zip(beyond, row, strict=True) if flag) for row in flags]
 
 
 def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
-    """Angles of a column of degrees [rad]."""
+    """Return the angles of a column of degrees [rad]."""
     return np.radians(cases.within(Column(name, low, high, what="deg")))
 
 
-def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
+def _require_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
     """Refuse lines of sight that end in the sky; ``sign`` is -1 for a column of elevations."""
 
-    def say(row: int) -> str:
-        seen, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
-        what = "a depression" if sign > 0.0 else "an elevation"
-        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {what} between that and {sign * 90.0:g} deg"
+    def message(row: int) -> str:
+        angle, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
+        kind = "a depression" if sign > 0.0 else "an elevation"
+        return f"{angle:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {kind} between that and {sign * 90.0:g} deg"
 
-    cases.check(depression > dip, column, say)
+    cases.check(depression > dip, column, message)
 
 
 #: Units by the ending of a column's name, longer endings first.

@@ -1,6 +1,7 @@
-"""Mean maps of pixels that are no grid of azimuth and elevation: lines of sight through each pixel, averaged over its solid angle.
+"""Maps of mean radiance and apparent temperature of a scenario.
 
-A scenario becomes a map of mean radiance and apparent temperature.
+Pixels on a grid of azimuth and elevation are computed by rows and columns. Other pixels are averaged over lines of sight through each
+pixel, weighted by solid angle.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from seaglint.base.kernel_plan import compile_ahead
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.imager import Attitude, Camera, Imager
-from seaglint.imaging.camera.pose import Pose, poses
+from seaglint.imaging.camera.pose import Pose, pixel_directions, pose_at
 from seaglint.imaging.refraction import air_beyond
 from seaglint.optics.band import apparent_temperature
 from seaglint.radiance.article import article_radiance
@@ -67,37 +68,41 @@ PIXEL_BLOCK: Final = 1 << 17  #: Lines of sight at a time: memory stays below 10
 Sights = Callable[[FloatArray, FloatArray, FloatArray], FloatArray]
 
 
-def over_pixels(imager: Imager, pose: Pose, seen: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
-    """Means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
+def over_pixels(imager: Imager, pose: Pose, components_along: Sights, progress: Progress | None = None) -> dict[str, FloatArray]:
+    """Return means over the pixels of a camera [W m-2 sr-1, (rows, columns)], by the names of :data:`MAPS`.
 
-    Cells of the sea are independent, so a pixel's variance is the mean of what its lines of sight would have with all of its solid angle.
+    Cells of the sea are independent, so a pixel's variance is the mean of its lines of sight, each with the solid angle of the pixel.
     """
     rows, columns = imager.rows, imager.columns
     out = np.empty((len(MAPS), rows * columns))
     dip, attitude = horizon_depression(pose.height), pose.attitude
-    size, tell = PIXEL_BLOCK // 4, progress or (lambda done, total: None)
+    size, report = PIXEL_BLOCK // 4, progress or (lambda done, total: None)
     for first in range(0, rows * columns, size):
-        tell(first, rows * columns)
+        report(first, rows * columns)
         pixels = np.arange(first, min(first + size, rows * columns))
+        # Four points per pixel estimate its height and its distance from the horizon.
         quarters = _points(pixels, columns, 2)
         elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *quarters)))
+        # Points at a quarter and three quarters span half of the pixel, hence the factor 2.
         middle, spread = elevation.mean(axis=1), 2.0 * np.ptp(elevation, axis=1)
         below = np.abs(middle + dip)
         sides = np.where(imager.solid_angle(attitude, *quarters).mean(axis=1) < SMALL**2, 1, SIDE)
+        # Later lines refine pixels nearer to the horizon, so their order matters.
         sides[spread > ROW_SHARE * below] = SIDE
         sides[spread > SIDE * ROW_SHARE * below] = ROW_POINTS
         sides[0.5 * spread > below] = EDGE_POINTS
         for side in (1, SIDE, ROW_POINTS, EDGE_POINTS):
             chosen, most = pixels[sides == side], PIXEL_BLOCK // side**2
-            for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
-                out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
-    tell(rows * columns, rows * columns)
+            for block in (chosen[i : i + most] for i in range(0, chosen.size, most)):
+                out[:, block] = _means(imager, attitude, _points(block, columns, side), components_along)
+    report(rows * columns, rows * columns)
+    # Variances are averaged; the standard deviation comes last.
     out[-1] = np.sqrt(out[-1])
     return {name: values.reshape(rows, columns) for name, values in zip(MAPS, out, strict=True)}
 
 
 def _points(pixels: np.ndarray, columns: int, side: int) -> tuple[FloatArray, FloatArray]:
-    """Image points across and down [pixels, (n, side squared)] of pixels counted row by row."""
+    """Return image points across and down [pixels, (n, side squared)] of pixels counted row by row."""
     row, column = np.divmod(pixels, columns)
     down, across = np.divmod(np.arange(side * side), side)
     return column[:, None] + (across + 0.5) / side, row[:, None] + (down + 0.5) / side
@@ -107,13 +112,13 @@ def _rise_and_run(sight: FloatArray) -> tuple[FloatArray, FloatArray]:
     return sight[..., 2], np.hypot(sight[..., 0], sight[..., 1])
 
 
-def _means(imager: Imager, attitude: Attitude, points: tuple[FloatArray, FloatArray], seen: Sights) -> FloatArray:
+def _means(imager: Imager, attitude: Attitude, points: tuple[FloatArray, FloatArray], components_along: Sights) -> FloatArray:
     """Return means over the points of each pixel, weighted by the solid angle of each point [(5, pixels)]."""
     sight, weight = imager.directions(attitude, *points), imager.solid_angle(attitude, *points)
     pixel = weight.mean(axis=1)
     elevation, azimuth = np.arctan2(*_rise_and_run(sight)), np.arctan2(sight[..., 0], sight[..., 1])
     of_pixel = np.repeat(pixel, weight.shape[1])
-    values = seen(elevation.ravel(), azimuth.ravel(), of_pixel).reshape(-1, *weight.shape)
+    values = components_along(elevation.ravel(), azimuth.ravel(), of_pixel).reshape(-1, *weight.shape)
     return np.asarray((values * weight).mean(axis=2) / pixel)
 
 
@@ -128,18 +133,18 @@ BLOCK: Final = 1 << 20  #: Lines of sight that are computed at a time where a pi
 
 @single_threaded_algebra()
 def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
-    """Mean radiance over the field of view, with its components, as a labelled dataset; ``progress`` is called with (pieces done, all).
+    """Compute the mean radiance over the field of view as a labelled dataset; ``progress`` is called with (pieces done, all).
 
-    Dimensions ``y, x``, the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) are those of rows and
-    columns where the image is a grid of them, else of every pixel (y, x). A moving sensor stands where it is at time 0. Variables
+    Dimensions ``y, x`` are the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) belong to rows and
+    columns if the image is a grid of them, else to every pixel (y, x). A moving sensor is at its place of time 0. Variables are
     ``radiance``, ``apparent_temperature``, the four components of the radiance and ``glint_std``, the standard deviation of glint in a
-    pixel. In the mode ``article`` the emitted radiance is that of the one blackbody which stands for sea and mirrored sky, and the sky's
-    part is 0 below the horizon.
+    pixel. In the mode ``article`` the emitted radiance is the radiance of one blackbody for sea and mirrored sky, and the sky's part is 0
+    below the horizon.
 
     Raises
     ------
     SeaglintError
-        What the models do not cover.
+        A condition outside the models.
 
     Examples
     --------
@@ -150,6 +155,7 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     """
     import xarray as xr
 
+    # The memory is checked before anything is compiled or computed.
     require_mean_memory(scenario)
     compile_ahead("mean")
     track, imager = scenario_physics.track(scenario), scenario_physics.imager(scenario)
@@ -164,21 +170,16 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
     else:
         require_standard_refraction(scenario)
         azimuth, elevation = imager.centres(pose.attitude)
-        maps = over_pixels(imager, pose, _seen(scenario, view, length), progress)
+        maps = over_pixels(imager, pose, _components_along(scenario, view, length), progress)
+    # The components are disjoint: their sum is the radiance at the sensor.
     total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
     temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
-    whole = azimuth.ndim == 2
-    place = {name: float(values[0]) for name, values in poses(track, np.zeros(1)).items()} if track.moves else {}
     return xr.Dataset(
         {
             name: (("y", "x"), np.asarray(values, dtype=np.float32))
             for name, values in ({"radiance": total, "apparent_temperature": temperature} | maps).items()
         },
-        coords={
-            "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
-            "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),
-            **place,
-        },
+        coords={**pixel_directions(azimuth, elevation), **pose_at(track, 0.0)},
         attrs=provenance(
             "Mean infrared radiance of the sea",
             scenario.model_dump_json(exclude_none=True),
@@ -199,38 +200,41 @@ def mean(scenario: Scenario, progress: Progress | None = None) -> xr.Dataset:
 
 
 def _air_note(scenario: Scenario) -> dict[str, str]:
-    """Attribute that says what the air leaves of a contrast, where the scenario does not state air and water."""
+    """Return the attribute on the share of a contrast that the air transmits, if the scenario does not state air and water."""
     line = air_line(scenario)
     return {} if line is None else {"air_note": line}
 
 
 def _wave_file(scenario: Scenario) -> dict[str, str | int]:
-    """Attributes that say which measured waves there are and whether slopes are theirs; said in one line where they are not."""
+    """Return attributes on the file of waves and its use for slopes; report a file that is not used."""
     spectrum = scenario.sea.spectrum
     if not isinstance(spectrum, SpectrumFile):
         return {}
     used = isinstance(scenario.sea.slopes, SpectrumSlopes)
     if not used:
         _log.warning("the waves of %s are not used: slopes are the wind's (sea.slopes.kind = 'spectrum' takes the waves')", spectrum.path)
+    # The digest identifies the waves where the file moves or changes.
     digest = hashlib.sha256(Path(spectrum.path).read_bytes()).hexdigest()
     return {"wave_file": str(spectrum.path), "wave_file_sha256": digest, "measured_waves_used": int(used)}
 
 
 def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, progress: Progress | None) -> dict[str, FloatArray]:
-    """Components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
+    """Return components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
 
-    Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
+    Cells of the sea are independent, so a row's variance is the mean over its elevations, each with the solid angle of the pixel.
     """
     bent = bending(scenario, view)
-    rows, across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
-    require_mean_memory(scenario, rows.elevations.size * camera.columns * across)
+    rows, points_across = RowAverage.of(camera, None if bent is None else bent.horizon), azimuths_across(view, camera.column_step)
+    require_mean_memory(scenario, rows.elevations.size * camera.columns * points_across)
     rays = None if bent is None else bent.paths(rows.elevations)
     elevations = rows.elevations if bent is None or rays is None else bent.straight(rays)
-    azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
+    azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(points_across) + 0.5) / points_across - 0.5)).ravel()
     beyond = None if bent is None or rays is None else air_beyond(view, bent, bent.beyond(rays))
     solid_angle = np.repeat(pixel_solid_angle(camera), rows.points)
+    # Blocks hold whole rows.
     size = max(BLOCK // azimuths.size, 1)
     match scenario.mean.mode:
+        # Large pictures interpolate between nodes of elevation; small ones are cheaper line by line.
         case "spectral" if camera.rows > size and elevations.size > NODES:
             along = MeanModel.prepare(view).map
         case "spectral":
@@ -239,36 +243,37 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float, p
             along = partial(article_radiance, view)
         case other:
             assert_never(other)
-    tell = progress or (lambda done, total: None)
+    report = progress or (lambda done, total: None)
     maps = {name: np.empty((camera.rows, camera.columns)) for name in MAPS}
     for first in range(0, camera.rows, size):
-        tell(first, camera.rows)
-        some, part = rows.of_rows(first, min(first + size, camera.rows))
+        report(first, camera.rows)
+        average, part = rows.of_rows(first, min(first + size, camera.rows))
         fine = along(elevations[part], azimuths)
         variance = sea_variance(view, fine, elevations[part], solid_angle[part], length)
         if beyond is not None:
             share, added = (each[part, None] for each in beyond)
+            # Air beyond the standard path attenuates all parts and adds its own emission to the path.
             lit = {name: share * getattr(fine, name) for name in ("path", "emission", "sky", "sun")}
             fine, variance = replace(fine, **{**lit, "path": lit["path"] + added}), share**2 * variance
         for name, values in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
-            mean_of_rows = some(values)
+            mean_of_rows = average(values)
             if mean_of_rows.shape[1] > 1:
-                mean_of_rows = mean_of_rows.reshape(-1, camera.columns, across).mean(axis=2)
+                mean_of_rows = mean_of_rows.reshape(-1, camera.columns, points_across).mean(axis=2)
             maps[name][first : first + size] = mean_of_rows
-    tell(camera.rows, camera.rows)
+    report(camera.rows, camera.rows)
     return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
 
 
 def azimuths_across(view: SeaView, step: float) -> int:
-    """Azimuths that are averaged across columns ``step`` wide [rad]: three for each standard deviation of the glint where it is narrowest.
+    """Return the number of azimuths averaged across columns ``step`` wide [rad]: three per standard deviation of the narrowest glint.
 
-    The mean is then within 0.5 % of the brightest; columns narrower than that are taken in their middle.
+    The mean is then within 0.5 % of the brightest; narrower columns are computed at their middle.
     """
     return max(math.ceil(3.0 * step / view.glint_width), math.ceil(step / _WIDEST))
 
 
-def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
-    """Components at scattered lines of sight, with the variance of glint in place of its root."""
+def _components_along(scenario: Scenario, view: SeaView, length: float) -> Sights:
+    """Return a function for components at scattered lines of sight, with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:
         case "spectral":
@@ -281,17 +286,17 @@ def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
         case other:
             assert_never(other)
 
-    def seen(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
+    def stacked(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
         components = along(elevation, azimuth)
         variance = sea_variance(view, components, elevation, solid_angle, length)
         return np.concatenate([components.path, components.emission, components.sky, components.sun, variance], axis=1).T
 
-    return seen
+    return stacked
 
 
 @dataclass(frozen=True, eq=False)
 class RowAverage:
-    """Elevations that stand for the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
+    """Elevations within the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
 
     Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations, the row that the horizon cuts
     of :data:`CUT_POINTS`; for others the middle serves.
@@ -303,23 +308,25 @@ class RowAverage:
 
     @classmethod
     def of(cls, camera: Camera, horizon: float | None = None) -> RowAverage:
-        """Elevations for the rows of a camera, row by row from the top; ``horizon`` is that of the sea where refraction is not standard."""
+        """Return elevations for the rows of a camera, from the top; ``horizon`` [rad] is the sea's if refraction is not standard."""
         below = np.abs(camera.elevations + (horizon_depression(camera.height) if horizon is None else -horizon))
         points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
+        # The row that the horizon cuts comes last, because it also fulfils the condition above.
         points[below < 0.5 * camera.row_step] = CUT_POINTS
         row = np.repeat(np.arange(camera.rows), points)
         starts = np.cumsum(points) - points
+        # Offsets within a pixel row, from -1/2 at the top to 1/2.
         part = (np.arange(row.size) - starts[row] + 0.5) / points[row] - 0.5
         return cls(camera.elevations[row] - part * camera.row_step, starts, points)
 
     def of_rows(self, first: int, end: int) -> tuple[RowAverage, slice]:
-        """Averages of some of the rows, and which of all elevations are theirs."""
+        """Return the averages of some of the rows, and the slice of their elevations."""
         begin = int(self.starts[first])
         part = slice(begin, int(self.starts[end - 1] + self.points[end - 1]))
         return RowAverage(self.elevations[part], self.starts[first:end] - begin, self.points[first:end]), part
 
     def __call__(self, values: FloatArray) -> FloatArray:
-        """Mean of (elevations, columns) over the elevations of each row (rows, columns)."""
+        """Return the mean of (elevations, columns) over the elevations of each row (rows, columns)."""
         averaged = values[self.starts]
         several = np.flatnonzero(self.points > 1)
         for row in several:  # few: those next to the horizon
@@ -328,6 +335,6 @@ class RowAverage:
 
 
 def pixel_solid_angle(camera: Camera) -> FloatArray:
-    """Solid angle of a pixel of each row [sr, (rows,)]: azimuth step times the difference of the sines of its edges."""
+    """Return the solid angle of a pixel of each row [sr, (rows,)]: azimuth step times the difference of the sines of its edges."""
     edge = 0.5 * camera.row_step
     return np.asarray(camera.column_step * (np.sin(camera.elevations + edge) - np.sin(camera.elevations - edge)))

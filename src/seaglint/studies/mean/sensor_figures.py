@@ -30,9 +30,9 @@ class SensorDescription:
     seed: int  #: Seed of the fixed pattern and the noise.
     sheet: SensorDataSheet  #: Figures of merit, with the noise budget for the mean of the scene.
     scenario: JsonObject  #: Scenario as one table.
-    #: Key of the detector that follows from the stated NETD, with its value; empty where none does.
+    #: Key of the detector that follows from the stated NETD, with its value; empty without a stated NETD.
     from_netd: dict[str, float] = field(default_factory=dict)
-    air: AirContrast | None = None  #: Air over the water, and what it leaves of a contrast; None where the air's temperature is not known.
+    air: AirContrast | None = None  #: Air over the water and its share of a contrast; None if the air's temperature is unknown.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text, as ``seaglint sensor --json`` prints them."""
@@ -41,7 +41,7 @@ class SensorDescription:
 
 
 def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> SensorDescription:
-    """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene, the MTF at some frequencies [cycles mrad-1].
+    """Compute figures of merit of a scenario's sensor, with the noise budget for its mean scene and the MTF at frequencies [cycles mrad-1].
 
     Raises
     ------
@@ -78,8 +78,9 @@ def _from_netd(scenario: Scenario, model: SensorModel) -> dict[str, float]:
 
 
 def mean_radiance(scenario: Scenario) -> float:
-    """Mean radiance over the field of view [W m-2 sr-1], of a mean map of few pixels; of a moving sensor, where it begins."""
+    """Return the mean radiance over the field of view [W m-2 sr-1] from a mean map of few pixels; a moving sensor is at its start."""
     sensor = scenario.sensor
+    # The mean needs neither detector nor turned picture; an upright grid of few pixels is fastest.
     plain = sensor.model_copy(
         update={
             **dict.fromkeys(TABLES),

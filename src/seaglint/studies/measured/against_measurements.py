@@ -1,15 +1,10 @@
-"""Measured spectra of the sky, and of the sea from above, and MODTRAN 4's, beside ours.
+"""Comparison of this program with measurements and other models.
 
-Both are compared at LOWTRAN7's resolution: averages by a triangle of 20 cm-1 full width at half maximum, every 5 cm-1.
-
-Waves that a buoy's displacements show, beside those that the program makes of the buoy's own spectrum.
-
-Band transmittances of homogeneous paths and skies of RRTMGP, which stands for today's line-by-line models, beside ours.
-
-RRTMGP's mixing ratios are those in dry air, and its band means are weighted by the blackbody at the path's temperature. It leaves some
-gases out of some bands: so do ours here.
-
-All measurements and other models that ours is compared with, in one result.
+- Measured spectra of the sky, and of the sea from above, and MODTRAN 4's spectra. They are compared at LOWTRAN7's resolution: averages by
+  a triangle of 20 cm-1 full width at half maximum, every 5 cm-1.
+- Waves in a buoy's displacements, beside waves that the program draws from the buoy's spectrum.
+- Band transmittances of homogeneous paths, and skies, of RRTMGP, which represents line-by-line models. RRTMGP's mixing ratios are per dry
+  air, and its band means are weighted by the blackbody at the path's temperature. It leaves some gases out of some bands: so do ours here.
 """
 
 from __future__ import annotations
@@ -63,8 +58,8 @@ class MeasuredScene:
     model: str  #: Model atmosphere above the sounding, and for its gases.
     co2_ppm: float  #: Carbon dioxide of its year.
     bands_um: dict[BandRange, str]  #: Uncertainty of the measurement by band [um].
-    reasons: dict[str, str]  #: Sentence on what is left, by spectroscopy.
-    #: Height from which the sea is looked at [m]; None for the zenith sky seen from the sounding's lowest level.
+    reasons: dict[str, str]  #: Sentence on the remaining difference, by spectroscopy.
+    #: Height from which the sea is observed [m]; None for the zenith sky from the sounding's lowest level.
     height: float | None = None
     skin: float = 0.0  #: Temperature of the sea's skin [K].
 
@@ -80,6 +75,7 @@ class MeasuredScene:
         air = sums_with(spectroscopy, profile, NO_HAZE, wavenumber_cm)
         if self.height is None:
             return air.along(float(profile.height[0]), 0.0).emitted
+        # Zenith angle pi looks straight down; the mirrored sky is the zenith.
         down, sky = air.along(self.height, np.pi), air.along(0.0, 0.0).emitted
         # Slopes change the emissivity at the nadir by less than 1e-3: the sea is a mirror here.
         mirrored = reflectance(1.0, hale_querry_sea().index(wavenumber_cm))
@@ -147,21 +143,22 @@ def scene_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredR
     rows: list[MeasuredRow] = []
     spectra: list[SpectraBeside] = []
     for scene in SCENES:
-        held = shipped(scene.name).columns
-        nu, measured = held["wavenumber_cm"], 1e-3 * held["radiance_mw_m2_sr_cm"]
+        table = shipped(scene.name).columns
+        nu, measured = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
         light = {name: scene.spectrum(nu, name) for name in spectroscopies}
-        made = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
-        rows += made
+        scene_numbers = _light_rows(scene.title, nu, measured, light, scene.bands_um, scene.reasons)
+        rows += scene_numbers
         spectra.append(_beside(scene.title, nu, measured, light))
     return rows, spectra
 
 
 def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredRow], list[SpectraBeside]]:
     """Return rows and spectrum of MODTRAN 4's zenith through rural haze of 23 km."""
-    held = shipped("modtran_sky").columns
-    nu, theirs = held["wavenumber_cm"], 1e-3 * held["radiance_mw_m2_sr_cm"]
+    table = shipped("modtran_sky").columns
+    nu, theirs = table["wavenumber_cm"], 1e-3 * table["radiance_mw_m2_sr_cm"]
     profile, haze = model_profile("tropical"), HazeWeather("rural-23km", 23.0)
     title = "MODTRAN 4, zenith sky, tropical, rural haze of 23 km"
+    # The table has gaps between its bands; sums over each part need no channels in the gaps.
     parts = np.split(np.arange(nu.size), np.flatnonzero(np.diff(nu) > 20.0) + 1)
     rows: list[MeasuredRow] = []
     light: dict[Spectroscopy, FloatArray] = {}
@@ -169,16 +166,18 @@ def modtran_sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Mea
         light[name] = np.concatenate([sums_with(name, profile, haze, nu[part]).along(0.0, 0.0).emitted for part in parts])
     for part in parts:
         within = {name: values[part] for name, values in light.items()}
-        bands = {band: said for band, said in SKY_BANDS.items() if 1e4 / band[1] >= nu[part][0] and 1e4 / band[0] <= nu[part][-1]}
+        low, high = nu[part][0], nu[part][-1]
+        bands = {band: uncertainty for band, uncertainty in SKY_BANDS.items() if 1e4 / band[1] >= low and 1e4 / band[0] <= high}
         rows += _light_rows(title, nu[part], theirs[part], within, bands, MODEL_REASONS)
+    # Rows are grouped by spectroscopy, as in the other tables.
     order = [row for name in spectroscopies for row in rows if row.spectroscopy == name]
     return order, [_beside(title, nu, theirs, light)._replace(reference="MODTRAN 4")]
 
 
 def modtran_path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[MeasuredRow], list[SpectraBeside]]:
     """Return rows and spectrum of MODTRAN 4's transmittance over 5 km at the sea, its aerosol divided out."""
-    held = shipped("modtran_path").columns
-    nu, theirs = held["wavenumber_cm"], held["transmittance"]
+    table = shipped("modtran_path").columns
+    nu, theirs = table["wavenumber_cm"], table["transmittance"]
     title = "MODTRAN 4, 5 km at the sea, tropical, no aerosol"
     profile = model_profile("tropical")
     ours = {name: sums_with(name, profile, NO_HAZE, nu).between(0.0, 0.0, 5000.0)[0] for name in spectroscopies}
@@ -186,22 +185,8 @@ def modtran_path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> tuple[list[Me
     for name, values in ours.items():
         for low, high in PATH_BANDS:
             inside = (nu >= 1e4 / high) & (nu <= 1e4 / low)
-            mean, their = float(values[inside].mean()), float(theirs[inside].mean())
-            rms = float(np.sqrt(np.mean((values - theirs)[inside] ** 2)))
-            percent = 100.0 * (mean / their - 1.0)
-            row = MeasuredRow(
-                case=title,
-                quantity=f"{low:g}-{high:g} um",
-                spectroscopy=name,
-                unit="1",
-                ours=mean,
-                measured=their,
-                difference_percent=percent,
-                rms=rms,
-                uncertainty="a model",
-                reason=MODEL_REASONS[name],
-            )
-            rows.append(row)
+            row = _mean_row(title, f"{low:g}-{high:g} um", name, "1", values[inside], theirs[inside])
+            rows.append(replace(row, uncertainty="a model", reason=MODEL_REASONS[name]))
     return rows, [SpectraBeside(title, "transmittance", nu, theirs, dict(ours.items()), "1", "MODTRAN 4")]
 
 
@@ -213,22 +198,22 @@ def _light_rows(
     bands: dict[BandRange, str],
     reasons: dict[str, str],
 ) -> Iterator[MeasuredRow]:
-    """Rows of apparent temperatures in bands."""
+    """Yield rows of apparent temperatures in bands."""
     theirs = brightness_temperature(nu, measured)
     for name, ours in light.items():
         kelvin = brightness_temperature(nu, ours), theirs
         for band, uncertainty in bands.items():
-            found = band_difference(nu, ours, measured, band, kelvin)
+            difference = band_difference(nu, ours, measured, band, kelvin)
             yield MeasuredRow(
                 case=title,
                 quantity=f"{band[0]:g}-{band[1]:g} um",
                 spectroscopy=name,
                 unit="K",
-                ours=found.ours,
-                measured=found.measured,
-                difference_percent=found.percent,
-                difference_k=found.kelvin,
-                rms=found.rms,
+                ours=difference.ours,
+                measured=difference.measured,
+                difference_percent=difference.percent,
+                difference_k=difference.kelvin,
+                rms=difference.rms,
                 uncertainty=uncertainty,
                 reason=reasons[name],
             )
@@ -252,10 +237,10 @@ _SLOPE: Final = "Only waves up to 0.58 Hz are included; glint depends on shorter
 
 def buoy_spectrum() -> MeasuredSpectrum:
     """Return the spectrum that the program makes of the buoy's energy and four moments."""
-    held = shipped("cdip_spectrum").columns
-    first = -(held["a1"] + 1j * held["b1"])  # directions come from there, waves travel to the other side
-    second = held["a2"] + 1j * held["b2"]
-    bands = DirectionalMoments(held["frequency_hz"], held["energy_m2_hz"], first, second)
+    table = shipped("cdip_spectrum").columns
+    first = -(table["a1"] + 1j * table["b1"])  # directions come from there, waves travel to the other side
+    second = table["a2"] + 1j * table["b2"]
+    bands = DirectionalMoments(table["frequency_hz"], table["energy_m2_hz"], first, second)
     return spectrum_of(bands, WaveChoice(), 0.0, TITLE)[0]
 
 
@@ -265,6 +250,7 @@ def buoy_rows() -> list[MeasuredRow]:
     total, error = float(bands["energy_m2"].sum()), float(np.sqrt(np.sum(bands["energy_error_m2"] ** 2)))
     height = 4.0 * np.sqrt(total)
     field = WaveField.create(spectrum, plan_tiles(spectrum, 1.0, 256), 0)
+    # The height is proportional to the root of the energy, so its relative error is half as large.
     spread = 0.5 * height * error / total
     rows = [_buoy_row("significant height", "m", field.significant_height, height, f"{spread:.2f} m", _ENERGY)]
     k_low, k_high = (float(wavenumber(2.0 * np.pi * f)) for f in (bands["low_hz"][0], bands["high_hz"][-1]))
@@ -274,11 +260,12 @@ def buoy_rows() -> list[MeasuredRow]:
         low, high = float(bands["low_hz"][i]), float(bands["high_hz"][i])
         k = [float(wavenumber(2.0 * np.pi * f)) for f in (low, high)]
         energy, theirs = spectrum.height_variance(k[1], k[0]), float(bands["energy_m2"][i])
-        said = f"{100.0 * bands['energy_error_m2'][i] / theirs:.0f} %"
-        rows.append(_buoy_row(f"energy, {low:g}-{high:g} Hz", "m2", energy, theirs, said, _ENERGY))
+        uncertainty = f"{100.0 * bands['energy_error_m2'][i] / theirs:.0f} %"
+        rows.append(_buoy_row(f"energy, {low:g}-{high:g} Hz", "m2", energy, theirs, uncertainty, _ENERGY))
     for i in range(bands["low_hz"].size):
         low, high = float(bands["low_hz"][i]), float(bands["high_hz"][i])
         ours, theirs = _mean_direction(spectrum, low, high), float(bands["from_deg"][i])
+        # The difference of directions is taken the shorter way around.
         ours = theirs + (ours - theirs + 180.0) % 360.0 - 180.0
         rows.append(_buoy_row(f"direction, {low:g}-{high:g} Hz", "deg", ours, theirs, "2 deg (compass)", _DIRECTION))
     return rows
@@ -300,7 +287,7 @@ def _buoy_row(quantity: str, unit: str, ours: float, measured: float, uncertaint
 
 
 def _mean_direction(spectrum: MeasuredSpectrum, low: float, high: float) -> float:
-    """Mean direction that the waves of a band [Hz] come from [deg], of the spectrum's own distribution over azimuth."""
+    """Return the mean direction that the waves of a band [Hz] come from [deg], by the spectrum's distribution over azimuth."""
     k = np.linspace(float(wavenumber(2.0 * np.pi * low)), float(wavenumber(2.0 * np.pi * high)), _STEPS)
     azimuth = 2.0 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
     moment = spectrum.spreading(k[:, None], azimuth) @ np.exp(1j * azimuth)
@@ -354,34 +341,35 @@ _UNCERTAINTY: Final = "about 1 % (k-distribution)"
 
 def path_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     """Return a row a band of the paths near the sea, and of those in the upper air."""
-    held = shipped("rrtmgp_paths").columns
+    table = shipped("rrtmgp_paths").columns
     rows = []
     for name in spectroscopies:
         ours = np.array(
-            [_path_transmittance(name, {key: float(values[i]) for key, values in held.items()}) for i in range(_path_size(held))]
+            [_path_transmittance(name, {key: float(values[i]) for key, values in table.items()}) for i in range(_path_size(table))]
         )
-        for case, some in (("RRTMGP, paths of 400-1030 hPa", slice(0, NEAR)), ("RRTMGP, paths of 5-400 hPa", slice(NEAR, None))):
+        for case, paths in (("RRTMGP, paths of 400-1030 hPa", slice(0, NEAR)), ("RRTMGP, paths of 5-400 hPa", slice(NEAR, None))):
             for j, (low, high) in enumerate(BANDS_CM):
-                theirs, mine = held[f"transmittance_{low}-{high}"][some], ours[some, j]
-                there = held["pressure_hpa"][some] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
-                row = _row(case, (low, high), name, "1", mine[there], theirs[there])
+                theirs, mine = table[f"transmittance_{low}-{high}"][paths], ours[paths, j]
+                comparable = table["pressure_hpa"][paths] > (TOP_HPA if (low, high) in LOWER_CM else 0.0)
+                row = _row(case, (low, high), name, "1", mine[comparable], theirs[comparable])
                 rows.append(replace(row, reason=_COLD) if (low, high) == _COLD_CM else row)
     return rows
 
 
 def sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     """Return a row a band of the skies: mean apparent temperature, differences of radiance and of temperature."""
-    held = shipped("rrtmgp_skies").columns
+    table = shipped("rrtmgp_skies").columns
     rows = []
-    cases = np.stack([held["model"], held["co2_ppmv"]], axis=1)
+    # Skies of one model and carbon dioxide share their air.
+    cases = np.stack([table["model"], table["co2_ppmv"]], axis=1)
     for name in spectroscopies:
-        ours = np.empty((_path_size(held), len(BANDS_CM)))
+        ours = np.empty((_path_size(table), len(BANDS_CM)))
         for model, co2 in np.unique(cases, axis=0):
             profile = with_gas(model_profile(MODELS[int(model)]), "CO2", float(co2))
             at = np.flatnonzero((cases == (model, co2)).all(axis=1))
-            ours[at] = _sky_light(name, profile, np.radians(held["zenith_deg"][at]))
+            ours[at] = _sky_light(name, profile, np.radians(table["zenith_deg"][at]))
         for j, (low, high) in enumerate(BANDS_CM):
-            theirs, mine = held[f"radiance_{low}-{high}_w_m2_sr"], ours[:, j]
+            theirs, mine = table[f"radiance_{low}-{high}_w_m2_sr"], ours[:, j]
             band, grid = Band.rectangular(1e4 / high, 1e4 / low), _grid(low, high)
             kelvin = [apparent_temperature(light, band, grid) for light in (mine, theirs)]
             row = _row("RRTMGP, skies at the sea", (low, high), name, "K", *kelvin)
@@ -391,8 +379,8 @@ def sky_rows(spectroscopies: tuple[Spectroscopy, ...]) -> list[MeasuredRow]:
     return rows
 
 
-def _path_size(held: dict[str, FloatArray]) -> int:
-    return int(next(iter(held.values())).size)
+def _path_size(table: dict[str, FloatArray]) -> int:
+    return int(next(iter(table.values())).size)
 
 
 def _grid(low: float, high: float) -> FloatArray:
@@ -400,24 +388,22 @@ def _grid(low: float, high: float) -> FloatArray:
 
 
 def _row(case: str, band: tuple[int, int], name: Spectroscopy, unit: str, ours: FloatArray, theirs: FloatArray) -> MeasuredRow:
-    """Row of the means of many numbers."""
+    """Return a row of RRTMGP's band [cm-1]."""
+    row = _mean_row(case, f"{1e4 / band[1]:.3g}-{1e4 / band[0]:.3g} um", name, unit, ours, theirs)
+    return replace(row, uncertainty=_UNCERTAINTY, reason=_REASONS[name])
+
+
+def _mean_row(case: str, quantity: str, spectroscopy: str, unit: str, ours: FloatArray, theirs: FloatArray) -> MeasuredRow:
+    """Return a row of the means of many numbers, still without uncertainty and reason."""
     mean, their = float(ours.mean()), float(theirs.mean())
+    percent, rms = 100.0 * (mean / their - 1.0), float(np.sqrt(np.mean((ours - theirs) ** 2)))
     return MeasuredRow(
-        case=case,
-        quantity=f"{1e4 / band[1]:.3g}-{1e4 / band[0]:.3g} um",
-        spectroscopy=name,
-        unit=unit,
-        ours=mean,
-        measured=their,
-        difference_percent=100.0 * (mean / their - 1.0),
-        rms=float(np.sqrt(np.mean((ours - theirs) ** 2))),
-        uncertainty=_UNCERTAINTY,
-        reason=_REASONS[name],
+        case=case, quantity=quantity, spectroscopy=spectroscopy, unit=unit, ours=mean, measured=their, difference_percent=percent, rms=rms
     )
 
 
 def _bands_by_gases(absent: dict[tuple[int, int], tuple[str, ...]]) -> dict[tuple[str, ...], list[int]]:
-    """Places of the bands by the gases that are left out in them, so that one sum serves several bands."""
+    """Return the places of the bands by the gases that are left out in them, so that one sum serves several bands."""
     out: dict[tuple[str, ...], list[int]] = {}
     for j, band in enumerate(BANDS_CM):
         out.setdefault(absent.get(band, ()), []).append(j)
@@ -425,22 +411,23 @@ def _bands_by_gases(absent: dict[tuple[int, int], tuple[str, ...]]) -> dict[tupl
 
 
 def _channels(places: list[int]) -> tuple[FloatArray, list[slice]]:
-    """Channels of some bands [cm-1], those at a shared edge once in each, and the slice of each band."""
+    """Return the channels of some bands [cm-1], shared edges once, and the slice of each band."""
     grids = [_grid(*BANDS_CM[j]) for j in places]
     joined = np.unique(np.concatenate(grids))
+    # Grids of bands are contiguous parts of the joined grid.
     starts = [int(np.searchsorted(joined, grid[0])) for grid in grids]
     return joined, [slice(start, start + grid.size) for start, grid in zip(starts, grids, strict=True)]
 
 
 def _even(grid: FloatArray) -> FloatArray:
-    """Weights of a trapezoid on even channels [cm-1]."""
+    """Return the weights of the trapezoidal rule on even channels [cm-1]."""
     weights = np.full(grid.size, 5.0)
     weights[[0, -1]] = 2.5
     return weights
 
 
 def _path_transmittance(name: Spectroscopy, path: dict[str, float]) -> FloatArray:
-    """Band transmittances of a homogeneous path [1, (bands,)]."""
+    """Return the band transmittances of a homogeneous path [1, (bands,)]."""
     kelvin, profile = path["temperature_k"], homogeneous_air(path)
     out = np.empty(len(BANDS_CM))
     for gases, places in _bands_by_gases(ABSENT | BELOW).items():
@@ -461,7 +448,7 @@ def homogeneous_air(path: dict[str, float]) -> AirProfile:
 
 
 def _sky_light(name: Spectroscopy, profile: AirProfile, zenith: FloatArray) -> FloatArray:
-    """Band radiance of the sky at the sea [W m-2 sr-1, (zeniths, bands)]."""
+    """Return the band radiance of the sky at the sea [W m-2 sr-1, (zeniths, bands)]."""
     out = np.empty((zenith.size, len(BANDS_CM)))
     for gases, places in _bands_by_gases(ABSENT).items():
         nu, parts = _channels(places)
@@ -492,7 +479,7 @@ class AgainstMeasurements:
         return head + csv_text([names, *cells])
 
     def lines(self) -> list[str]:
-        """Return the rows as a text table, case by case, each with the sentence on what is left."""
+        """Return the rows as a text table, case by case, each with the sentence on the remaining difference."""
         out = []
         for (case, spectroscopy), group in groupby(self.rows, key=lambda row: (row.case, row.spectroscopy)):
             rows = list(group)
@@ -508,20 +495,20 @@ class AgainstMeasurements:
 
 
 def against_measurements(spectroscopy: str = "both") -> AgainstMeasurements:
-    """Compute all that was measured, with ``lblrtm``, ``lowtran7`` or ``both``.
+    """Compare with all measurements and models, with ``lblrtm``, ``lowtran7`` or ``both``.
 
     Raises
     ------
     DomainError
-        Another word.
+        Another name of a spectroscopy.
     """
     chosen = chosen_spectroscopies(spectroscopy)
     rows: list[MeasuredRow] = []
     spectra: list[SpectraBeside] = []
     for compute in (scene_rows, modtran_sky_rows, modtran_path_rows):
-        some, beside = compute(chosen)
-        rows += some
-        spectra += beside
+        new_rows, new_spectra = compute(chosen)
+        rows += new_rows
+        spectra += new_spectra
     rows += [*path_rows(chosen), *sky_rows(chosen), *buoy_rows()]
     return AgainstMeasurements(tuple(rows), tuple(spectra))
 

@@ -1,4 +1,4 @@
-"""A user's measured spectrum of sky or sea beside the one that a scenario gives.
+"""Comparison of a user's measured spectrum of sky or sea with the spectrum of a scenario.
 
 LOWTRAN7's channels lie every 5 cm-1 and are averages over 20 cm-1. A finer spectrum is averaged to that with a triangle; of a coarser one
 ours is averaged to its resolution.
@@ -65,7 +65,7 @@ class ComparedBand:
 
 @dataclass(frozen=True, eq=False)
 class SpectrumComparison:
-    """Measured spectrum beside that of a scenario."""
+    """Measured spectrum beside the spectrum of a scenario."""
 
     wavenumber_cm: FloatArray  #: Samples of the comparison [cm-1, (n,)].
     #: ``measured``, ``ours``: Radiances at the resolution of the comparison [W m-2 sr-1 per cm-1, (n,)].
@@ -74,7 +74,7 @@ class SpectrumComparison:
     resolution_cm: float  #: That resolution, full width at half maximum [cm-1].
     elevation_deg: float  #: Direction looked at [deg]; negative towards the sea.
     bands: tuple[ComparedBand, ...]  #: Numbers by band.
-    notes: tuple[str, ...]  #: What was averaged, left out or assumed.
+    notes: tuple[str, ...]  #: Averages, omissions and assumptions.
     name: str  #: Name of the spectrum.
 
     def beside(self) -> SpectraBeside:
@@ -116,7 +116,7 @@ def compare_spectrum(
     depression_deg: float | None = None,
     spectroscopy: str | None = None,
 ) -> SpectrumComparison:
-    """Compare a measured spectrum with that of a scenario; see :func:`seaglint.compare_spectrum`.
+    """Compare a measured spectrum with the spectrum of a scenario; see :func:`seaglint.compare_spectrum`.
 
     Raises
     ------
@@ -134,12 +134,12 @@ def compare_spectrum(
     ours_width = max(width, OURS_CM)
     ours = [_ours(scenario, nu, elevation, ours_width, spectroscopy) for nu in parts]
     nu = np.concatenate(parts)
-    found = (np.concatenate(ours), np.concatenate(measured))
-    if not found[0].any():
+    ours_joined, measured_joined = np.concatenate(ours), np.concatenate(measured)
+    if not ours_joined.any():
         raise DataError("the scenario has no light in this direction: no air above the sensor, or a black sky; choose another direction")
-    notes += _unbelievable(nu, found[1])
+    notes += _unbelievable(nu, measured_joined)
     bands = tuple(row for part, mine, theirs in zip(parts, ours, measured, strict=True) for row in _bands(part, mine, theirs))
-    return SpectrumComparison(nu, found[1], found[0], ours_width, math.degrees(elevation), bands, tuple(notes), light.name)
+    return SpectrumComparison(nu, measured_joined, ours_joined, ours_width, math.degrees(elevation), bands, tuple(notes), light.name)
 
 
 def _unbelievable(nu: FloatArray, measured: FloatArray) -> list[str]:
@@ -156,7 +156,7 @@ def _unbelievable(nu: FloatArray, measured: FloatArray) -> list[str]:
 
 
 def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLight) -> MeasuredLight:
-    """Return the spectrum of a file, of columns, or as it is.
+    """Return the spectrum of a file or of columns; a spectrum is returned unchanged.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def stated_spectrum(spectrum: str | Path | Mapping[str, ArrayLike] | MeasuredLig
 
 
 def _elevation(scenario: Scenario, zenith_deg: float | None, depression_deg: float | None) -> float:
-    """Elevation looked at [rad]."""
+    """Return the elevation of the line of sight [rad]."""
     if zenith_deg is not None and depression_deg is not None:
         raise DataError("zenith_deg and depression_deg are both given; give the one for the sky or the one for the sea")
     height = scenario.sensor.height_m
@@ -189,7 +189,7 @@ def _elevation(scenario: Scenario, zenith_deg: float | None, depression_deg: flo
 
 
 def _inside(light: MeasuredLight) -> tuple[MeasuredLight, list[str]]:
-    """Part of a spectrum that the air's band laws cover."""
+    """Return the part of a spectrum that the air's band laws cover, and notes."""
     low, high = PROFILE_BAND_UM
     nu = light.wavenumber_cm
     keep = (nu >= 1e4 / high) & (nu <= 1e4 / low)
@@ -201,7 +201,7 @@ def _inside(light: MeasuredLight) -> tuple[MeasuredLight, list[str]]:
 
 
 def _resolution(light: MeasuredLight, stated: float | None) -> tuple[float, list[str]]:
-    """Resolution of a spectrum [cm-1], and what a user needs to know of it."""
+    """Return the resolution of a spectrum [cm-1], and notes on it."""
     notes = []
     nu = light.wavenumber_cm
     width = light.resolution_cm if stated is None else stated
@@ -217,17 +217,18 @@ def _resolution(light: MeasuredLight, stated: float | None) -> tuple[float, list
         if width > COARSEST_SHARE * span:
             raise DataError(
                 f"resolution_cm = {width:g} is more than half of the spectrum's {span:.0f} cm-1: it is one number, not a spectrum; "
-                "compare it with 'seaglint mean' in its band",
+                "compare it with 'seaglint mean' in its band"
             )
         notes.append(f"{light.name}: ours is averaged from {OURS_CM:g} to its {width:.3g} cm-1")
     return width, notes
 
 
 def _sampled(light: MeasuredLight, width: float) -> tuple[list[FloatArray], list[FloatArray]]:
-    """Parts of the spectrum without gaps, on multiples of 5 cm-1, at 20 cm-1 or coarser: wavenumbers and radiances."""
+    """Return the parts of the spectrum without gaps, on multiples of 5 cm-1, at 20 cm-1 or coarser: wavenumbers and radiances."""
     nu = light.wavenumber_cm
-    # An average needs samples all over; a spectrum that is not averaged is linear between those that it has.
+    # An average needs samples everywhere; a spectrum that is not averaged is linear between its samples.
     gap = 1.001 * (OURS_CM if width < FINE_SHARE * OURS_CM else 2.0 * width)
+    # A gap divides the spectrum, because an average across it would invent samples.
     starts = np.concatenate([[0], np.flatnonzero(np.diff(nu) > gap) + 1, [nu.size]])
     # Widths of triangles add by their squares; an average begins its width inside the samples, so that none is cut.
     more = math.sqrt(OURS_CM**2 - width**2) if width < FINE_SHARE * OURS_CM else 0.0
@@ -248,15 +249,17 @@ def _sampled(light: MeasuredLight, width: float) -> tuple[list[FloatArray], list
 
 
 def _multiples(low: float, high: float) -> FloatArray:
-    """Multiples of the channels' step from ``low`` to ``high`` [cm-1]."""
+    """Return multiples of the channels' step from ``low`` to ``high`` [cm-1]."""
     first, last = math.ceil(low / GRID_STEP_CM - 1e-9), math.floor(high / GRID_STEP_CM + 1e-9)
     return GRID_STEP_CM * np.arange(first, last + 1, dtype=np.float64)
 
 
 def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, spectroscopy: str | None) -> FloatArray:
-    """Spectrum of the scenario at some of the channels [W m-2 sr-1 per cm-1, (n,)], averaged to a resolution."""
+    """Return the spectrum of the scenario at some of the channels [W m-2 sr-1 per cm-1, (n,)], averaged to a resolution."""
+    # Widths of triangles add by their squares.
     more = math.sqrt(max(width**2 - OURS_CM**2, 0.0))
     low, high = PROFILE_BAND_UM
+    # The average at the edges needs channels beyond them, as far as the band laws reach.
     wide = _multiples(max(float(nu[0]) - more - GRID_STEP_CM, 1e4 / high), min(float(nu[-1]) + more + GRID_STEP_CM, 1e4 / low))
     view = scenario_physics.view(_of_band(scenario, wide, spectroscopy))
     grid = view.atmosphere.wavenumber_cm
@@ -265,11 +268,11 @@ def _ours(scenario: Scenario, nu: FloatArray, elevation: float, width: float, sp
 
 
 def _of_band(scenario: Scenario, nu: FloatArray, spectroscopy: str | None) -> Scenario:
-    """Scenario over the wavelengths of channels, its air computed wherever the band laws reach."""
+    """Return the scenario over the wavelengths of channels, with air computed wherever the band laws reach."""
     air = scenario.atmosphere
     if isinstance(air, TableAtmosphereSettings):  # the same air, which knows no gap at 5.5-7.5 um
-        held = {name: getattr(air, name) for name in type(air).model_fields if name in LowtranAtmosphere.model_fields and name != "source"}
-        air = LowtranAtmosphere(**held)
+        shared = (type(air).model_fields.keys() & LowtranAtmosphere.model_fields.keys()) - {"source"}
+        air = LowtranAtmosphere(**{name: getattr(air, name) for name in shared})
     if spectroscopy is not None and "spectroscopy" in type(air).model_fields:
         air = air.model_copy(update={"spectroscopy": spectroscopy})
     band = scenario.band.model_copy(update={"min_um": 1e4 / float(nu[-1]), "max_um": 1e4 / float(nu[0]), "response": None})
@@ -297,32 +300,35 @@ def scene_spectrum(view: SeaView, elevation: float, azimuth: float) -> FloatArra
 
 
 def _sunlight(view: SeaView, elevation: float, azimuth: float, thermal: FloatArray, passed: FloatArray) -> FloatArray:
-    """Mirrored and scattered sunlight [W m-2 sr-1 per cm-1, (n,)]."""
+    """Return mirrored and scattered sunlight [W m-2 sr-1 per cm-1, (n,)]."""
     grid = view.atmosphere.wavenumber_cm
     out = np.zeros(grid.size)
     sunny = np.flatnonzero(grid >= 1e4 / SUNNY_UM)
     if view.solar_zenith >= 0.5 * np.pi or sunny.size < 2:
         return out
     shape = passed * view.atmosphere.solar_irradiance(view.solar_zenith)
+    # Mirrored and scattered sunlight is summed per part and distributed by the shape of the direct sunlight.
     edges = np.unique(np.linspace(sunny[0], grid.size - 1, min(BLOCKS, sunny.size - 1) + 1).round().astype(int))
     for first, last in pairwise(edges):
         band = Band.rectangular(1e4 / float(grid[last]), 1e4 / float(grid[first]))
         part = replace(view, band=band)
         weights = band.weights(grid)
         excess = float(mean_radiance(part, elevation, azimuth).total[0, 0]) - float(thermal @ weights)
+        # An opaque part has no direct sunlight to give the shape.
         form = shape if float(shape @ weights) > 0.0 else np.ones(grid.size)
+        # Parts share their edges; each edge belongs to the part that begins there, the last one to the last part.
         inside = slice(first, last + 1 if last == grid.size - 1 else last)
         out[inside] = max(excess, 0.0) * form[inside] / float(form @ weights)
     return out
 
 
 def _bands(nu: FloatArray, ours: FloatArray, measured: FloatArray) -> list[ComparedBand]:
-    """Numbers of the usual bands that a part of the spectrum covers, and of the whole part."""
+    """Return the numbers of the usual bands that a part of the spectrum covers, and of the whole part."""
     low, high = 1e4 / float(nu[-1]), 1e4 / float(nu[0])
     chosen = [band for band in USUAL_BANDS if low <= band[0] and band[1] <= high]
     kelvin = (brightness_temperature(nu, ours), brightness_temperature(nu, measured))
     rows = []
     for band in [*chosen, (low, high)]:
-        found = band_difference(nu, ours, measured, band, kelvin)
-        rows.append(ComparedBand(band, found.ours, found.measured, found.kelvin, found.percent, found.rms))
+        difference = band_difference(nu, ours, measured, band, kelvin)
+        rows.append(ComparedBand(band, difference.ours, difference.measured, difference.kelvin, difference.percent, difference.rms))
     return rows

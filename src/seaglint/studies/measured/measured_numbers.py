@@ -1,9 +1,4 @@
-"""A measured number beside ours.
-
-Tables of measurements and of other models' outputs that come with the package.
-
-Choice of the absorption with which the air of a profile is summed.
-"""
+"""Measured numbers beside ours, the tables of measurements in the package, and the choice of the absorption."""
 
 from __future__ import annotations
 
@@ -26,9 +21,9 @@ from seaglint.optics.band import Band, apparent_temperature
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredRow:
-    """Measured number, or that of another model, beside ours."""
+    """Measured number, or a number of another model, beside ours."""
 
-    #: ``case``, ``quantity``: What was measured, and the band or property.
+    #: ``case``, ``quantity``: Measurement, and its band or property.
     case: str
     quantity: str
     spectroscopy: str  #: Absorption of ours; empty for waves.
@@ -37,11 +32,11 @@ class MeasuredRow:
     ours: float
     measured: float
     difference_percent: float  #: Ours less measured, of band radiance where the unit is K [%].
-    difference_k: float | None = None  #: The same as temperatures [K]; None where there are none.
+    difference_k: float | None = None  #: Difference of temperatures [K]; None without temperatures.
     #: Root of the mean square difference over 20 cm-1 channels [K], or over paths or skies [unit]; None for single numbers.
     rms: float | None = None
     uncertainty: str = ""  #: Uncertainty of the measurement.
-    reason: str = ""  #: A sentence on what is left.
+    reason: str = ""  #: A sentence on the remaining difference.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text; None for numbers that do not exist."""
@@ -60,7 +55,7 @@ class BandDifference:
 
     @property
     def kelvin(self) -> float:
-        """Difference of the temperatures [K]."""
+        """Return the difference of the temperatures [K]."""
         return self.ours - self.measured
 
 
@@ -74,6 +69,7 @@ def band_difference(
     temperatures = apparent_temperature(light, band, wavenumber_cm)
     inside = weights > 0.0
     rms = float(np.sqrt(np.nanmean((kelvin[0] - kelvin[1])[inside] ** 2))) if inside.any() else float("nan")
+    # A band without measured light has no relative difference.
     percent = float(100.0 * (light[0] / light[1] - 1.0)) if light[1] > 0.0 else float("nan")
     return BandDifference(float(temperatures[0]), float(temperatures[1]), percent, rms)
 
@@ -106,12 +102,12 @@ SPECTROSCOPIES: Final[tuple[Spectroscopy, ...]] = get_args(Spectroscopy)
 
 
 def chosen_spectroscopies(name: str) -> tuple[Spectroscopy, ...]:
-    """Return the choices that a word names: one of them, or ``both``.
+    """Return the spectroscopies of a name: one of them, or ``both``.
 
     Raises
     ------
     DomainError
-        A word that names none.
+        An unknown name.
 
     Examples
     --------
@@ -133,13 +129,13 @@ def sums_with(spectroscopy: Spectroscopy, profile: AirProfile, haze: HazeWeather
 def with_gas(profile: AirProfile, gas: str, ppm: float) -> AirProfile:
     """Return a profile with a gas scaled to a mixing ratio at its lowest level [1e-6 of the volume]."""
     row = GASES.index(gas)
-    held = profile.gas.copy()
-    held[row] *= ppm / held[row, 0]
-    return replace(profile, gas=held)
+    amounts = profile.gas.copy()
+    amounts[row] *= ppm / amounts[row, 0]
+    return replace(profile, gas=amounts)
 
 
 def without_gases(profile: AirProfile, gases: tuple[str, ...]) -> AirProfile:
     """Return a profile without some gases."""
-    held = profile.gas.copy()
-    held[[GASES.index(gas) for gas in gases]] = 0.0
-    return replace(profile, gas=np.asarray(held))
+    amounts = profile.gas.copy()
+    amounts[[GASES.index(gas) for gas in gases]] = 0.0
+    return replace(profile, gas=np.asarray(amounts))

@@ -1,7 +1,7 @@
-"""Plan of an exposure: when and where each part of each object is drawn, and its instants.
+"""Objects of a scenario on a detector's pixels during an exposure.
 
-Objects of a scenario on a detector's pixels: at their own places during an exposure, blurred by the optics, over a sea that is blurred
-by the platform's motion too.
+An :class:`ExposurePlan` has the place, time and instants of each part of each object. :class:`ExposedObjects` adds their light at these
+places, blurred by the optics, over a sea that is also blurred by the platform's motion.
 """
 
 from __future__ import annotations
@@ -61,11 +61,11 @@ from seaglint.objects.drawing.sample_sums import (
 )
 from seaglint.studies.sequence.scene_objects import SceneObjects
 
-SEGMENT: Final = 0.25  #: Longest way of an object between two pairs of instants [pixels].
+SEGMENT: Final = 0.25  #: Longest motion of an object between two pairs of instants [pixels].
 
-MOST_INSTANTS: Final = 8192  #: Largest number of instants of an exposure: 1000 pixels of way in the picture.
+MOST_INSTANTS: Final = 8192  #: Largest number of instants of an exposure: 1000 pixels of motion in the picture.
 
-APART: Final = 0.25  #: Way between two instants at which bodies that cross each other or the picture's edge are drawn [pixels].
+APART: Final = 0.25  #: Motion between two drawings of bodies that cross each other or the picture's edge [pixels].
 
 MOST_MEETINGS: Final = 128  #: Largest number of these instants in an exposure.
 
@@ -76,7 +76,7 @@ _GAUSS: Final = 0.5 / math.sqrt(3.0)  #: Places of a pair of instants about the 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A part to draw: its number, its path, the delay of its row or column, its instants about that, and the one it is drawn at [s].
+    """A part to draw: number, path, delay of its row or column, instants about that delay, and the instant of its drawing [s].
 
     ``image``: number of its image, of several in a mirage.
     """
@@ -107,12 +107,12 @@ class ExposurePlan:
 
     @cached_property
     def delays(self) -> tuple[FloatArray | None, FloatArray | None]:
-        """Time of each row and of each column after the frame's [s]; None where all have one."""
+        """Return the time of each row and of each column after the frame's [s]; None if all have one."""
         rows, columns = self.scan.row_delays(self.view.imager.rows), self.scan.column_delays(self.view.imager.columns)
         return (rows if rows.any() else None), (columns if columns.any() else None)
 
     def _delay(self, column: float, row: float) -> float:
-        """Time after the frame's at which an image point is taken [s]."""
+        """Return the time after the frame's at which an image point is taken [s]."""
         down, across = self.delays
         if down is not None:
             return float(np.interp(row - 0.5, np.arange(down.size), down))
@@ -122,13 +122,13 @@ class ExposurePlan:
 
     @cached_property
     def _longest(self) -> float:
-        """Time from the first to the last row or column [s]; 0 where all are taken at once."""
+        """Return the time from the first to the last row or column [s]; 0 if all are taken at once."""
         return max((float(delays.max()) for delays in self.delays if delays is not None), default=0.0)
 
     def _met(self, place: Callable[[float], tuple[float, float]]) -> float:
-        """Time after the frame's at which the readout passes something whose column and row are ``place`` of that time [s].
+        """Return the time after the frame's at which the readout passes an object with column and row ``place`` of that time [s].
 
-        The first crossing between two rows or columns, refined by bisection; where there is none, the time at which its first place is
+        The first crossing between two rows or columns, refined by bisection; without a crossing, the time at which its first place is
         taken.
         """
         if self._longest == 0.0:
@@ -142,14 +142,16 @@ class ExposurePlan:
         for k in range(CROSSINGS):
             if signs[k] >= 0.0 >= signs[k + 1]:
                 low, high = float(ends[k]), float(ends[k + 1])
+                # 40 halvings resolve a part of the readout to its last bits.
                 for _ in range(40):
+                    # `ahead` falls through zero where the readout meets the object.
                     half = 0.5 * (low + high)
                     low, high = (half, high) if ahead(half) > 0.0 else (low, half)
                 return 0.5 * (low + high)
         return signs[0]
 
-    def _found(self, part: int, time: float) -> tuple[float, ImagePath]:
-        """Time after the frame's at which a part is met [s], and its path about that."""
+    def _meeting_and_path(self, part: int, time: float) -> tuple[float, ImagePath]:
+        """Return the time after the frame's at which the readout passes a part [s], and its path about that time."""
         drawn = self.drawer.parts[part]
         motion = self.drawer.bodies[drawn.body].motion
         middle, about = middle_of(drawn), 0.5 * self.view.imager.columns
@@ -159,16 +161,17 @@ class ExposurePlan:
             return place_in_image(self.view, motion, middle, min(max(time + delay, first), last), about)
 
         delay = self._met(place)
+        # The path must cover the exposure of every row or column that may see the part.
         spare = max(0.5 * self.model.exposure_time, SHORT) + self._longest
         times = (time + delay - spare, time + delay + spare)
         return delay, ImagePath.of(self.view, motion, middle, times, place(delay)[0])
 
     def drawings(self, time: float) -> list[Drawing]:
-        """Parts to draw in a frame, each in one or several shapes."""
+        """Return the parts to draw in a frame, each in one or several shapes."""
         exposure = self.model.exposure_time
-        out, found = [], [self._found(number, time) for number in range(len(self.drawer.parts))]
-        meetings = self._meetings(time, found)
-        for number, (part, (delay, path)) in enumerate(zip(self.drawer.parts, found, strict=True)):
+        out, meetings_and_paths = [], [self._meeting_and_path(number, time) for number in range(len(self.drawer.parts))]
+        meetings = self._meetings(time, meetings_and_paths)
+        for number, (part, (delay, path)) in enumerate(zip(self.drawer.parts, meetings_and_paths, strict=True)):
             middle, count = time + delay, 1
             if exposure > 0.0:
                 ends = (middle - 0.5 * exposure, middle + 0.5 * exposure)
@@ -178,8 +181,8 @@ class ExposurePlan:
             for stage in range(count):
                 begin = (stage / count - 0.5) * exposure
                 times, weights = self._times(path, middle, begin, begin + exposure / count)
-                own = middle + begin + 0.5 * exposure / count
-                out.append(Drawing(number, path, delay, times, weights / count, own))
+                instant = middle + begin + 0.5 * exposure / count
+                out.append(Drawing(number, path, delay, times, weights / count, instant))
         return out
 
     def _report(self, path: ImagePath, ends: tuple[float, float], name: str) -> None:
@@ -192,51 +195,55 @@ class ExposurePlan:
             text = "object '%s' crosses %.0f pixels in an exposure, more than the picture is wide (%d): its streak reaches across it"
             REPORTS.warning(text, name, length, widest)
 
-    def _meetings(self, time: float, found: Sequence[tuple[float, ImagePath]]) -> list[int]:
-        """Number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
+    def _meetings(self, time: float, delays_and_paths: Sequence[tuple[float, ImagePath]]) -> list[int]:
+        """Return the number of instants at which each part is drawn, since in its exposure it meets another body or the picture's edge.
 
-        What then hides it, and what is in the picture, changes with time: between two instants by :data:`APART` of way.
+        The bodies in front of it, and its part of the picture, change with time: it moves :data:`APART` between two instants.
         """
+        # Nine instants bound the motion during an exposure.
         half = 0.5 * self.model.exposure_time * np.linspace(-1.0, 1.0, 9)
         bodies = [part.body for part in self.drawer.parts]
-        ways = [path.at(time + delay + half) for delay, path in found]
+        motions = [path.at(time + delay + half) for delay, path in delays_and_paths]
         sizes = [one.angle / self.model.ifov + 1.0 for one in self.drawer.placed(self.view.pose(time), time)[1]]
-        boxes = [(way.min(axis=1) - size, way.max(axis=1) + size) for way, size in zip(ways, sizes, strict=True)]
+        boxes = [(motion.min(axis=1) - size, motion.max(axis=1) + size) for motion, size in zip(motions, sizes, strict=True)]
         edge = np.array([self.view.imager.columns, self.view.imager.rows], np.float64)
         out = []
         for n, body in enumerate(bodies):
             low, high = boxes[n]
-            way = 0.0
+            motion = 0.0
+            # A panorama has no left and right edge.
             sides = slice(1, 2) if self._circle else slice(0, 2)
             if (((low < 0.0) & (high > 0.0)) | ((low < edge) & (high > edge)))[sides].any():
-                way = float(np.hypot(*np.ptp(ways[n], axis=1)))
+                motion = float(np.hypot(*np.ptp(motions[n], axis=1)))
             for k, other in enumerate(bodies):
                 if other != body and (boxes[k][0] < high).all() and (boxes[k][1] > low).all():
-                    way = max(way, float(np.hypot(*np.ptp(ways[n] - ways[k], axis=1))))
-            out.append(min(max(math.ceil(way / APART), 1), MOST_MEETINGS))
+                    motion = max(motion, float(np.hypot(*np.ptp(motions[n] - motions[k], axis=1))))
+            out.append(min(max(math.ceil(motion / APART), 1), MOST_MEETINGS))
         return out
 
     def _times(self, path: ImagePath, middle: float, begin: float, end: float) -> tuple[FloatArray, FloatArray]:
-        """Instants about the middle of an exposure [s] and their weights: pairs of Gauss and Legendre on short segments.
+        """Return instants about the middle of an exposure [s] and their weights: Gauss-Legendre pairs on short segments.
 
-        A body that crosses more than the picture has its instants where it is in it.
+        The instants of a body that crosses more than the picture are in the picture.
         """
         if end <= begin:
             return np.zeros(1), np.ones(1)
+        # A coarse path decides whether the part is in front of the camera, and how far it moves.
         coarse = np.linspace(begin, end, 65)
         places = path.at(middle + coarse)
         front = places[0] > BEHIND
         if not front.any():
             return np.zeros(0), np.zeros(0)
         places = places[:, front]
-        ways = np.hypot(*np.diff(places, axis=1))
-        length = float(ways.sum())
+        steps = np.hypot(*np.diff(places, axis=1))
+        length = float(steps.sum())
         share = 1.0
         if not front.all():
             first, last = coarse[front][[0, -1]]
             share, begin, end = float(last - first) / (end - begin), float(first), float(last)
         widest = max(self.view.imager.columns, self.view.imager.rows)
         if length > widest:
+            # A fast part is inside the picture for a short share of the exposure, which a fine search finds.
             dense = np.linspace(begin, end, 65537)
             column, row = path.at(middle + dense)
             spare = self.margin
@@ -245,12 +252,14 @@ class ExposurePlan:
             )
             if not inside.any():
                 return np.zeros(0), np.zeros(0)
-            some = np.flatnonzero(inside)
-            first, last = float(dense[max(some[0] - 1, 0)]), float(dense[min(some[-1] + 1, dense.size - 1)])
+            indices = np.flatnonzero(inside)
+            # One step more at both ends, so that the entry into the picture is included.
+            first, last = float(dense[max(indices[0] - 1, 0)]), float(dense[min(indices[-1] + 1, dense.size - 1)])
             part = (last - first) / (end - begin)
             share, begin, end, length = share * part, first, last, length * part
         if length < 1e-6:
             return np.array([0.5 * (begin + end)]), np.array([share])
+        # Each segment has two instants.
         segments = min(max(math.ceil(length / SEGMENT), 1), MOST_INSTANTS // 2)
         edges = np.linspace(begin, end, segments + 1)
         centres, width = 0.5 * (edges[1:] + edges[:-1]), (end - begin) / segments
@@ -258,7 +267,7 @@ class ExposurePlan:
         return times, np.full(times.size, share / times.size)
 
     def streaks(self, time: float, drawings: Sequence[Drawing]) -> tuple[Streak | None, ...]:
-        """Ways of the bodies during their exposures, by the middle of the first part of each; None behind the camera."""
+        """Return the streaks of the bodies during their exposures, by the middle of the first part of each; None behind the camera."""
         out: list[Streak | None] = [None] * len(self.drawer.bodies)
         half = 0.5 * self.model.exposure_time
         for drawing in drawings:
@@ -269,7 +278,7 @@ class ExposurePlan:
         return tuple(out)
 
     def _end(self, drawing: Drawing, time: float, half: float) -> float:
-        """Time at which the row or column that then sees the part begins or ends its exposure, ``half`` from its middle [s]."""
+        """Return the time at which the row or column at the part begins or ends its exposure, ``half`` from its middle [s]."""
 
         def place(delay: float) -> tuple[float, float]:
             column, row = drawing.path.at(np.array([time + delay + half]))[:, 0]
@@ -282,7 +291,7 @@ BOXES_ACROSS: Final = 24  #: Least number of boxes of light across an object.
 
 LARGE: Final = 128.0  #: Size from which an object is drawn in the fine pixels of the sea's picture [pixels].
 
-IN_STEP: Final = 0.05  #: Way of an object within which rows or columns of a picture count as of one instant [pixels].
+IN_STEP: Final = 0.05  #: Motion of an object within which rows or columns of a picture count as of one instant [pixels].
 
 SUMMED: Final = [SEEN, DRY_INSIDE, DRY_SEEN]  #: Sums that are averaged over the instants of an exposure.
 
@@ -320,7 +329,7 @@ class ExposedObjects:
 
     @classmethod
     def of(cls, objects: SceneObjects, scene: Scene, track: Track, model: SensorModel, scan: ScanPattern, fine: int) -> ExposedObjects:
-        """Objects of a scene that is drawn ``fine`` times finer than the detector's pixels."""
+        """Return objects of a scene that is drawn ``fine`` times finer than the detector's pixels."""
         pixels = scene.pixels
         imager = replace(pixels, columns=pixels.columns // fine, rows=pixels.rows // fine)
         return cls(objects, track, imager, model, scan, fine)
@@ -343,7 +352,7 @@ class ExposedObjects:
         return self.imager.columns if self.imager.goes_round else 0
 
     def light(self, scene: Scene, time: float, sea: NDArray[np.float32], rates: tuple[float, float]) -> ObjectLight:
-        """Light of the objects in a frame.
+        """Return the light of the objects in a frame.
 
         Parameters
         ----------
@@ -360,7 +369,9 @@ class ExposedObjects:
         view = scene.seen_from(pose)
         surroundings = self.objects.drawer.light(view)
         backdrop = Backdrop(np.ascontiguousarray(sea), self.fine, self._circle, surroundings.sea_counted)
+        # The movement of the line of sight in pixels per second.
         shift = (rates[0] / self.model.ifov, rates[1] / self.model.ifov)
+        # Paths and instants come first, because they determine in which pixels each part is drawn.
         drawings = self._plan.drawings(time)
         patches = self._patches(scene, view, time, drawings, surroundings)
         added = np.zeros((self.imager.rows, self.imager.columns))
@@ -371,14 +382,14 @@ class ExposedObjects:
             body = patch.placed.part.body
             for rows, columns, instants in self._blocks(drawing, boxes, time, shift):
                 for window in self._local.changes(boxes, instants, backdrop, self._bent, (columns, rows)):
-                    kept = part_of(window, rows, columns)
-                    windows[body].append(kept)
-                    add_window(added, kept, self._circle)
+                    part = part_of(window, rows, columns)
+                    windows[body].append(part)
+                    add_window(added, part, self._circle)
             sums.setdefault((drawing.part, drawing.image), []).append((drawing, boxes))
         shown = [(patch, scale, drawing) for drawing, patch, scale in patches]
-        seen = self._sights(time, pose, shown, sums, (backdrop, shift), surroundings)
+        body_sights = self._sights(time, pose, shown, sums, (backdrop, shift), surroundings)
         each = tuple(sum_of(some, added.shape, self._circle) for some in windows)
-        return ObjectLight(added.astype(np.float32), each, seen, self._plan.streaks(time, drawings))
+        return ObjectLight(added.astype(np.float32), each, body_sights, self._plan.streaks(time, drawings))
 
     @cached_property
     def _bent(self) -> LensShift:
@@ -389,11 +400,12 @@ class ExposedObjects:
     def _patches(
         self, scene: Scene, view: SeaView, time: float, drawings: Sequence[Drawing], light: Surroundings
     ) -> list[tuple[Drawing, PixelPatch, float]]:
-        """Patches of the parts in view with the number of their pixels along the side of one of the detector's."""
+        """Return patches of the parts in view with the number of their pixels along the side of a detector's pixel."""
         if isinstance(scene, RefractedScene):
             return self._refracted(scene, time, drawings)
         drawer, chosen = self.objects.drawer, []
         moments: dict[float, tuple[Stage, tuple[Placed, ...]]] = {}
+        # Parts with one delay share their waves.
         seas: dict[float, tuple[Levels, Surface] | None] = {}  # waves stand still in an exposure
         spare = self._local.margin
         for drawing in drawings:
@@ -415,11 +427,11 @@ class ExposedObjects:
         return [(drawing, patch, float(scale)) for (drawing, _, scale, *_), patch in zip(chosen, drawn, strict=True) if patch is not None]
 
     def _meets(self, drawing: Drawing, time: float) -> bool:
-        """True if the middle of a part is in front of the camera at all its instants."""
+        """Return true if the middle of a part is in front of the camera at all its instants."""
         return bool((drawing.path.at(time + drawing.delay + drawing.times)[0] > BEHIND).all())
 
     def _wide(self, stage: Stage, drawing: Drawing, time: float) -> Stage:
-        """Stage with the pixels from which the part comes into the picture during its exposure."""
+        """Return the stage with the pixels from which the part enters the picture during its exposure."""
         places = drawing.path.at(time + drawing.delay + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
         low, high = np.floor(places.min(axis=1)).astype(int), np.ceil(places.max(axis=1)).astype(int)
         (left, right), (top, bottom) = stage.columns, stage.rows
@@ -428,28 +440,30 @@ class ExposedObjects:
         return replace(stage, columns=(left, right), rows=(top - max(int(high[1]), 0), bottom - min(int(low[1]), 0)))
 
     def _own_stage(self, stage: Stage, one: Placed, drawing: Drawing, time: float) -> tuple[Stage, int]:
-        """Stage of a part with pixels as fine as its size needs, and their number along the side of the detector's."""
+        """Return the stage of a part with pixels as fine as its size needs, and their number along the side of a detector's pixel."""
         wide = self._wide(stage, drawing, time)
         if one.radius == 0.0:
             return wide, 1
         size = wide.size_of(one)
+        # Small bodies need the nodes of the blur; large ones take the fine pixels of the sea.
         scale = self._local.nodes if size < LARGE else self.fine
         while scale * size < BOXES_ACROSS:
             scale *= 2
         columns, rows = ((scale * a, scale * b) for a, b in (wide.columns, wide.rows))
+        # Finer pixels need fewer samples each for the same number across the detector's pixel.
         cells = max(math.ceil(FEWEST_CELLS * self.fine / scale), 2)
         frame = (0, scale * self.imager.columns, 0, scale * self.imager.rows)
         return replace(wide, imager=finer(self.imager, scale), columns=columns, rows=rows, cells=cells, frame=frame), scale
 
     def _refracted(self, scene: RefractedScene, time: float, drawings: Sequence[Drawing]) -> list[tuple[Drawing, PixelPatch, float]]:
-        """Patches through air that bends lines of sight, in the fine pixels of the picture."""
+        """Return patches through air that bends lines of sight, in the fine pixels of the picture."""
         pose = self.track.at(time)
         stage = Stage(
             scene.pixels, pose, scene.seen_from(pose), _waves(scene, pose, time), (0, scene.pixels.columns), (0, scene.pixels.rows)
         )
         picture = refracted_picture(self.objects.drawer, stage, scene, time)
         parts = {id(part): number for number, part in enumerate(self.objects.drawer.parts)}
-        # drawn once: it has all instants of the exposure
+        # a part is drawn once through bent air, so its drawing takes all instants of the exposure
         whole: dict[int, Drawing] = {}
         for drawing in drawings:
             before = whole.get(drawing.part)
@@ -459,52 +473,56 @@ class ExposedObjects:
         return [(drawing, patch, float(self.fine)) for drawing, patch in numbered if drawing.times.size]
 
     def _boxes(self, patch: PixelPatch, scale: float, pose: Pose, backdrop: Backdrop, light: Surroundings) -> Boxes:
-        """Light of a patch as boxes at places in the detector's picture."""
+        """Return the light of a patch as boxes at places in the detector's picture."""
         if patch.clear > 0.0:
             column, row = float(patch.sums[ACROSS]) / scale, float(patch.sums[DOWN]) / scale
+            # A point has no area, so its light is spread over the solid angle of one pixel.
             solid = float(self.imager.solid_angle(pose.attitude, column, row))
             counted, radiance = point_light(patch, solid, behind(backdrop, column, row), light)
             values = [np.array([v]) for v in (column, row, counted, radiance, 0.0)]
             return Boxes(values[0], values[1], values[2], values[3], values[4], 0.0)
+        # A fine pixel is this part of a detector's pixel.
         area = 1.0 / scale**2
         cover = patch.planes[COVER] * area
         radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0) * area
         counted = patch.counted * area
-        some = np.nonzero((cover > 0.0) | (radiance > 0.0))
+        lit = np.nonzero((cover > 0.0) | (radiance > 0.0))
         columns = patch.columns.astype(np.float64)
-        if self._circle:  # on either side of the seam they go on
+        if self._circle:  # columns continue across the seam of a panorama
             around = scale * self._circle
             columns = columns[0] + (columns - columns[0] + 0.5 * around) % around - 0.5 * around
         return Boxes(
-            (columns[some[1]] + 0.5) / scale, (patch.rows[some[0]] + 0.5) / scale, counted[some], radiance[some], cover[some], 1.0 / scale
+            (columns[lit[1]] + 0.5) / scale, (patch.rows[lit[0]] + 0.5) / scale, counted[lit], radiance[lit], cover[lit], 1.0 / scale
         )  # fmt: skip
 
     def _instants(self, drawing: Drawing, middle: float, shift: tuple[float, float]) -> Instants:
-        """Shifts of a part and of the sea behind it at the instants of an exposure about ``middle`` [s]."""
+        """Return shifts of a part and of the sea behind it at the instants of an exposure about ``middle`` [s]."""
         places = drawing.path.at(middle + drawing.times) - drawing.path.at(np.array([drawing.drawn_at]))
         return Instants(places[0], places[1], drawing.weights, shift[0] * drawing.times, shift[1] * drawing.times)
 
     def _blocks(
         self, drawing: Drawing, boxes: Boxes, time: float, shift: tuple[float, float]
     ) -> Iterator[tuple[tuple[int, int] | None, tuple[int, int] | None, Instants]]:
-        """Rows and columns (first and end; None for all) of which each has an instant of its own, with the part's instants there."""
+        """Yield rows and columns (first and end; None for all) with a separate instant each, and the part's instants there."""
         down, across = self._plan.delays
         own = self._instants(drawing, time + drawing.delay, shift)
         delays = down if down is not None else across
         if delays is None or boxes.column.size == 0 or drawing.times.size == 0:
             yield None, None, own
             return
+        # Rows or columns follow one another in equal time steps.
         tick = abs(float(delays[1] - delays[0])) if delays.size > 1 else 0.0
-        way = self._speed(drawing, time + drawing.delay) * tick
+        step = self._speed(drawing, time + drawing.delay) * tick
         places, moves = (boxes.row, own.down) if down is not None else (boxes.column, own.across)
         first = math.floor(float(places.min() + moves.min())) - self._local.margin
         end = math.ceil(float(places.max() + moves.max())) + self._local.margin
         if down is not None or not self._circle:
             first, end = max(first, 0), min(end, delays.size)
-        if way * (end - first) < IN_STEP:
+        if step * (end - first) < IN_STEP:
             yield None, None, own
             return
-        chunk = max(int(IN_STEP / way), 1)
+        # So many rows or columns share an instant, within which the part moves less than IN_STEP.
+        chunk = max(int(IN_STEP / step), 1)
         for begin in range(first, end, chunk):
             stop = min(begin + chunk, end)
             delay = float(np.mean([delays[k % delays.size] for k in range(begin, stop)]))
@@ -512,7 +530,7 @@ class ExposedObjects:
             yield ((begin, stop), None, instants) if down is not None else (None, (begin, stop), instants)
 
     def _speed(self, drawing: Drawing, middle: float) -> float:
-        """Speed of a part in the image [pixels s-1]."""
+        """Return the speed of a part in the image [pixels s-1]."""
         step = max(0.5 * self.model.exposure_time, SHORT)
         pair = drawing.path.at(np.array([middle - step, middle + step]))
         return float(np.hypot(*(pair[:, 1] - pair[:, 0]))) / (2.0 * step)
@@ -526,7 +544,7 @@ class ExposedObjects:
         behind_them: tuple[Backdrop, tuple[float, float]],
         light: Surroundings,
     ) -> tuple[BodySight, ...]:
-        """Sights of the bodies in the detector's pixels, averaged over the exposure."""
+        """Return the sights of the bodies in the detector's pixels, averaged over the exposure."""
         stands, every = self.objects.drawer.placed(pose, time)
         patches, shares = [], []
         for (part, image), parts in drawn.items():
@@ -539,8 +557,8 @@ class ExposedObjects:
         return sights(picture, patches, shares, self._circle, light)
 
     def _averaged(self, some: Sequence[tuple[PixelPatch, float, Drawing]], time: float, shift: tuple[float, float]) -> PixelPatch:
-        """Patch of a part with sums averaged over the instants of an exposure, places in the detector's pixels, and no pixels."""
-        sums, line, places, seen = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
+        """Return the patch of a part with sums averaged over the instants of an exposure, in the detector's pixels, without pixels."""
+        sums, line, places, total = np.zeros(SUMS), np.zeros(2), np.zeros(2), 0.0
         for patch, scale, drawing in some:
             instants, weight = self._instants(drawing, time + drawing.delay, shift), float(drawing.weights.sum())
             offset = np.array([instants.across @ instants.weight, instants.down @ instants.weight]) / weight
@@ -550,11 +568,12 @@ class ExposedObjects:
             if patch.placed.radius > 0.0:
                 sums[[ACROSS, DOWN]] += weight * (own + patch.sums[SEEN] * offset)
             elif patch.clear > 0.0:
-                # of a point the mean place in the picture, or where it only comes near the picture, of all
+                # a point has its mean place in the picture; if it is never inside, the mean of all its places
                 share = weight * (1.0 if patch.lines[1].any() else 1e-9)
-                places, seen = places + share * (own + offset), seen + share
-        if seen > 0.0:
-            sums[[ACROSS, DOWN]] = places / seen
+                # The tiny weight counts only if the point is never inside the picture.
+                places, total = places + share * (own + offset), total + share
+        if total > 0.0:
+            sums[[ACROSS, DOWN]] = places / total
         sums[[WHOLE, DRY]] = np.mean([patch.sums[[WHOLE, DRY]] for patch, _, _ in some], axis=0)
         middle = some[len(some) // 2][0]
         clear = max(patch.clear for patch, _, _ in some)
@@ -563,7 +582,7 @@ class ExposedObjects:
     def _share(
         self, drawn: Sequence[tuple[Drawing, Boxes]], time: float, pose: Pose, behind_them: tuple[Backdrop, tuple[float, float]]
     ) -> BodyShare:
-        """Coverage and radiance of a part in the pixels of the picture, means over the exposure."""
+        """Return coverage and radiance of a part in the pixels of the picture, means over the exposure."""
         backdrop, shift = behind_them
         parts = [(block, boxes) for drawing, boxes in drawn if boxes.column.size for block in self._blocks(drawing, boxes, time, shift)]
         edges = np.array(
@@ -588,18 +607,19 @@ class ExposedObjects:
             first, end, begin, stop = max(first, top), min(end, bottom), max(begin, left), min(stop, right)
             if first < end and begin < stop:
                 count_pixels(counted[:, first - top : end - top, begin - left : stop - left], (begin, first), boxes, instants, backdrop)
-        if not counted.any():  # so fast that it passes between two columns or rows
+        if not counted.any():  # a fast part passes between the instants of two columns or rows
             for drawing, boxes in drawn:
                 count_pixels(counted, (left, top), boxes, self._instants(drawing, time + drawing.delay, shift), backdrop)
         rows_of, columns_of = np.arange(top, bottom), np.arange(left, right)
         pixel = np.broadcast_to(self.imager.solid_angle(pose.attitude, columns_of + 0.5, rows_of[:, None] + 0.5), counted.shape[1:])
+        # The mean radiance of the covered part of each pixel.
         image = counted[2] / np.where(counted[0] > 0.0, counted[0], 1.0)
         columns_of = columns_of % self._circle if self._circle else columns_of
         return BodyShare(rows_of, columns_of, counted[0], counted[1], image, pixel, TOUCHED * float(counted[0].max()))
 
 
 def _waves(scene: Scene, pose: Pose, time: float) -> tuple[Levels, Surface] | None:
-    """Resolved waves of an instant before a sensor; None of a flat sea."""
+    """Return the resolved waves of an instant before a sensor; None of a flat sea."""
     if scene.waves is None:
         return None
     sea = scene.sea(pose, time)

@@ -1,7 +1,4 @@
-"""A scenario becomes one labelled image.
-
-Frames of a scenario one by one as labelled datasets, without files: what a store of the sequence would hold of each.
-"""
+"""Labelled datasets of a scenario without files: one image, or the frames of its sequence with the arrays of a store."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.schema import NUMBERS, VARIABLES
 from seaglint.formats.dataset.dataset_writing import category_of
-from seaglint.imaging.camera.pose import poses
+from seaglint.imaging.camera.pose import pixel_directions, pose_at
 from seaglint.imaging.layers import require_layers
 from seaglint.scenario.model import Scenario
 from seaglint.store.layout import Layout, unpacked
@@ -32,16 +29,16 @@ if TYPE_CHECKING:
 
 
 def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
-    """Image of a scenario at a time, as a labelled dataset.
+    """Compute the image of a scenario at a time, as a labelled dataset.
 
     Parameters
     ----------
     scenario : Scenario
-        What to render; its ``render.layers`` are left aside.
+        Scenario to render; its ``render.layers`` are ignored.
     time : float
         Time from the start [s].
     layers : collection of str
-        Of :data:`seaglint.base.schema.LAYERS`, to be there beside the radiance.
+        Further images, of :data:`seaglint.base.schema.LAYERS`.
 
     Returns
     -------
@@ -52,7 +49,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     Raises
     ------
     DomainError
-        A time that is not finite or outside the platform's track, or a layer that there is not.
+        A time that is not finite or outside the platform's track, or an unknown layer.
 
     Examples
     --------
@@ -66,21 +63,15 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     if not math.isfinite(time):
         raise DomainError(f"time = {time:g} s is not finite; give seconds from the start")
     requested = require_layers([layers] if isinstance(layers, str) else layers)
+    # An image has one time, so objects of later frames are not reported.
     report_out_of_view(scenario, times=np.array([time]))
     settings = scenario.render.model_copy(update={"layers": requested, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
     layer_values = run.at(time)
-    azimuth, elevation = run.scene_at(time).directions(run.track.at(time))
-    whole = azimuth.ndim == 2
-    place = {name: float(values[0]) for name, values in poses(run.track, np.array([time])).items()} if run.track.moves else {}
+    directions = pixel_directions(*run.scene_at(time).directions(run.track.at(time)))
     return xr.Dataset(
         {name: (("y", "x"), layer_values[name].astype(VARIABLES[name].dtype, copy=False)) for name in ("radiance", *requested)},
-        coords={
-            "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
-            "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),
-            "time": float(time),
-            **place,
-        },
+        coords={**directions, "time": float(time), **pose_at(run.track, time)},
         attrs=plain_attributes({**run.layout.attributes, "title": "Infrared image of the sea", **band_attributes(run.layout.band)}),
     )
 
@@ -110,7 +101,7 @@ def frame_datasets(
     Raises
     ------
     SeaglintError
-        A condition outside the models, frames that there are not, or electrons of a scenario without a detector.
+        A condition outside the models, frames that the scenario does not have, or electrons of a scenario without a detector.
     """
     numbers = require_numbers(frames, scenario.sensor.frames)
     report_out_of_view(scenario, numbers)
@@ -126,7 +117,7 @@ def frame_datasets(
 
 
 def require_numbers(frames: range | None, count: int) -> range:
-    """Return the numbers of frames, all of the scenario where none are given.
+    """Return the numbers of frames, by default all of the scenario.
 
     Raises
     ------
@@ -152,9 +143,9 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
     layout : Layout
         Layout of the sequence.
     position : int
-        Position of the frame among those of the layout.
+        Position of the frame in the layout.
     arrays : mapping
-        Arrays by variable, those of the truth of objects among them.
+        Arrays by variable, with the truth of objects.
     classes : tuple of str
         Class of each object.
     """
@@ -172,6 +163,7 @@ def labelled_frame(layout: Layout, position: int, arrays: Mapping[str, NDArray[A
         **{name: ((), float(values[position]), VARIABLES[name].attributes) for name, values in layout.poses.items()},
     }
     if layout.start is not None:
+        # NumPy's datetimes have no zone; they are UTC by convention.
         moment = layout.start.astimezone(UTC).replace(tzinfo=None) + timedelta(seconds=time)
         coordinates["utc"] = ((), np.datetime64(moment, "ns"))
     variables: dict[str, Any] = {

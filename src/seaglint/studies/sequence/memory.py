@@ -1,4 +1,4 @@
-"""How much memory a scenario's images need and how much there is: refused before anything is made."""
+"""Memory that a scenario's images need, and refusal of scenarios that need more than is available."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BYTES_PER_PIXEL = 80  #: Images of one frame on the sweep's own grid: two of dou
 #: Bytes per pixel of a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16).
 BYTES_PER_RESAMPLED_PIXEL = 1000
 
-#: Images that a detector sees: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners.
+#: Images before a detector: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners.
 BYTES_PER_SENSED_PIXEL = 60
 
 BYTES_PER_LATTICE_POINT = 200  #: Amplitudes, transforms and surface of one wave tile.
@@ -37,9 +37,9 @@ BASE = 250 << 20  #: Program, atmosphere and tables of facets.
 
 
 def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel | None = None) -> int:
-    """Estimate of the largest memory that rendering a frame takes, ``oversampling`` times finer than the sensor's pixels [bytes].
+    """Estimate the largest memory that rendering a frame takes, ``oversampling`` times finer than the sensor's pixels [bytes].
 
-    With ``model`` the margins are counted into which its blur reaches.
+    With ``model`` the margins of its blur are counted.
     """
     columns, rows = (oversampling * size for size in scenario.sensor.pixels)
     scan = scenario.sensor.scan
@@ -48,6 +48,7 @@ def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel 
     if not scanned and scenario_physics.upright_camera(scenario) is None:
         each = BYTES_PER_RESAMPLED_PIXEL
     if bends_by_profile(scenario):
+        # Refraction by a profile draws additional finer rows.
         rows *= 1 + FINER
     pixels = columns * rows * each * (2 if scenario.render.layers else 1)
     waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
@@ -56,7 +57,7 @@ def memory_needed(scenario: Scenario, oversampling: int = 1, model: SensorModel 
 
 
 def memory_available() -> int | None:
-    """Memory that can be had now [bytes]: the system's, or a container's limit where that is less; None where it cannot be told."""
+    """Return the available memory [bytes]: the system's, or a container's limit if that is less; None if it is unknown."""
     limits = []
     try:
         for line in Path("/proc/meminfo").read_text().splitlines():
@@ -76,16 +77,16 @@ def memory_available() -> int | None:
 
 
 def require_room(need: int, what: str, remedy: str) -> None:
-    """Refuse what takes more memory than there is.
+    """Refuse work that takes more memory than is available.
 
     Raises
     ------
     DataError
-        Saying how much is needed and how much there is.
+        With the needed and the available memory.
     """
-    there = memory_available()
-    if there is not None and need > there:
-        raise DataError(f"{what} needs about {need / 1e9:.1f} GB of memory, and {there / 1e9:.1f} GB are free; {remedy}")
+    available = memory_available()
+    if available is not None and need > available:
+        raise DataError(f"{what} needs about {need / 1e9:.1f} GB of memory, and {available / 1e9:.1f} GB are free; {remedy}")
 
 
 def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel | None = None) -> None:
@@ -94,68 +95,71 @@ def require_memory(scenario: Scenario, oversampling: int = 1, model: SensorModel
     Raises
     ------
     ScenarioError
-        Saying how much is needed and how much there is.
+        With the needed and the available memory.
     """
-    need, there = memory_needed(scenario, oversampling, model), memory_available()
-    if there is None or need <= there:
+    need, available = memory_needed(scenario, oversampling, model), memory_available()
+    if available is None or need <= available:
         return
     (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
-    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n, model) <= there), None)
+    # The finest oversampling that fits is recommended.
+    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n, model) <= available), None)
     drawn = f" drawn {oversampling} x {oversampling} finer (render.oversampling)" if oversampling > 1 else ""
     remedy = "fewer pixels or a smaller render.tile_size"
     if coarser is not None:
         remedy = f"render.oversampling = {coarser}, which folds finer detail into the picture, or {remedy}"
     raise ScenarioError(
         f"sensor.pixels = [{columns}, {rows}]{drawn} with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
-        f"{there / 1e9:.1f} GB are free; give {remedy}"
+        f"{available / 1e9:.1f} GB are free; give {remedy}"
     )
 
 
 def require_mean_memory(scenario: Scenario, sights: int | None = None) -> None:
-    """Refuse a mean map that cannot fit, of so many lines of sight; of one through each pixel where they are not known yet.
+    """Refuse a mean map that cannot fit, by its lines of sight; by default one through each pixel.
 
     Raises
     ------
     ScenarioError
-        Saying how much is needed and how much there is.
+        With the needed and the available memory.
     """
     columns, rows = scenario.sensor.pixels
     lines = columns * rows if sights is None else sights
     need = BASE + BYTES_PER_MEAN_PIXEL * columns * rows + BYTES_PER_MEAN_SIGHT[scenario.mean.mode] * lines
-    there = memory_available()
-    if there is None or need <= there:
+    available = memory_available()
+    if available is None or need <= available:
         return
-    side = math.sqrt((there - BASE) / max(need - BASE, 1)) if there > BASE else 0.0
+    # Memory grows with the pixels, so sides shrink with the root of the ratio.
+    side = math.sqrt((available - BASE) / max(need - BASE, 1)) if available > BASE else 0.0
     fewer = [2 ** math.floor(math.log2(side * size)) if side * size >= 1.0 else 1 for size in (columns, rows)]
     raise ScenarioError(
-        f"sensor.pixels = [{columns}, {rows}] needs about {need / 1e9:.1f} GB of memory for a mean map, and {there / 1e9:.1f} GB are free; "
-        f"give fewer pixels, e.g. sensor.pixels = [{fewer[0]}, {fewer[1]}]"
+        f"sensor.pixels = [{columns}, {rows}] needs about {need / 1e9:.1f} GB of memory for a mean map, and {available / 1e9:.1f} GB are "
+        f"free; give fewer pixels, e.g. sensor.pixels = [{fewer[0]}, {fewer[1]}]"
     )
 
 
 def require_memory_of_all(scenarios: Iterable[Scenario]) -> None:
-    """Refuse scenes of which one cannot fit; scenes with the same sensor are looked at once.
+    """Refuse scenes of which one cannot fit; scenes with the same sensor are checked once.
 
     Raises
     ------
     SeaglintError
-        Saying how much is needed and how much there is; a sensor that cannot be.
+        With the needed and the available memory; a sensor that cannot be.
     """
-    seen: set[str] = set()
+    checked: set[str] = set()
     for scenario in scenarios:
+        # The azimuth does not change the memory, so scenes that differ in it alone are checked once.
         drawn = (scenario.sensor.model_copy(update={"azimuth_deg": 0.0}), scenario.render, scenario.sea.resolve_waves)
         key = repr((drawn, scenario.platform is None, scenario.atmosphere.source))
-        if key in seen:
+        if key in checked:
             continue
-        seen.add(key)
+        checked.add(key)
         model = sensor_model(scenario) if scenario.sensor.senses else None
         require_memory(scenario, 1 if model is None else scenario.render.oversampling or model.oversampling, model)
 
 
 def give_back() -> None:
-    """Return freed memory to the system, where the C library keeps it for itself.
+    """Return freed memory to the system, if the C library caches it.
 
-    The threads of a scene leave what they freed in stores of their own (2 GB after a hundred scenes of 128 x 128 pixels).
+    The C library caches freed memory per thread (2 GB after a hundred scenes of 128 x 128 pixels).
     """
     if sys.platform == "linux":
         trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # of glibc; other libraries give memory back by themselves

@@ -1,7 +1,7 @@
-"""Objects that no frame of a sequence can show, found from geometry alone before anything is drawn.
+"""Objects that no frame of a sequence can show, by geometry alone before anything is drawn.
 
-An object is outside where a ball around it is outside the picture in all frames, or where its highest point stays behind the sea's horizon.
-Where waves, a rocking sensor or the time between two looks leave a doubt, nothing is said of it.
+An object is outside if a ball around it is outside the picture in all frames, or if its highest point stays behind the sea's horizon.
+Objects that waves, a rocking sensor or the time between two checks may bring into view are not reported.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from seaglint.studies.build import scenario_physics
 from seaglint.studies.build.bodies import unchecked_bodies
 from seaglint.studies.build.scenario_physics import bends_by_profile
 
-MOST_LOOKS: Final = 4000  #: Places of objects at times that are looked at; of more, frames are left out.
+MOST_LOOKS: Final = 4000  #: Largest number of places of objects that are checked; of more, frames are left out.
 
-MOST_LINES: Final = 3  #: Objects that have a line each; more are summed up in one.
+MOST_LINES: Final = 3  #: Largest number of objects with a line each; more objects share one line.
 
 #: Angle by which refraction of a profile may raise or lower an object [rad]: more than in any mirage of a whole ship.
 BENT: Final = math.radians(1.0)
@@ -49,7 +49,7 @@ class OutOfView:
     azimuth: float
     elevation: float
     range: float  #: Distance along the sea [m].
-    #: Distance up to which its highest point stands above the horizon [m]; None where it is beside the picture.
+    #: Distance up to which its highest point is above the horizon [m]; None if it is beside the picture.
     seen_to: float | None = None
     time: float | None = None  #: Time of all this [s]; None where neither object nor sensor moves.
 
@@ -61,7 +61,7 @@ class OutOfView:
 
 
 def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
-    """Return the objects of a scenario that are in the view at none of some times [s].
+    """Return the objects of a scenario that are in view at no time of ``times`` [s].
 
     Examples
     --------
@@ -73,31 +73,33 @@ def out_of_view(scenario: Scenario, times: FloatArray) -> tuple[OutOfView, ...]:
     if not scenario.objects or not len(times):
         return ()
     track, pixels = scenario_physics.track(scenario), scenario_physics.imager(scenario)
-    placed = unchecked_bodies(scenario)
-    most = max(MOST_LOOKS // len(placed), 2)
-    looks = np.asarray(times, float)
-    looks = looks if looks.size <= most else looks[np.unique(np.linspace(0, looks.size - 1, most).round().astype(int))]
+    bodies = unchecked_bodies(scenario)
+    most = max(MOST_LOOKS // len(bodies), 2)
+    checked = np.asarray(times, float)
+    checked = checked if checked.size <= most else checked[np.unique(np.linspace(0, checked.size - 1, most).round().astype(int))]
     floats = {item.name for item in scenario.objects if item.floats}
+    # Angles by which the picture may differ from this geometry; objects within them are not reported.
     spare = (BENT if bends_by_profile(scenario) else 0.0) + (ROCKED if scenario.platform is not None and scenario.platform.floats else 0.0)
+    # Wind waves grow with the square of the wind; swell is included as a constant.
     heave = HEAVED[0] + HEAVED[1] * scenario.wind.speed_m_s**2
-    found = []
-    for body in placed:
+    outside = []
+    for body in bodies:
         lift = heave if body.name in floats else 0.0
-        at = looks[:1]
+        at = checked[:1]
         if track.moves or not isinstance(body.motion, Rest):
             # rows and columns of scanners, and ends of exposures, are later than their frame
-            end = min(float(looks[-1]) + 1.0 / scenario.sensor.frame_rate_hz, track.known[1], body.motion.known[1])
-            at = np.append(looks, max(end, float(looks[-1])))
-        unseen = _beside(body, lift, spare, at, (track, pixels))
+            end = min(float(checked[-1]) + 1.0 / scenario.sensor.frame_rate_hz, track.known[1], body.motion.known[1])
+            at = np.append(checked, max(end, float(checked[-1])))
+        unseen = _outside_picture(body, lift, spare, at, (track, pixels))
         if unseen is None and not bends_by_profile(scenario):
             unseen = _behind_horizon(body, lift, at, track)
         if unseen is not None:
-            found.append(replace(unseen, time=None) if len(at) == 1 else unseen)
-    return tuple(found)
+            outside.append(replace(unseen, time=None) if len(at) == 1 else unseen)
+    return tuple(outside)
 
 
-def _beside(body: Body, lift: float, spare: float, times: FloatArray, camera: tuple[Track, Imager]) -> OutOfView | None:
-    """Return the body where it is outside the picture at all times, and cannot cross it in between."""
+def _outside_picture(body: Body, lift: float, spare: float, times: FloatArray, camera: tuple[Track, Imager]) -> OutOfView | None:
+    """Return the body if it is outside the picture at all times, and cannot cross it in between."""
     track, pixels = camera
     size = reach_of(body) + lift
     gaps, steps, nearest = [], [], None
@@ -114,41 +116,44 @@ def _beside(body: Body, lift: float, spare: float, times: FloatArray, camera: tu
         if before is not None:
             steps.append(_step(before, (column, row), pixels))
         before = column, row
-    # between two looks, and in an exposure, it comes nearer by half a step at most
+    # between two checks, and in an exposure, it comes nearer by half a step at most
     if nearest is None or (steps and not min(gaps) > max(steps)):
         return None
-    return _seen_at(body, *nearest)
+    return _record_at(body, *nearest)
 
 
 def _gap(pixels: Imager, pose: Pose, place: FloatArray, size: float, spare: float) -> tuple[float, float, float]:
     """Column and row of a place, and how far a ball around it is outside the picture [px]; below 0 where it may be inside."""
     far = float(np.linalg.norm(place))
+    # The angular radius of a ball is the arcsine of radius over distance; a sensor inside it sees it everywhere.
     angle = (math.asin(size / far) if size < far else math.pi) + spare
-    seen = lens(pixels, pose.attitude)
-    column, row, ahead = image_point(seen, (float(place[0]), float(place[1]), float(place[2])), 0.5 * pixels.columns)
+    view = lens(pixels, pose.attitude)
+    column, row, ahead = image_point(view, (float(place[0]), float(place[1]), float(place[2])), 0.5 * pixels.columns)
     if angle >= math.pi:
         return column, row, -1.0
     if pixels.projection == "pinhole":
         wide, high = math.tan(0.5 * pixels.width), math.tan(0.5 * pixels.height_angle)
+        # Angle from the optical axis; a plane picture ends at its corner.
         off = math.acos(max(-1.0, min(1.0, float(pose.attitude.axes[2] @ place) / far)))
         if off - angle >= math.atan(math.hypot(wide, high)):
-            apart = (off - angle - math.atan(math.hypot(wide, high))) / max(seen.across[1], 1e-12)
+            apart = (off - angle - math.atan(math.hypot(wide, high))) / max(view.across[1], 1e-12)
             return (column, row, max(apart, 1e-9)) if ahead else (math.inf, math.inf, math.inf)
         if off + angle >= 0.5 * math.pi:
             return column, row, -1.0
         spread = math.tan(off + angle) - math.tan(off)
-        across, down = spread / seen.across[1], spread / -seen.down[1]
+        across, down = spread / view.across[1], spread / -view.down[1]
     else:
-        elevation = seen.down[0] + seen.down[1] * row
+        elevation = view.down[0] + view.down[1] * row
         reach = math.cos(elevation)
-        across = math.asin(math.sin(angle) / reach) / seen.across[1] if angle < 0.5 * math.pi and math.sin(angle) < reach else math.inf
-        down = angle / -seen.down[1]
+        # Columns are steps of azimuth, so a ball is wider in azimuth by the cosine of elevation.
+        across = math.asin(math.sin(angle) / reach) / view.across[1] if angle < 0.5 * math.pi and math.sin(angle) < reach else math.inf
+        down = angle / -view.down[1]
     gap = max(-column - across, column - pixels.columns - across, -row - down, row - pixels.rows - down)
     return column, row, gap
 
 
 def _step(before: tuple[float, float], after: tuple[float, float], pixels: Imager) -> float:
-    """Return how far a place goes in the picture from one look to the next, the short way round a panorama [px]."""
+    """Return how far a place moves in the picture between two checks, the shorter distance around a panorama [px]."""
     if not math.isfinite(before[0]) or not math.isfinite(after[0]):
         return 0.0 if math.isinf(before[0]) and math.isinf(after[0]) else math.inf
     across = abs(after[0] - before[0])
@@ -158,22 +163,23 @@ def _step(before: tuple[float, float], after: tuple[float, float], pixels: Image
 
 
 def _behind_horizon(body: Body, lift: float, times: FloatArray, track: Track) -> OutOfView | None:
-    """Return the body where its highest point is behind the horizon at all times; it moves little on this scale between two of them."""
+    """Return the body if its highest point is behind the horizon at all times; it moves little on this scale between two of them."""
     margins = []
     for time in times:
         pose, placement = track.at(float(time)), body.motion.at(float(time))
         top = max(float(placement.position[2]) + reach_of(body) + lift, 0.0)
         arc = math.hypot(placement.position[0] - pose.east, placement.position[1] - pose.north)
         seen_to = horizon_range(pose.height) + (horizon_range(top) if top > 0.0 else 0.0)
+        # Horizon of the sensor plus horizon of the object's top: the farthest arc at which it is visible.
         margins.append((arc - seen_to, float(time), seen_to))
     margin, time, seen_to = min(margins)
     if margin <= (0.0 if len(times) == 1 else max(abs(a[0] - b[0]) for a, b in pairwise(margins))):
         return None
     pose = track.at(time)
-    return _seen_at(body, stand(body.motion.at(time), pose).place, pose, time, seen_to)
+    return _record_at(body, stand(body.motion.at(time), pose).place, pose, time, seen_to)
 
 
-def _seen_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: float | None = None) -> OutOfView:
+def _record_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: float | None = None) -> OutOfView:
     at = body.motion.at(time).position
     azimuth = math.degrees(math.atan2(place[0], place[1])) % 360.0
     elevation = math.degrees(math.atan2(place[2], math.hypot(place[0], place[1])))
@@ -181,7 +187,7 @@ def _seen_at(body: Body, place: FloatArray, pose: Pose, time: float, seen_to: fl
 
 
 def times_of(scenario: Scenario, frames: Sequence[int] | None = None) -> FloatArray:
-    """Return the times of some frames, all of the scenario's by default [s]; of very many as many as are looked at."""
+    """Return the times of some frames, all of the scenario's by default [s]; of very many frames the times that are checked."""
     numbers = range(scenario.sensor.frames) if frames is None else frames
     places = range(len(numbers))
     if len(places) > MOST_LOOKS:
@@ -190,7 +196,7 @@ def times_of(scenario: Scenario, frames: Sequence[int] | None = None) -> FloatAr
 
 
 def report_out_of_view(scenario: Scenario, frames: Sequence[int] | None = None, *, times: FloatArray | None = None) -> None:
-    """Say which objects are in none of some frames, all of the scenario's by default, or at none of some times [s]."""
+    """Report the objects that are in no frame of ``frames``, all of the scenario's by default, or at no time of ``times`` [s]."""
     if not scenario.objects:
         return
     for line in lines_of(scenario, out_of_view(scenario, times_of(scenario, frames) if times is None else times)):
@@ -221,7 +227,7 @@ def _line(scenario: Scenario, one: OutOfView) -> str:
 
 
 def _looks(scenario: Scenario) -> str:
-    """Return where a standing sensor looks, as a clause."""
+    """Return the view of a standing sensor, as a clause."""
     sensor = scenario.sensor
     if scenario.platform is not None:
         return ""

@@ -1,4 +1,4 @@
-"""A scenario becomes a stored sequence of calibrated images."""
+"""Stored sequences of calibrated images of a scenario, and the preparation before the first frame."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ from seaglint.studies.build.scenario_physics import bending, require_standard_re
 from seaglint.studies.build.waves_and_slopes import slopes
 from seaglint.studies.sequence.memory import require_memory
 from seaglint.studies.sequence.out_of_view import report_out_of_view
-from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of, motion_numbers
-from seaglint.studies.sequence.sequence_work import Kept, over
+from seaglint.studies.sequence.scene_objects import DrawnImage, SceneObjects, bodies_of, motion_numbers
+from seaglint.studies.sequence.sequence_work import SceneCache, spread_over
 
 NON_FINITE_SHARE = 1e-3  #: Share of a frame's pixels that may be without a number; more are an error.
 
@@ -63,21 +63,22 @@ def render(
     Parameters
     ----------
     scenario : Scenario
-        What to render; see :func:`seaglint.scenario.load.load_scenario`.
+        Scenario to render; see :func:`seaglint.scenario.load.load_scenario`.
     output : path
         Store to make, customarily ``*.zarr``.
     frames : range, optional
-        Frames wanted, counted from 0; all of the scenario's by default. A frame is the same alone as in its sequence.
+        Requested frames, counted from 0; all of the scenario's by default. A frame alone is equal to the frame in its sequence.
     threads : int, optional
         Processor threads; all by default. The bytes do not depend on them.
     resume, overwrite : bool
-        Go on with an unfinished store, or replace what is there.
+        Continue an unfinished store, or replace a store.
     progress : callable, optional
         Called with (frames done, frames in all).
     share : Share, optional
-        Render its units alone, into a store that other shares write too; :func:`seaglint.store.sequence_store.finish_sequence` names it.
+        Render the units of the share alone, into a store that other shares write too;
+        :func:`seaglint.store.sequence_store.finish_sequence` names it.
     workers : Workers, optional
-        Who renders; this process by default. The bytes do not depend on it.
+        Workers that render; this process by default. The bytes do not depend on them.
 
     Returns
     -------
@@ -93,22 +94,23 @@ def render(
     report_out_of_view(scenario, frames)
     with thread_limit(threads):
         layout, images = prepared_frames((scenario, frames))
-        spread = over(workers, prepared_frames, (scenario, frames))
+        spread = spread_over(workers, prepared_frames, (scenario, frames))
         return write_sequence(
             output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
         )
 
 
 def prepared_frames(settings: tuple[Scenario, range | None]) -> tuple[Layout, Frame]:
-    """Layout and frames of a scenario, of some frames where asked."""
+    """Return layout and frames of a scenario, of all frames by default."""
     run = prepare_sequence(*settings)
     return run.layout, run.images
 
 
 class MovingSun:
-    """Scenes of one sea under the Sun as it goes on, prepared when a frame wants them; the latest is kept.
+    """Scenes of one sea under the moving Sun, prepared when a frame needs them; the latest is cached.
 
-    A scene is a function of the time asked for, so that any frame alone is that of its sequence. Waves and seed are those of the start.
+    A scene is a function of the requested time alone, so that any frame is equal in any part of its sequence. Waves and seed do not change
+    after the start.
     """
 
     def __init__(self, scenario: Scenario, prepared: Callable[[SunPosition], Scene]) -> None:
@@ -116,7 +118,8 @@ class MovingSun:
         self._latest: tuple[int, Scene] | None = None
 
     def scene(self, first: Scene, time: float) -> Scene:
-        """The scene of a time from the start [s]; ``first`` is that of the start."""
+        """Return the scene of a time from the start [s]; ``first`` is the scene of the start."""
+        # Step 0 is the start, whose scene is prepared already.
         step = sun_step(self._scenario, time)
         if step == 0:
             return first
@@ -133,40 +136,40 @@ class MovingSun:
 
 @dataclass(frozen=True, eq=False)
 class Sequence:
-    """Everything that is made before the first frame; make it with :func:`prepare_sequence`."""
+    """Preparation before the first frame; make it with :func:`prepare_sequence`."""
 
     scene: Scene  #: Sea, air, Sun and camera, at the start.
-    track: Track  #: Where the sensor is and how it is turned.
-    layout: Layout  #: What the store holds.
-    sun: MovingSun | None = None  #: Scenes for later positions of the Sun; None where it stands.
-    objects: SceneObjects | None = None  #: What stands or flies in the scene.
+    track: Track  #: Position and attitude of the sensor over time.
+    layout: Layout  #: Layout of the store.
+    sun: MovingSun | None = None  #: Scenes for later positions of the Sun; None if the Sun does not move.
+    objects: SceneObjects | None = None  #: Objects in the scene.
     #: How a detector of photons counts the light of objects (:meth:`seaglint.instrument.photons.Photons.counted`).
     counted: Counting | None = None
 
     def at(self, time: float) -> Layers:
-        """The image at a time from the start [s]."""
+        """Return the image at a time from the start [s]."""
         return self.drawn(time).layers
 
-    def drawn(self, time: float, columns: tuple[int, int] | None = None, *, compose: bool = True) -> Drawn:
-        """The image at a time [s] and what is seen of objects in it; some ``columns`` alone, first and end, where requested.
+    def drawn(self, time: float, columns: tuple[int, int] | None = None, *, compose: bool = True) -> DrawnImage:
+        """Return the image at a time [s] with the sights of objects; of ``columns`` alone, first and end, if requested.
 
         Without ``compose`` objects are left out.
         """
         scene, pose = self.scene_at(time), self.track.at(time)
         if self.objects is None:
             layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
-            return Drawn(layers, layers.radiance, ())
+            return DrawnImage(layers, layers.radiance, ())
         sea = scene.sea(pose, time)
         layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
         return self.objects.draw(scene, pose, time, (layers, sea), window, compose=compose)
 
     def scene_at(self, time: float) -> Scene:
-        """The scene under the Sun of a time from the start [s]."""
+        """Return the scene under the Sun of a time from the start [s]."""
         return self.scene if self.sun is None else self.sun.scene(self.scene, time)
 
     def reseeded(self, seed: int) -> Sequence:
-        """Another realisation of the same sea, without preparing anything again; a store of it says its seed."""
+        """Return another realisation of the same sea, without preparing anything again; the layout has the new seed."""
         layout = replace(self.layout, attributes={**self.layout.attributes, "seed": seed})
         sun = None if self.sun is None else self.sun.reseeded(seed)
         scene = self.scene.reseeded(seed)
@@ -200,6 +203,7 @@ class Sequence:
         drawn = self.drawn(time)
         arrays: dict[str, NDArray[Any]] = dict(drawn.layers)
         radiance = drawn.layers.radiance
+        # Single pixels without a number are accepted; many are a fault.
         bad = int(radiance.size - np.isfinite(radiance).sum())
         if bad > NON_FINITE_SHARE * radiance.size:
             raise DataError(
@@ -221,6 +225,7 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
     if step is None or waves is None:
         return
     shortest = 2.0 * np.pi / waves.tiles[-1].k_max
+    # Coarser steps miss waves, finer ones take time without effect.
     if not shortest / 200.0 <= step <= 0.5 * shortest:
         raise DomainError(
             f"render.step_m = {step:g} m does not suit waves down to {shortest:.3g} m: "
@@ -229,12 +234,12 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
 
 
 def prepare_sequence(
-    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, cached: Kept | None = None
+    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, cached: SceneCache | None = None
 ) -> Sequence:
-    """Everything that is made before the first frame; also the way to single frames in Python.
+    """Prepare a sequence before its first frame, or for single frames in Python.
 
-    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.studies.build.scenario_physics.gliding_camera`); ``fits``
-    says that the memory was seen to be enough; ``cached`` holds what scenes prepared one after the other share.
+    ``scanned`` prepares columns with separate poses (:func:`seaglint.studies.build.scenario_physics.gliding_camera`); ``fits`` skips the
+    check of the memory, which the caller made; ``cached`` holds the preparation that successive scenes share.
 
     Examples
     --------
@@ -290,6 +295,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     view = scene.view
     objects = SceneObjects.of(bodies_of(scenario), sea.waves, shadows=scenario.render.object_shadows)
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
+    # A turning sensor has directions in every frame; the layout holds those of the first.
     azimuth, elevation = scene.directions(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()

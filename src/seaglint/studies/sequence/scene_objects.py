@@ -1,6 +1,6 @@
-"""Labels of objects that move: speed, streak, blur and class of size, and what a detector counts of them.
+"""Objects of a scenario in its pictures, drawn over the sea, and their labels for the store.
 
-Objects of a scenario in its pictures: drawn over the sea, with what is true of them for the store.
+Labels are speed, streak, blur and class of size, and centre, peak and signal-to-noise ratio of a detector's counts.
 """
 
 from __future__ import annotations
@@ -42,18 +42,18 @@ LEAST_SUM = 1e-3  #: Least sum of an object's light over the sum of its amounts 
 def motion_numbers(
     streaks: Sequence[Streak | None], labels: Mapping[str, NDArray[np.float64]], blur: float = math.nan, *, mirage: bool = False
 ) -> Numbers:
-    """Speed, streak and blur of objects.
+    """Return speed, streak and blur of objects.
 
     Parameters
     ----------
     streaks : sequence of Streak
-        Ways of the objects; None for those behind the camera.
+        Streaks of the objects; None for objects behind the camera.
     labels : mapping
         Their other labels.
     blur : float
         Standard deviation of the sensor's blur [pixels]; NaN without a sensor.
     mirage : bool
-        Whether the air shifts objects in the picture: streaks are then shifted to the middle of what is seen.
+        Whether the air shifts objects in the picture: streaks are then shifted to the middle of the visible object.
     """
     names = ("velocity_column_px_s", "velocity_row_px_s", "motion_px", "blur_px")
     ends = ("streak_begin_column_px", "streak_begin_row_px", "streak_end_column_px", "streak_end_row_px")
@@ -62,9 +62,11 @@ def motion_numbers(
         if streak is None:
             continue
         place = np.array([labels["column_px"][n], labels["row_px"][n]])
+        # In a mirage the drawn image is displaced from the geometric path.
         shift = place - streak.middle if mirage and np.isfinite(place).all() else np.zeros(2)
         out["velocity_column_px_s"][n], out["velocity_row_px_s"][n] = streak.velocity
         out["motion_px"][n] = streak.length
+        # A streak of length L has the variance L^2/12 along it, L^2/24 averaged over both directions.
         out["blur_px"][n] = math.sqrt(blur**2 + streak.length**2 / 24.0)
         for name, value in zip(ends, (streak.ends + shift).ravel(), strict=True):
             out[name][n] = value
@@ -72,44 +74,47 @@ def motion_numbers(
 
 
 def count_numbers(windows: Sequence[PictureWindow | None], seen: NDArray[np.float32], model: SensorModel) -> Numbers:
-    """Centre, peak and signal-to-noise ratio of what objects add to a detector's counts, before its noise and within its full scale.
+    """Return centre, peak and signal-to-noise ratio of the counts that objects add, before a detector's noise and within its full scale.
 
     Parameters
     ----------
     windows : sequence of PictureWindow
         Change of the radiance on the pixels by each object [W m-2 sr-1]; None out of the picture.
     seen : ndarray
-        Radiance on the pixels, objects in it [W m-2 sr-1, (rows, columns)].
+        Radiance on the pixels, with objects [W m-2 sr-1, (rows, columns)].
     model : SensorModel
         The sensor. Its noise is the temporal noise of a pixel, by the budget of :mod:`seaglint.instrument.figures_of_merit`.
     """
     names = ("counts_column_px", "counts_row_px", "counts_peak", "counts_snr")
     out = {name: np.full(len(windows), math.nan) for name in names}
     line, rows, columns = model.readout, *seen.shape
-    kept = 1.0 - model.optics.stray_share
+    unscattered = 1.0 - model.optics.stray_share
+    # An object out of the picture has no counts (NaN).
     for n, window in enumerate(windows):
         if window is None:
             continue
         top, left, change = window
         j, i = top + np.arange(change.shape[0])[:, None], left + np.arange(change.shape[1])[None, :]
-        light = kept * change.astype(np.float64)
+        light = unscattered * change.astype(np.float64)
         if model.optics.cos4:
             x, y = ((place - 0.5 * (size - 1)) * model.ifov for place, size in ((i[0] % columns, columns), (j[:, 0], rows)))
             light = light * cos4_falloff(np.zeros(x.size) if model.scanning else x, y)
-        here = seen[j, i % columns].astype(np.float64)
-        with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (here, here - light))
+        radiance = seen[j, i % columns].astype(np.float64)
+        with_it, without = (np.clip(line.units(np.maximum(view, 0.0)), None, line.full_scale) for view in (radiance, radiance - light))
         added = with_it - without
         total, amount = float(added.sum()), float(np.abs(added).sum())
         out["counts_peak"][n] = out["counts_snr"][n] = 0.0
         if amount == 0.0:
             continue
+        # Light and dark parts that cancel have no centre.
         if abs(total) > LEAST_SUM * amount:
             column = float((added * i).sum()) / total
+            # Columns of a panorama continue across the seam.
             out["counts_column_px"][n] = (column + 0.5) % columns - 0.5 if model.circle else column
             out["counts_row_px"][n] = float((added * j).sum()) / total
         down, across = np.unravel_index(int(np.abs(added).argmax()), added.shape)
         out["counts_peak"][n] = float(added[down, across]) / line.gain
-        out["counts_snr"][n] = abs(float(added[down, across])) / budget(model, max(float(here[down, across]), 0.0)).total
+        out["counts_snr"][n] = abs(float(added[down, across])) / budget(model, max(float(radiance[down, across]), 0.0)).total
     return out
 
 
@@ -117,28 +122,28 @@ BodiesOf = Callable[[WaveField | None], tuple[Body, ...]]  #: Bodies over a real
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
-    """An image with objects, the sea's alone [W m-2 sr-1], and what is seen of each object."""
+class DrawnImage:
+    """An image with objects, the radiance of the sea alone [W m-2 sr-1], and the sight of each object."""
 
     layers: Layers
     sea: NDArray[np.float32]
     sights: tuple[BodySight, ...]
 
     @classmethod
-    def beside(cls, parts: list[Drawn]) -> Drawn:
-        """Images side by side, from the left, without sights."""
+    def beside(cls, parts: list[DrawnImage]) -> DrawnImage:
+        """Return images side by side, from the left, without sights."""
         return cls(joined([part.layers for part in parts]), np.concatenate([part.sea for part in parts], axis=1), ())
 
     @classmethod
-    def below(cls, parts: list[Drawn]) -> Drawn:
-        """Images one below the other, from the top, without sights."""
+    def below(cls, parts: list[DrawnImage]) -> DrawnImage:
+        """Return images one below the other, from the top, without sights."""
         layers = Layers({name: np.concatenate([part.layers[name] for part in parts], axis=0) for name in parts[0].layers})
         return cls(layers, np.concatenate([part.sea for part in parts], axis=0), ())
 
-    def rows(self, first: int, end: int) -> Drawn:
-        """Some rows alone, without sights."""
+    def rows(self, first: int, end: int) -> DrawnImage:
+        """Return some rows alone, without sights."""
         cut = slice(first, end)
-        return Drawn(Layers({name: image[cut] for name, image in self.layers.items()}), self.sea[cut], ())
+        return DrawnImage(Layers({name: image[cut] for name, image in self.layers.items()}), self.sea[cut], ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +156,7 @@ class SceneObjects:
 
     @classmethod
     def of(cls, bodies: BodiesOf, waves: WaveField | None, *, shadows: bool = False) -> SceneObjects | None:
-        """Objects over a sea, with ``shadows`` on its glint or without; None where there are none."""
+        """Return objects over a sea, with or without ``shadows`` on its glint; None without objects."""
         placed = bodies(waves)
         return cls(Drawer.of(placed), bodies, shadows) if placed else None
 
@@ -177,8 +182,8 @@ class SceneObjects:
         window: tuple[tuple[int, int], tuple[int, int]],
         *,
         compose: bool = True,
-    ) -> Drawn:
-        """Objects over an image of the sea, the one of ``window = (columns, rows)``, first and end.
+    ) -> DrawnImage:
+        """Draw objects over the image of the sea in ``window = (columns, rows)``, first and end.
 
         Without ``compose`` the objects are left out, and only their shadows drawn.
         """
@@ -188,7 +193,7 @@ class SceneObjects:
         if not compose:
             if self.shadows:
                 layers = shadowed(layers, stage, self.drawer.placed(pose, time)[1], self.drawer.light(stage.view))
-            return Drawn(layers, layers.radiance, ())
+            return DrawnImage(layers, layers.radiance, ())
         if isinstance(scene, RefractedScene):
             picture = refracted_picture(self.drawer, stage, scene, time)
         else:
@@ -199,14 +204,14 @@ class SceneObjects:
         if "object_id" in out:
             whole = numbers_of(sights, (stage.imager.rows, stage.imager.columns), around=stage.imager.goes_round)
             out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
-        return Drawn(out, layers.radiance, sights)
+        return DrawnImage(out, layers.radiance, sights)
 
     def truth(
         self, seen: tuple[BodySight, ...], sea: NDArray[Any], scene: Scene, camera: tuple[Imager, Attitude]
     ) -> Mapping[str, NDArray[Any]]:
         """Return the stored arrays of the objects of a frame, by variable of the group ``truth``, without motion and counts.
 
-        Sights, sea and ``camera``, with its attitude, are those of the stored pixels.
+        Sights, sea and ``camera``, with its attitude, belong to the stored pixels.
         """
         kelvin = self.drawer.light(scene.view).kelvin
         numbers, masks, which = labels(seen, sea, kelvin, around=scene.pixels.goes_round)
@@ -214,7 +219,7 @@ class SceneObjects:
         return {**numbers, "size_class": sizes, "object_mask": packed(masks), "object_id": which}
 
     def streaks(self, view: View, time: float) -> tuple[Streak | None, ...]:
-        """Place and speed of each object in the image at a time [s]."""
+        """Return place and speed of each object in the image at a time [s]."""
         out: list[Streak | None] = [None] * len(self.drawer.bodies)
         for part in self.drawer.parts:
             if out[part.body] is None:
@@ -228,12 +233,12 @@ class SceneObjects:
 
 
 def bodies_of(scenario: Scenario) -> BodiesOf:
-    """Bodies of a scenario's ``[[objects]]``; none without.
+    """Return a function for the bodies of a scenario's ``[[objects]]``; they are empty without objects.
 
     Raises
     ------
     ScenarioError
-        When asked for: objects that do not fit the scene.
+        When the function is called: objects that do not fit the scene.
     """
     if not scenario.objects:
         return lambda waves: ()

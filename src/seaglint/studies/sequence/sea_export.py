@@ -1,4 +1,4 @@
-"""One instant of a scenario's sea for other programs: heights, slopes, and the roughness that is no geometry."""
+"""One instant of a scenario's sea for other programs: heights, slopes, and the roughness below the resolved waves."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 KINDS: Final = (".ply", ".nc")  #: Endings of the files that are written.
 
-DEFAULT_EXTENT: Final = 256.0  #: Side of the patch [m] where nothing is said and the spacing allows.
+DEFAULT_EXTENT: Final = 256.0  #: Default side of the patch [m], if the spacing allows it.
 
-DEFAULT_POINTS: Final = 1024  #: Most points a side where no extent is given.
+DEFAULT_POINTS: Final = 1024  #: Largest number of points along a side of the default patch.
 
 _BYTES_PER_POINT: Final = 12 + 80  #: Height and slopes in single precision, and the copies of labelling and compressing them.
 
@@ -46,7 +46,7 @@ _READING: Final = (
 
 @dataclass(frozen=True)
 class SeaPatch:
-    """Where the sea is sampled: the centre (east, north) and the extent (east, north) [m], and the distance of points [m]."""
+    """Patch in which the sea is sampled: centre (east, north), extent (east, north), and distance of points [m]."""
 
     centre: tuple[float, float]
     extent: tuple[float, float]
@@ -88,7 +88,7 @@ class ExportedSea:
     """The sea of one instant.
 
     ``lattices[i]`` (n, n, 3) and ``patch_surface`` (rows, columns, 3) hold height [m] and slopes towards east and north [1], samples of
-    one sea at their points; ``facets`` are the slopes left to roughness. ``wander[i]`` is by how much each tile is read aside.
+    one sea at their points; ``facets`` are the unresolved slopes. ``wander[i]`` is the displacement at which each tile is read.
     """
 
     time: float
@@ -102,7 +102,7 @@ class ExportedSea:
 
     @property
     def comments(self) -> list[str]:
-        """The header of a mesh: what its numbers mean, and the roughness, which a mesh has no place for."""
+        """Return the header of a mesh: the meaning of its numbers, and the roughness, for which a mesh has no property."""
         ee, en, nn = self.facets.covariance()
         return [
             f"{self.attributes['source']}: sea at {self.time:g} s, x east, y north, z up from the mean sea, metres",
@@ -111,7 +111,7 @@ class ExportedSea:
         ]
 
     def dataset(self, *, lattices: bool = True) -> xr.Dataset:
-        """The patch, the roughness, and the tiles' own periodic lattices."""
+        """Return the patch, the roughness, and the periodic lattices of the tiles."""
         import xarray as xr
 
         x, y = self.patch.axes
@@ -124,6 +124,7 @@ class ExportedSea:
         covariance = zip(("east_east", "east_north", "north_north"), self.facets.covariance(), strict=True)
         out = out.assign({f"facet_slope_{name}": ((), value) for name, value in covariance})
         parts = zip(self.tiles, self.wander, self.lattices, strict=True)
+        # Each tile has separate dimensions, because tiles differ in length and number of points.
         for i, (tile, wander, lattice) in enumerate(parts if lattices else ()):
             dimensions = (f"v_{i}", f"u_{i}")
             for j, name in enumerate(names):
@@ -141,9 +142,7 @@ class ExportedSea:
                 }
                 out[f"{name}_{i}"] = (dimensions, lattice[..., j], attributes)
             axis = np.arange(tile.n) * tile.spacing
-            out = out.assign_coords(
-                {name: (name, axis, VARIABLES[f"tile_{name[0]}"].attributes) for name in dimensions},
-            )
+            out = out.assign_coords({name: (name, axis, VARIABLES[f"tile_{name[0]}"].attributes) for name in dimensions})
         return out
 
 
@@ -190,14 +189,14 @@ def export_sea(
     extent : (float, float), optional
         East and north size of the patch [m]; :data:`DEFAULT_EXTENT`, or what :data:`DEFAULT_POINTS` points reach if that is less.
     spacing : float, optional
-        Distance of points [m]; that of the finest tile, a quarter of the shortest wave, by default.
+        Distance of points [m]; by default the spacing of the finest tile, a quarter of the shortest wave.
 
     Raises
     ------
     ScenarioError
         The scenario resolves no waves.
     DomainError
-        Times or patches that cannot be, or that do not fit the memory.
+        A time or a patch that is not finite, or a patch that does not fit the memory.
 
     Examples
     --------
@@ -217,11 +216,13 @@ def export_sea(
     waves = sea.waves
     spacing = waves.tiles[-1].spacing if spacing is None else spacing
     if extent is None:
+        # Fine spacing shrinks the default patch, so that its number of points is bounded.
         side = min(DEFAULT_EXTENT, (DEFAULT_POINTS - 1) * spacing)
         extent = (side, side)
     patch = SeaPatch(centre, extent, spacing)
     _require_room(patch)
     lattices = waves.surfaces(time)
+    # The facets have the slope variance that the geometry does not have.
     up, cross = waves.resolved_mss()
     wind_to = waves.spectrum.wind_to_azimuth
     facets = gaussian_slopes(statistics.mss_up - up, statistics.mss_cross - cross, -waves.resolved_covariance(), wind_to)
@@ -242,7 +243,7 @@ def _require_room(patch: SeaPatch) -> None:
 
 
 def _sampled(waves: WaveField, time: float, patch: SeaPatch) -> NDArray[np.float32]:
-    """Sum of the tiles, each read from its spline where it has wandered to, at the points of a patch (rows, columns, 3)."""
+    """Return the sum of the tiles at the points of a patch (rows, columns, 3), each read from its spline at the displaced points."""
     rows, columns = patch.shape
     x, y = patch.axes
     splines = waves.splines(time)
@@ -257,7 +258,8 @@ def _sampled(waves: WaveField, time: float, patch: SeaPatch) -> NDArray[np.float
 
 
 def _read(tile: Tile, spline: NDArray[np.float32], x: FloatArray, y: FloatArray) -> NDArray[np.float64]:
-    """Height [m] and slopes [1] of a tile's cubic B-spline at points."""
+    """Return height [m] and slopes [1] of a tile's cubic B-spline at points."""
+    # Rotated into the tile and scaled to its cells in one step.
     c, s = math.cos(tile.rotation) / tile.spacing, math.sin(tile.rotation) / tile.spacing
     u, v = c * x + s * y, c * y - s * x
     i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
@@ -265,6 +267,7 @@ def _read(tile: Tile, spline: NDArray[np.float32], x: FloatArray, y: FloatArray)
     height, along, across = np.zeros((3, *u.shape))
     for m in range(4):
         for k in range(4):
+            # Tiles are periodic.
             z = spline[(j + m - 1) % tile.n, (i + k - 1) % tile.n]
             height += b[m] * a[k] * z
             along += b[m] * da[k] * z
@@ -273,7 +276,7 @@ def _read(tile: Tile, spline: NDArray[np.float32], x: FloatArray, y: FloatArray)
 
 
 def _weights(f: FloatArray) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-    """Weights of four points on a cubic B-spline, and their derivatives [1/cell], ``f`` cells beyond the second of them."""
+    """Return the weights of four points on a cubic B-spline, and their derivatives [1/cell], ``f`` cells beyond the second of them."""
     e = 1.0 - f
     first, second, last = e**3 / 6.0, f * f * (0.5 * f - 1.0) + 2.0 / 3.0, f**3 / 6.0
     begin, middle, end = -0.5 * e * e, f * (1.5 * f - 2.0), 0.5 * f * f

@@ -1,4 +1,4 @@
-"""A sensor applied to frames of radiance: of a rendered scenario, or of any recording."""
+"""A sensor applied to frames of radiance, of a rendered scenario or of any recording."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ from seaglint.store.sequence_store import Frame, check_output, write_sequence
 from seaglint.store.writers import Share
 from seaglint.studies.build.sensor_model import sensor_attributes, sensor_model
 from seaglint.studies.sequence.memory import BASE, require_room
-from seaglint.studies.sequence.sequence_work import over
+from seaglint.studies.sequence.sequence_work import spread_over
+from seaglint.studies.study_requests import ReadingRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,13 +48,13 @@ Rates = Callable[[int], tuple[float, float]]  #: Movement of the line of sight i
 Added = Callable[[int], NDArray[np.float32] | None]  #: Radiance that is added on the pixels of a frame [W m-2 sr-1, (rows, columns)].
 
 
-def nothing(number: int) -> None:
-    """Nothing added."""
+def no_added_light(number: int) -> None:
+    """Add no radiance."""
     return
 
 
-def still(number: int) -> tuple[float, float]:
-    """A platform that does not turn."""
+def no_rates(number: int) -> tuple[float, float]:
+    """Return the rates of a platform that does not turn."""
     return (0.0, 0.0)
 
 
@@ -64,26 +65,27 @@ class SensedFrames:
     model: SensorModel  #: The sensor.
     fine: Fine  #: ``fine(number)`` is the radiance of a frame.
     oversampling: int  #: Fine pixels along a pixel's side.
-    first: int = 0  #: Number of the earliest frame that there is: before it a thermal detector has seen the same.
-    rates: Rates = still  #: ``rates(number)`` is the movement of the line of sight by the platform.
-    added: Added = nothing  #: ``added(number)`` is what is added on the pixels; None where nothing is.
+    first: int = 0  #: Number of the earliest frame: before it a thermal detector has seen the same image.
+    rates: Rates = no_rates  #: ``rates(number)`` is the movement of the line of sight by the platform.
+    added: Added = no_added_light  #: ``added(number)`` is the radiance added on the pixels; None adds none.
     drawn: bool = False  #: Whether the pictures were drawn by this program (:meth:`~seaglint.instrument.chain.SensorModel.focal_plane`).
     _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
 
     def exposure(self, number: int) -> Exposure:
-        """A frame with its noise."""
+        """Return a frame with its noise."""
         detector = self.model.detector
         if not isinstance(detector, ThermalPixels) or detector.time_constant == 0.0:
             return self.model.expose(self.seen(number), number)
+        # A thermal detector adds earlier frames with exponentially falling weights.
         weights = lag_weights(detector.time_constant, self.model.frame_interval)
-        seen = np.zeros(1, np.float64)
-        # The frame itself last: what else is asked of it is then at hand.
+        lagged = np.zeros(1, np.float64)
+        # The frame itself comes last, so that it is cached for its labels.
         for back in range(len(weights) - 1, -1, -1):
-            seen = seen + weights[back] * self._cached(max(number - back, self.first), len(weights))
-        return self.model.expose(seen.astype(np.float32), number)
+            lagged = lagged + weights[back] * self._cached(max(number - back, self.first), len(weights))
+        return self.model.expose(lagged.astype(np.float32), number)
 
     def seen(self, number: int) -> NDArray[np.float32]:
-        """Radiance on each pixel of a frame alone [W m-2 sr-1, (rows, columns)]; the latest are cached."""
+        """Return the radiance on each pixel of a frame alone [W m-2 sr-1, (rows, columns)]; the latest are cached."""
         return self._cached(number, max(len(self._seen), 1))
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:
@@ -135,34 +137,35 @@ def sense(
     workers: Workers | None = None,
     reopen: Reopen | None = None,
 ) -> Path | str:
-    """Put a scenario's sensor on a recording of radiance and store its counts.
+    """Apply a scenario's sensor to a recording of radiance and store its counts.
 
     Parameters
     ----------
     recording : Recording
-        Radiance at the aperture [W m-2 sr-1]; its size makes that of the detector.
+        Radiance at the aperture [W m-2 sr-1]; the size of the detector follows from its size.
     scenario : Scenario
         With ``[sensor.optics]`` and ``[sensor.detector]``.
     output : path
         Store to make, customarily ``*.zarr``.
     source : Source, optional
-        What the recording says of its band and pixels.
+        Band and pixels that the recording states.
     seed : int, optional
         Of the noise; the scenario's by default.
     oversampling : int, optional
-        Pixels of the recording along each side of the detector's; found from the recording's own pixels where it tells them, else 1.
+        Pixels of the recording along each side of the detector's; from the recording's pixels if it states them, else 1.
     electrons : bool
         Whether electrons are written beside counts.
     resume, overwrite : bool
-        Go on with an unfinished store, or replace what is there.
+        Continue an unfinished store, or replace a store.
     progress : callable, optional
         Called with (frames done, frames in all).
     share : Share, optional
-        Make its units alone, in a store that other shares write too; :func:`seaglint.store.sequence_store.finish_sequence` names it.
+        Make the units of the share alone, in a store that other shares write too;
+        :func:`seaglint.store.sequence_store.finish_sequence` names it.
     workers : Workers, optional
-        Who makes the frames; this process by default. They read the recording themselves, which takes ``reopen``.
+        Workers that make the frames; this process by default. They read the recording themselves, which needs ``reopen``.
     reopen : Reopen, optional
-        How others open the recording.
+        Parameters with which workers open the recording.
 
     Raises
     ------
@@ -174,11 +177,11 @@ def sense(
         raise DataError(f"{recording.source}: is in this process alone; give workers a file, or none")
     with single_threaded_algebra():
         frames, layout = prepare_sense(recording, scenario, source=source, seed=seed, oversampling=oversampling, electrons=electrons)
-        frames.fine(frames.first)  # what is no radiance is told before anything is written
+        frames.fine(frames.first)  # values that are no radiances are refused before anything is written
         settings = (reopen, scenario, seed, oversampling, electrons)
         return write_sequence(
             output, layout, partial(frames.images, requested=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
-            share=share, spread=over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
+            share=share, spread=spread_over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
         )  # fmt: skip
 
 
@@ -187,28 +190,15 @@ class Reopen:
     """A recording by name, for other processes."""
 
     path: Path
-    frame_rate: float | None = None
-    variable: str | None = None
-    channel: str | None = None
-    axes: str | None = None
-    missing: tuple[float, ...] = ()
+    reading: ReadingRequest = field(default_factory=ReadingRequest)
 
 
 def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, bool]) -> tuple[Layout, Frame]:
-    """Layout and frames in another process."""
-    from seaglint.formats.recording import open_recording
+    """Return layout and frames in another process."""
     from seaglint.formats.recording.labelled_arrays import source_of
 
     file, scenario, seed, oversampling, electrons = settings
-    opened = open_recording(
-        str(file.path),
-        frame_rate=file.frame_rate,
-        variable=file.variable,
-        channel=file.channel,
-        axes=file.axes,
-        missing=file.missing,
-    )
-    known = source_of(file.path)
+    opened, known = file.reading.opened(str(file.path)), source_of(file.path)
     frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
     return layout, partial(frames.images, requested=layout.variables)
 
@@ -222,7 +212,7 @@ def prepare_sense(
     oversampling: int | None = None,
     electrons: bool = False,
 ) -> tuple[SensedFrames, Layout]:
-    """The frames that :func:`sense` writes, and what is known of them before the first; arguments as there."""
+    """Return the frames that :func:`sense` writes, and their layout; arguments are the arguments of :func:`sense`."""
     require_electrons(scenario, electrons)
     known = source or Source()
     model = sensor_model(scenario, seed)
@@ -235,8 +225,10 @@ def prepare_sense(
     shape = _divided((recording.rows, recording.columns), times, recording.source)
     rows, columns = shape
     _require_blur(model, shape, times, recording.source)
+    # A recording narrower than the scenario's picture is no full turn.
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
 
+    # Frames of this program's files retain their numbers, on which the noise depends.
     numbers = range(recording.frames) if known.frames is None or len(known.frames) != recording.frames else known.frames
 
     def fine(number: int) -> NDArray[np.float32]:
@@ -270,7 +262,7 @@ def prepare_sense(
 
 
 def signal_attributes(model: SensorModel) -> Attributes:
-    """Attributes of the variable ``signal``: the line to radiance."""
+    """Return the attributes of the variable ``signal``: the line to radiance."""
     line = model.readout
     return {
         "gain": line.gain,
@@ -284,7 +276,7 @@ def signal_attributes(model: SensorModel) -> Attributes:
 
 
 def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
-    """All frames in memory, labelled as the store is."""
+    """Return all frames in memory, with the labels of a store."""
     import xarray as xr
 
     from seaglint.base.schema import VARIABLES
@@ -294,6 +286,7 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
     each = sum(np.dtype(VARIABLES[name].dtype).itemsize for name in layout.variables)
     what = f"{len(layout.frames)} frames of {layout.azimuth_deg.shape[-1]} x {layout.elevation_deg.shape[0]} pixels in memory"
     require_room(BASE + 2 * each * pixels, what, "give output, a store on the disk, or fewer frames")  # single frames and all together
+    # All frames are in memory at once, which was checked above.
     images: list[Mapping[str, Any]] = [frames.images(number, layout.variables) for number in layout.frames]
     data: dict[str, Any] = {
         name: (("time", "y", "x"), np.stack([f[name] for f in images]), {**VARIABLES[name].attributes, **layout.details.get(name, {})})
@@ -340,9 +333,10 @@ def _require_band(given: Band, own: Band) -> None:
 
 
 def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
-    """Return the given oversampling, or that of the recording's pixels."""
+    """Return the given oversampling, or the oversampling of the recording's pixels."""
     if given is not None or known.step is None:
         return 1 if given is None else given
+    # The step between rows is taken, which no scan changes.
     ratio = model.ifov / known.step[1]
     nearest = max(round(ratio), 1)
     if abs(ratio / nearest - 1.0) > AGREEMENT:
@@ -373,13 +367,10 @@ def _require_blur(model: SensorModel, shape: tuple[int, int], oversampling: int,
 def _directions(
     scenario: Scenario, model: SensorModel, known: Source, shape: tuple[int, int], oversampling: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Azimuth and elevation of the detector's pixels [deg]: those of the recording's averaged, or about the scenario's line of sight."""
+    """Return azimuth and elevation of the detector's pixels [deg]: averages of the recording's, or about the scenario's line of sight."""
     rows, columns = shape
     if known.azimuth_deg is not None and known.elevation_deg is not None:
-        return (
-            known.azimuth_deg.reshape(columns, oversampling).mean(axis=1),
-            known.elevation_deg.reshape(rows, oversampling).mean(axis=1),
-        )
+        return (known.azimuth_deg.reshape(columns, oversampling).mean(axis=1), known.elevation_deg.reshape(rows, oversampling).mean(axis=1))
     step = np.degrees(model.ifov)
     azimuth = scenario.sensor.azimuth_deg + (np.arange(columns) - 0.5 * (columns - 1)) * step
     return azimuth, scenario.sensor.elevation_deg - (np.arange(rows) - 0.5 * (rows - 1)) * step

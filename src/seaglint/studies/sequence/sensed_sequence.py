@@ -1,4 +1,4 @@
-"""A scenario with a sensor becomes a stored sequence of counts: drawn finer, blurred, integrated, read out."""
+"""Stored sequences of counts of a scenario with a sensor: drawn finer, blurred, integrated, read out."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ from seaglint.studies.sequence.exposed_objects import ExposedObjects, ObjectLigh
 from seaglint.studies.sequence.memory import require_memory
 from seaglint.studies.sequence.out_of_view import report_out_of_view
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
-from seaglint.studies.sequence.scene_objects import Drawn, count_numbers, motion_numbers
+from seaglint.studies.sequence.scene_objects import DrawnImage, count_numbers, motion_numbers
 from seaglint.studies.sequence.sense import Rates, SensedFrames, require_electrons, signal_attributes
-from seaglint.studies.sequence.sequence_work import Kept, over
+from seaglint.studies.sequence.sequence_work import SceneCache, spread_over
 
-#: Instants at which a picture with a rolling shutter is drawn: rows take that next to their own, at most a sixteenth of the reading off.
+#: Instants at which a picture with a rolling shutter is drawn: rows take the nearest, at most a sixteenth of the readout apart.
 ROLLING_PARTS: Final = 8
 
 
@@ -84,14 +84,14 @@ def render(
     with thread_limit(threads):
         settings = (scenario, frames, electrons, radiance)
         layout, images = prepared_frames(settings)
-        spread = over(workers, prepared_frames, settings)
+        spread = spread_over(workers, prepared_frames, settings)
         return write_sequence(
             output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
         )
 
 
 def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tuple[Layout, Frame]:
-    """Layout and frames of a scenario with a detector: some frames where asked, with electrons and with radiance."""
+    """Return layout and frames of a scenario with a detector: some or all frames, with electrons and radiance if requested."""
     scenario, frames, electrons, radiance = settings
     run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
     return run.layout, run.images
@@ -99,12 +99,12 @@ def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tupl
 
 @dataclass(frozen=True, eq=False)
 class SensedSequence:
-    """Everything that is made before the first frame; make it with :func:`prepare_sensed`."""
+    """Preparation before the first frame; make it with :func:`prepare_sensed`."""
 
     fine: Sequence  #: The scene, drawn finer than the detector's pixels.
     sensed: SensedFrames  #: The sensor on it.
-    scan: ScanPattern  #: When columns and rows are taken.
-    layout: Layout  #: What the store holds.
+    scan: ScanPattern  #: Times at which columns and rows are taken.
+    layout: Layout  #: Layout of the store.
     fine_scenario: Scenario  #: The scenario that is drawn: more pixels, and no sensor.
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
@@ -125,8 +125,8 @@ class SensedSequence:
                 out[name] = averaged[name]
         return out
 
-    def _truth(self, number: int, drawn: _Drawn) -> Mapping[str, NDArray[Any]]:
-        """Stored arrays of the objects of a frame, by variable of the group ``truth``."""
+    def _truth(self, number: int, drawn: _FinePictures) -> Mapping[str, NDArray[Any]]:
+        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``."""
         objects = drawn.objects
         assert objects is not None
         light, sea = drawn.light(number), binned_image(drawn.drawn(number).sea, self.sensed.oversampling)
@@ -138,7 +138,7 @@ class SensedSequence:
 
 
 @dataclass(eq=False)
-class _Drawn:
+class _FinePictures:
     """Fine pictures of the sea by number, and the light of objects; the latest of both are cached.
 
     ``compose`` draws objects into the layers of the fine pictures too.
@@ -150,13 +150,13 @@ class _Drawn:
     objects: ExposedObjects | None
     rates: Rates
     compose: bool
-    latest: tuple[int, Drawn] | None = field(default=None)
+    latest: tuple[int, DrawnImage] | None = field(default=None)
     lit: tuple[int, ObjectLight] | None = field(default=None)
 
     def __call__(self, number: int) -> NDArray[np.float32]:
         return self.drawn(number).sea
 
-    def drawn(self, number: int) -> Drawn:
+    def drawn(self, number: int) -> DrawnImage:
         if self.latest is None or self.latest[0] != number:
             time = number / self.sequence.layout.frame_rate
             self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, time, compose=self.compose))
@@ -174,55 +174,56 @@ class _Drawn:
         return None if self.objects is None else self.light(number).added
 
 
-def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> Drawn:
-    """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
+def drawn_in_time(sequence: Sequence, pattern: ScanPattern, oversampling: int, time: float, *, compose: bool = True) -> DrawnImage:
+    """Draw a fine picture with the sights of objects, each of its columns or rows at a separate instant.
 
     Parameters
     ----------
     sequence : Sequence
         The scene.
-    way : ScanPattern
-        When columns and rows are taken.
+    pattern : ScanPattern
+        Times at which columns and rows are taken.
     oversampling : int
-        Fine pixels in a pixel of the detector: these have one instant.
+        Fine pixels along a pixel of the detector, which share one instant.
     time : float
-        Of the frame [s].
+        Time of the frame [s].
     compose : bool
         Whether objects are drawn into it.
     """
-    if way.instantaneous:
+    if pattern.instantaneous:
         return sequence.drawn(time, compose=compose)
-    if way.kind == "staring":
-        return _rolled(sequence, way, oversampling, time, compose)
+    if pattern.kind == "staring":
+        return _rolled(sequence, pattern, oversampling, time, compose)
     columns = sequence.layout.shape[2] // oversampling
-    delays = way.column_delays(columns)
+    # Columns with equal delay are drawn together.
+    delays = pattern.column_delays(columns)
     parts, begin = [], 0
     for end in range(1, columns + 1):
         if end < columns and delays[end] == delays[begin]:
             continue
         parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling), compose=compose))
         begin = end
-    return Drawn.beside(parts)
+    return DrawnImage.beside(parts)
 
 
-def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float, compose: bool) -> Drawn:
+def _rolled(sequence: Sequence, pattern: ScanPattern, oversampling: int, time: float, compose: bool) -> DrawnImage:
     rows = sequence.layout.shape[1] // oversampling
-    delays = way.row_delays(rows)
-    parts: list[Drawn] = []
-    for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
-        instant = time + float(delays[some].mean())
-        parts.append(sequence.drawn(instant, compose=compose).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
-    return Drawn.below(parts)
+    delays = pattern.row_delays(rows)
+    parts: list[DrawnImage] = []
+    for block in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
+        instant = time + float(delays[block].mean())
+        parts.append(sequence.drawn(instant, compose=compose).rows(int(block[0]) * oversampling, (int(block[-1]) + 1) * oversampling))
+    return DrawnImage.below(parts)
 
 
 def binned_image(image: NDArray[np.floating[Any]], oversampling: int) -> NDArray[np.float64]:
-    """Means of an image over the detector's pixels."""
+    """Return means of an image over the detector's pixels."""
     rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
     return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
 
 
 def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
-    """Means of layers over the detector's pixels; ranges and slopes over what is seen of the sea."""
+    """Return means of layers over the detector's pixels; ranges and slopes over the visible sea."""
 
     def mean(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         return binned_image(image, oversampling)
@@ -230,10 +231,11 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
     over_sea = {"range", "slope"} & set(layers)
     out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
     for name in over_sea:
-        seen = np.isfinite(layers[name])
-        share = layers["coverage"] if "coverage" in layers else seen.astype(np.float32)
-        weight = mean(np.where(seen, share, 0.0))
-        total = mean(np.where(seen, share * np.nan_to_num(layers[name]), 0.0))
+        visible = np.isfinite(layers[name])
+        # Distances are averaged over the sea only, weighted with its share of each fine pixel.
+        share = layers["coverage"] if "coverage" in layers else visible.astype(np.float32)
+        weight = mean(np.where(visible, share, 0.0))
+        total = mean(np.where(visible, share * np.nan_to_num(layers[name]), 0.0))
         out[name] = np.where(weight > LEAST_SEEN, total / np.maximum(weight, LEAST_SEEN), np.nan).astype(np.float32)
     if "glint_share" in out:
         out["glint_share"] = share_of_glint(out["glint_radiance"], out["radiance"])
@@ -241,32 +243,33 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
 
 
 def prepare_sensed(
-    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: Kept | None = None
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: SceneCache | None = None
 ) -> SensedSequence:
-    """Prepare the scene, drawn finer, and its sensor; also the way to single frames in Python. ``cached`` holds what scenes share.
+    """Prepare the scene, drawn finer, and its sensor, also for single frames in Python. ``cached`` holds the preparation that scenes share.
 
     Examples
     --------
     >>> from seaglint.scenario.load import parse_scenario
     >>> tables = {"optics": {"aperture_m": 0.02, "f_number": 2.0}, "detector": {"pitch_um": 15.0}}
     >>> small = parse_scenario({"sensor": {"pixels": [8, 4], **tables}, "sea": {"resolve_waves": False}})
-    >>> found = prepare_sensed(small).images(0)["signal"]
-    >>> found.shape, found.dtype
+    >>> signal = prepare_sensed(small).images(0)["signal"]
+    >>> signal.shape, signal.dtype
     ((4, 8), dtype('uint16'))
     """
     model = sensor_model(scenario)
     n = scenario.render.oversampling or model.oversampling
     require_memory(scenario, n, model)
-    sensor, way = scenario.sensor, scan(scenario)
+    sensor, pattern = scenario.sensor, scan(scenario)
     columns, rows = sensor.pixels
+    # The drawn scenario has no sensor tables; the detector is applied to its pictures.
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
-    scanned = way.kind != "staring" and way.period > 0.0
+    scanned = pattern.kind != "staring" and pattern.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
     sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
     if isinstance(model.detector, PhotonPixels):
         sequence = sequence.counting(model.photons.counted)
-    _require_track(sequence, way, sensor.pixels)
+    _require_track(sequence, pattern, sensor.pixels)
 
     def rates(number: int) -> tuple[float, float]:
         return line_of_sight_rates(sequence.track, number / sequence.layout.frame_rate, model.exposure_time, sensor.projection)
@@ -274,15 +277,16 @@ def prepare_sensed(
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
     objects = None
     if sequence.objects is not None:
-        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, way, n)
+        objects = ExposedObjects.of(sequence.objects, sequence.scene, sequence.track, model, pattern, n)
+    # Objects are composed into the fine picture only if a written layer needs it; counts add them separately.
     compose = bool(radiance or derived or scenario.render.layers)
-    drawn = _Drawn(sequence, way, n, objects, rates, compose)
+    drawn = _FinePictures(sequence, pattern, n, objects, rates, compose)
     sensed = SensedFrames(model, drawn, n, rates=rates, added=drawn.added, drawn=True)
-    own = sequence.layout
+    fine_layout = sequence.layout
     layout = replace(
-        own,
-        azimuth_deg=_coarse(own.azimuth_deg, n),
-        elevation_deg=_coarse(own.elevation_deg, n),
+        fine_layout,
+        azimuth_deg=_coarse(fine_layout.azimuth_deg, n),
+        elevation_deg=_coarse(fine_layout.elevation_deg, n),
         variables=(
             "signal",
             *(("electrons",) if electrons else ()),
@@ -293,28 +297,28 @@ def prepare_sensed(
         per_frame=("saturated_share",),
         details={"signal": signal_attributes(model)},
         attributes={
-            **own.attributes,
+            **fine_layout.attributes,
             "title": "Infrared image sequence of a detector looking at the sea",
             "scenario": scenario.model_dump_json(exclude_none=True),
             **sensor_attributes(model, n),
-            "scan": way.kind,
-            "scan_period_s": way.period,
+            "scan": pattern.kind,
+            "scan_period_s": pattern.period,
         },
     )
-    return SensedSequence(sequence, sensed, way, layout.in_units(sensor.frames), fine)
+    return SensedSequence(sequence, sensed, pattern, layout.in_units(sensor.frames), fine)
 
 
-def _require_track(sequence: Sequence, way: ScanPattern, pixels: tuple[int, int]) -> None:
+def _require_track(sequence: Sequence, pattern: ScanPattern, pixels: tuple[int, int]) -> None:
     """Refuse keyframes that end before the last frame's last column or row."""
     layout = sequence.layout
     if layout.frames:
         columns, rows = pixels
-        delay = float(max(way.column_delays(columns).max(), way.row_delays(rows).max()))
+        delay = float(max(pattern.column_delays(columns).max(), pattern.row_delays(rows).max()))
         sequence.track.at(layout.frames[-1] / layout.frame_rate + delay)
 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:
-    """Directions of the detector's pixels: means of those of the fine ones, of columns or rows, or of all pixels."""
+    """Return directions of the detector's pixels: means over the fine pixels, of columns or rows, or of all pixels."""
     if angles.ndim == 1:
         return np.asarray(angles.reshape(-1, n).mean(axis=1))
     rows, columns = angles.shape[0] // n, angles.shape[1] // n

@@ -1,6 +1,7 @@
-"""Prepared scenes reused for scenarios that differ in seed and objects alone.
+"""Reuse of prepared scenes, and units of a sequence over workers.
 
-A sequence's units over workers: each prepares the scene itself and writes its frames straight into the store.
+A prepared scene serves scenarios that differ in seed and objects alone. Each worker prepares the scene itself and writes its frames
+directly into the store.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from seaglint.store.shards import Frame, UnitFailure, UnitRecord
 
 
 class Shareable(Protocol):
-    """A scene made ready, from which others can be had."""
+    """A prepared scene, from which other scenes are derived."""
 
     def with_sea_of(self, scenario: Scenario) -> Self:
         """Return the scene with another scenario's seed and objects."""
@@ -30,41 +31,41 @@ Made = TypeVar("Made", bound=Shareable)
 
 
 @dataclass(eq=False)
-class Kept:
+class SceneCache:
     """Cache of the latest prepared scene; memory does not grow with the number of scenes.
 
     Notes
     -----
-    The bytes of a scene do not depend on what was kept.
+    The bytes of a scene do not depend on the cached scene.
     """
 
     _latest: tuple[str, Any] | None = field(default=None, repr=False)
 
     def sequence(self, scenario: Scenario, settings: str, prepare: Callable[[], Made]) -> Made:
-        """The scene of a scenario, from the latest one where only seed and objects differ.
+        """Return the scene of a scenario, derived from the latest one if only seed and objects differ.
 
         Parameters
         ----------
         scenario : Scenario
-            What is drawn.
+            Scenario to draw.
         settings : str
-            What else it depends on.
+            Further settings that the preparation depends on.
         prepare : callable
-            Makes it from nothing.
+            Function that prepares the scene.
         """
         if scenario.platform is not None and scenario.platform.floats:
-            return prepare()  # its way depends on the sea
+            return prepare()  # its track depends on the sea
         key = settings + scenario.model_copy(update={"seed": 0, "objects": None}).model_dump_json()
         if self._latest is not None and self._latest[0] == key:
             latest: Made = self._latest[1]
             return latest.with_sea_of(scenario)
-        self._latest = None  # two at a time would be twice the memory
+        self._latest = None  # two scenes would take twice the memory
         made = prepare()
         self._latest = (key, made)
         return made
 
 
-#: What is made before the first frame, from small settings; a function of a module, which workers find by its name.
+#: Preparation before the first frame, from small settings; a function of a module, which workers import by its name.
 Prepare = Callable[[Any], tuple[Layout, Frame]]
 
 
@@ -78,7 +79,7 @@ class UnitJob:
 
 
 def start(job: UnitJob) -> Callable[[int], UnitRecord]:
-    """Prepare in a worker; the function makes one unit."""
+    """Prepare in a worker and return the function that makes one unit."""
     require_version(job.task)  # before anything is computed
     layout, frame = job.prepare(job.settings)
     make = unit_maker(job.task, layout, frame)
@@ -90,8 +91,8 @@ def start(job: UnitJob) -> Callable[[int], UnitRecord]:
     return unit
 
 
-def over(workers: Workers | None, prepare: Prepare, settings: Any) -> Spread | None:
-    """How :func:`seaglint.store.sequence_store.write_sequence` has units made by workers; None where there are none."""
+def spread_over(workers: Workers | None, prepare: Prepare, settings: Any) -> Spread | None:
+    """Return the function with which :func:`seaglint.store.sequence_store.write_sequence` spreads units; None without workers."""
     if workers is None:
         return None
 

@@ -1,10 +1,7 @@
-"""Named arrays of one case of a sweep.
+"""Results of one case of a sweep: one quantity of one scenario as named arrays.
 
-Views of a sea that scenarios of a sweep share: air, water and slopes are prepared once for all Suns over them.
-
-Mean radiance of the sea, and the air before it, at view angles instead of a picture's pixels.
-
-One quantity of one scenario as named arrays: what a sweep computes for each of its cases.
+:func:`computer` returns the function of a quantity. Mean radiance and air are computed for a picture's pixels or at view angles. Scenarios
+of a sweep share views of a sea: air, water and slopes are prepared once for all Suns over them.
 """
 
 from __future__ import annotations
@@ -63,11 +60,11 @@ class CaseResult:
         return sum(array.values.nbytes for arrays in (self.variables, self.coordinates) for array in arrays.values())
 
 
-MOST_KEPT: Final = 64  #: Views kept at a time: some 5 MB each.
+MOST_CACHED: Final = 64  #: Largest number of cached views: some 5 MB each.
 
 _SUNLESS: Final = {"band", "wind", "sea", "atmosphere", "mean", "platform"}  #: Tables that a view without its Sun depends on.
 
-_KEPT: Final[OrderedDict[str, SharedView]] = OrderedDict()
+_CACHED_VIEWS: Final[OrderedDict[str, SharedView]] = OrderedDict()
 _LOCK: Final = threading.Lock()
 
 
@@ -85,6 +82,7 @@ class SharedView:
 
     def lines(self, view: SeaView, elevation: FloatArray, azimuth: FloatArray) -> SeaLines:
         """Return lines of sight of :meth:`under` at elevations and azimuths [rad]."""
+        # Lines depend on directions and slopes, not on the Sun.
         key = (elevation.tobytes(), azimuth.tobytes(), view.hiding.law_bands(view.slopes))
         if key not in self._lines:
             if self._surface is None:
@@ -94,30 +92,31 @@ class SharedView:
 
 
 def forget_views() -> None:
-    """Forget all views: files that they were made of may have changed since."""
+    """Remove all cached views, because their files may have changed."""
     with _LOCK:
-        _KEPT.clear()
+        _CACHED_VIEWS.clear()
 
 
 def shared_view(scenario: Scenario, height: float) -> SharedView:
     """Return the view of a scenario from a height [m], from an earlier one that differs in nothing but the Sun and the picture."""
     key = _key(scenario, height)
     with _LOCK:
-        if key in _KEPT:
-            _KEPT.move_to_end(key)
-            return _KEPT[key]
-    made = SharedView(scenario_physics.standing_view(scenario, height))
+        if key in _CACHED_VIEWS:
+            _CACHED_VIEWS.move_to_end(key)
+            return _CACHED_VIEWS[key]
+    # Preparation runs outside the lock; two threads may prepare the same view, and the last one is cached.
+    new_view = SharedView(scenario_physics.standing_view(scenario, height))
     with _LOCK:
-        _KEPT[key] = made
-        while len(_KEPT) > MOST_KEPT:
-            _KEPT.popitem(last=False)
-    return made
+        _CACHED_VIEWS[key] = new_view
+        while len(_CACHED_VIEWS) > MOST_CACHED:
+            _CACHED_VIEWS.popitem(last=False)
+    return new_view
 
 
 def _key(scenario: Scenario, height: float) -> str:
     tables = set(_SUNLESS)
     if isinstance(scenario.atmosphere, FileAtmosphere):
-        tables |= {"sensor"}  # its columns are those of what is in view
+        tables |= {"sensor"}  # its columns are chosen by the sea in view
     text = scenario.model_dump_json(include=tables, exclude_none=True)
     if '"sounding"' in text or '"path"' in text:  # files are read at a date and a place
         text += scenario.model_dump_json(include={"time", "place"}, exclude_none=True)
@@ -127,8 +126,8 @@ def _key(scenario: Scenario, height: float) -> str:
 def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     """Return mean radiance, its components and apparent temperature at view angles.
 
-    Each value is that of a line of sight, as the mean map has it in the middle of a pixel that looks that way. The deviation of glint is
-    that of a pixel as large as the one in the middle of the picture. A moving sensor stands where it is at time 0.
+    Each value belongs to a line of sight, as in the mean map at the middle of a pixel in that direction. The deviation of glint is for a
+    pixel with the solid angle of the middle pixel of the picture. A moving sensor is at its place of time 0.
 
     Raises
     ------
@@ -142,13 +141,14 @@ def mean_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
     elevation, azimuth = at.elevations(pose.height), _azimuths(at, pose.attitude.azimuth)
     if scenario.mean.mode == "article":
         view = scenario_physics.article_view(scenario, view)
-        seen = article_radiance(view, elevation, azimuth)
+        components = article_radiance(view, elevation, azimuth)
     else:
-        seen = shared.lines(view, elevation, azimuth).under(view)
+        components = shared.lines(view, elevation, azimuth).under(view)
+    # The deviation of glint depends on the size of a pixel, which view angles do not have.
     pixel = float(imager.solid_angle(pose.attitude, 0.5 * imager.columns, 0.5 * imager.rows))
-    variance = sea_variance(view, seen, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
-    temperature = apparent_temperature(seen.total, view.band, view.atmosphere.wavenumber_cm)
-    values = (seen.total, temperature, seen.path, seen.emission, seen.sky, seen.sun, np.sqrt(variance))
+    variance = sea_variance(view, components, elevation, np.full(elevation.size, pixel), scenario_physics.glint_length(scenario))
+    temperature = apparent_temperature(components.total, view.band, view.atmosphere.wavenumber_cm)
+    values = (components.total, temperature, components.path, components.emission, components.sky, components.sun, np.sqrt(variance))
     shape = (elevation.size, azimuth.size)
     variables = {
         name: NamedArray(at.dims, _shaped(value, shape, at))
@@ -187,7 +187,7 @@ def air_at(scenario: Scenario, at: ViewAngles) -> CaseResult:
 
 
 def air_of_rows(scenario: Scenario) -> CaseResult:
-    """Return the same for the rows of an upright picture; NaN where they see no sea.
+    """Return the results of :func:`air_at` for the rows of an upright picture; NaN for rows without sea.
 
     Raises
     ------
@@ -207,12 +207,14 @@ def _air(
     air: Atmosphere = shared_view(scenario, height).view.atmosphere
     weights = over.weights(air.wavenumber_cm)
     sea = (-elevation > horizon_depression(height)) & np.isfinite(zenith)
+    # Rows above the horizon have no path to the sea and remain NaN.
     tau, path, sky = (np.full(elevation.size, np.nan) for _ in range(3))
     if sea.any():
         arc = surface_range(height, -elevation[sea])
         tau[sea] = air.transmittance(height, arc) @ weights / weights.sum()
         path[sea] = air.path_radiance(height, arc) @ weights
         sky[sea] = air.sky_radiance(zenith[sea], np.zeros(zenith[sea].size)) @ weights
+    # Sunlight at the sea depends on the Sun alone, so it is one number for all angles.
     sun = sun_position(scenario)
     light = float(sun.irradiance_factor * (np.asarray(air.solar_irradiance(np.array([sun.zenith])))[0] @ weights))
 
@@ -275,12 +277,12 @@ def of_dataset(dataset: Any) -> CaseResult:
 
 
 def of_any(value: Any) -> CaseResult:
-    """Return the arrays of what a user's function returned.
+    """Return the arrays of the result of a user's function.
 
     Raises
     ------
     DataError
-        A value that is no number, no text, no mapping of them, and nothing of xarray.
+        A value that is no number, text, mapping of them, or array of xarray.
 
     Examples
     --------
@@ -299,6 +301,7 @@ def of_any(value: Any) -> CaseResult:
         if isinstance(item, xr.DataArray):
             out[str(name)] = NamedArray(tuple(map(str, item.dims)), np.asarray(item.values), dict(item.attrs))
             continue
+        # Arrays without names of dimensions cannot be joined over the cases.
         array = np.asarray(item)
         if array.ndim or array.dtype.kind not in "biufcU":
             raise DataError(
@@ -322,7 +325,7 @@ def _image(scenario: Scenario) -> CaseResult:
 
 
 def _sensor(scenario: Scenario) -> CaseResult:
-    """Numbers of the data sheet; those of its tables as ``table_name``."""
+    """Return the numbers of the data sheet; numbers of its tables have names ``table_name``."""
     from seaglint.studies.mean.sensor_figures import describe_sensor
 
     out: dict[str, NamedArray] = {}

@@ -1,8 +1,6 @@
-"""One case of a sweep: its settings, its result, or why it failed.
+"""Computation of a sweep: one quantity of every case, assembled into a labelled dataset.
 
-Sweeps whose cases are computed when their values are read, with Dask.
-
-A sweep: one quantity of every case, assembled into a labelled dataset.
+A case that fails is left without values if the sweep continues. With ``lazy`` cases are computed when their values are read, with Dask.
 """
 
 from __future__ import annotations
@@ -65,12 +63,12 @@ Outcome = CaseResult | CaseFailure
 
 
 def compute_case(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], number: int) -> Outcome:
-    """Return the result of a case, or its failure where the sweep goes on.
+    """Return the result of a case, or its failure if the sweep continues after failures.
 
     Raises
     ------
     SeaglintError
-        What the scenario or the models refuse, or what the user's function raised; the message names the case.
+        A scenario that is refused, or an error of the user's function; the message names the case.
     """
     try:
         scenario = settings.plan.scenario(number)
@@ -98,7 +96,7 @@ def line_of(error: BaseException) -> str:
 def require_shape(
     settings: SweepSettings, number: int, name: str, array: NamedArray | None, shape: tuple[int, ...], dims: tuple[str, ...] | None = None
 ) -> None:
-    """Refuse an array of a case that is not of the shape, and of the dimensions, of the first case.
+    """Refuse an array of a case with other shape or dimensions than in the first case.
 
     Raises
     ------
@@ -106,15 +104,15 @@ def require_shape(
         The message names the case.
     """
     if array is None or array.values.shape != shape or (dims is not None and array.dims != dims):
-        found = "missing" if array is None else f"of the shape {array.values.shape}"
+        state = "missing" if array is None else f"of the shape {array.values.shape}"
         raise DataError(
-            f"sweep, {settings.plan.named(number)}: {name} is {found} and that of the first case of {shape}; vary only what leaves the "
+            f"sweep, {settings.plan.named(number)}: {name} is {state} and that of the first case of {shape}; vary only what leaves the "
             "picture's size the same"
         )
 
 
 def require_places(settings: SweepSettings, number: int, name: str, array: NamedArray | None, places: NDArray[Any]) -> None:
-    """Refuse a coordinate of a case that is not that of the first case.
+    """Refuse a coordinate of a case that differs from the first case.
 
     Raises
     ------
@@ -150,6 +148,7 @@ def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResul
     shapes = tuple((name, values.shape, _kind(values, settings.keep_going).str) for name, values in named.items())
     count, shape = settings.plan.count, settings.plan.shape
     cases = [dask.delayed(_case, pure=False)(settings, number, shapes, places) for number in range(count)]
+    # Each case is a block of one value along every swept key.
     ones = (1,) * len(shape)
     arrays = {
         name: _joined(array, [array.from_delayed(case[name], (*ones, *size), dtype=np.dtype(kind)) for case in cases], shape)
@@ -159,12 +158,13 @@ def lazy_arrays(settings: SweepSettings, compute: Callable[[Scenario], CaseResul
 
 
 def _kind(values: NDArray[Any], keep_going: bool) -> np.dtype[Any]:
-    """Return the type of an array over all cases: whole numbers have none that is missing."""
+    """Return the type of an array over all cases: float for whole numbers that may be missing."""
     return np.dtype(np.float64) if keep_going and values.dtype.kind in "biu" else values.dtype
 
 
 def _joined(array: Any, parts: list[Any], shape: tuple[int, ...]) -> Any:
     """Return arrays of one case each as one array over all of them."""
+    # Blocks are joined along the last key first, because it varies fastest in the order of the cases.
     for axis in range(len(shape) - 1, -1, -1):
         size = shape[axis]
         parts = [array.concatenate(parts[first : first + size], axis=axis) for first in range(0, len(parts), size)]
@@ -203,7 +203,7 @@ def sweep_worker(settings: SweepSettings) -> Callable[[tuple[int, ...]], list[tu
         for number in numbers:
             try:
                 out.append((number, compute_case(settings, compute, number)))
-            except SeaglintError as error:  # no use in trying again
+            except SeaglintError as error:  # the failure would repeat in another worker
                 return [*out, (number, CaseFailure(line_of(error)))]
         return out
 
@@ -236,7 +236,7 @@ def sweep(
     at : mapping, optional
         View angles; see :class:`~seaglint.studies.sweep.sweep_plan.ViewAngles`.
     workers : Workers, optional
-        Who computes; this process by default.
+        Workers that compute; this process by default.
     threads : int, optional
         Processor threads of the kernels.
     keep_going : bool
@@ -251,7 +251,7 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        Dimensions are the swept keys, then those of the quantity.
+        Dimensions are the swept keys, then the dimensions of the quantity.
 
     Raises
     ------
@@ -271,25 +271,26 @@ def sweep(
         if lazy:
             template, values = lazy_arrays(settings, compute)
             return _dataset(settings, template, values, {})
-        gathered = Gathered(settings)
+        collected = CollectedCases(settings)
         for number, outcome in _outcomes(settings, compute, workers, progress):
-            gathered.add(number, outcome)
-    return gathered.dataset()
+            collected.add(number, outcome)
+    return collected.dataset()
 
 
 def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseResult], most: int) -> None:
-    """Refuse more cases than allowed; the message says how long they would take and how much memory.
+    """Refuse more cases than allowed; the message estimates their time and memory.
 
     Raises
     ------
     DataError
-        Judged by the first two cases.
+        With an estimate from the first and the last case.
     """
     count = settings.plan.count
     if count <= most:
         return
     seconds, size = 0.0, 0
     try:
+        # The second timing counts, because the first case also compiles kernels and reads files.
         for number in (0, count - 1):  # the first one also compiles and prepares
             start = time.perf_counter()
             size = compute(settings.plan.scenario(number)).size
@@ -304,7 +305,7 @@ def require_cases(settings: SweepSettings, compute: Callable[[Scenario], CaseRes
 
 
 def _can_be_sent(function: Callable[[Scenario], Any]) -> bool:
-    """Return true for a function that other processes can import: not one of a script, a notebook or another function."""
+    """Return true for a function that other processes can import, unlike a function of a script, a notebook or another function."""
     if getattr(function, "__module__", None) == "__main__":
         return False
     try:
@@ -318,13 +319,14 @@ def _outcomes(
     settings: SweepSettings, compute: Callable[[Scenario], CaseResult], workers: Workers | None, progress: Progress | None
 ) -> Iterator[tuple[int, Outcome]]:
     """Yield numbers and outcomes of all cases as they finish."""
-    order, tell = settings.plan.order(), progress or (lambda done, total: None)
-    tell(0, len(order))
+    order, report = settings.plan.order(), progress or (lambda done, total: None)
+    report(0, len(order))
     if workers is None:
         for done, number in enumerate(order, start=1):
             yield number, compute_case(settings, compute, number)
-            tell(done, len(order))
+            report(done, len(order))
         return
+    # Workers receive neighbouring cases, which share their preparation.
     units, done = chunks(order, settings.plan.together(), workers.count), 0
     try:
         with workers.map(Job(sweep_worker, settings), units) as outcomes:
@@ -334,8 +336,9 @@ def _outcomes(
                         raise DataError(result.text)
                     yield number, result
                     done += 1
-                tell(done, len(order))
+                report(done, len(order))
     except (AttributeError, ImportError, TypeError, pickle.PicklingError) as error:
+        # Pickle raises several types of errors for a function that cannot be sent.
         if callable(settings.what) and (isinstance(error, ImportError) or not _can_be_sent(settings.what)):
             raise BackendError(
                 f"the function {settings.title} cannot be sent to other processes, which cannot import it; define it in a module, in the "
@@ -345,7 +348,7 @@ def _outcomes(
 
 
 @dataclass(eq=False)
-class Gathered:
+class CollectedCases:
     """Results of cases as they come in, in arrays over all cases."""
 
     settings: SweepSettings
@@ -355,12 +358,12 @@ class Gathered:
     band: Attributes | None = None
 
     def add(self, number: int, outcome: Outcome) -> None:
-        """Keep the outcome of a case.
+        """Add the outcome of a case.
 
         Raises
         ------
         DataError
-            A result whose arrays are not those of the first one.
+            A result with other arrays than the first one.
         """
         if isinstance(outcome, CaseFailure):
             self.failures[number] = outcome.text
@@ -368,6 +371,7 @@ class Gathered:
         if self.first is None:
             self._begin(outcome)
         assert self.first is not None
+        # The band is an attribute of the whole only if all cases share it.
         band: Attributes = {name: outcome.attributes[name] for name in _BAND if name in outcome.attributes}
         self.band = band if self.band is None or self.band == band else {}
         arrays, expected = _all(outcome), _all(self.first)
@@ -391,6 +395,7 @@ class Gathered:
         self.first = first
         for name, array in _all(first).items():
             values = array.values
+            # Whole numbers, booleans and texts cannot be missing, so their type changes if cases may fail.
             kind = values.dtype if values.dtype.kind in "fcmM" or not self.settings.keep_going else None
             if kind is None:
                 kind = np.dtype(object) if values.dtype.kind in "UO" else np.dtype(np.float64)
@@ -410,12 +415,12 @@ class Gathered:
             raise DataError(f"all {self.settings.plan.count} cases failed, the first with: {next(iter(self.failures.values()))}")
         shape = self.settings.plan.shape
         values = {name: array.reshape(*shape, *array.shape[1:]) for name, array in self.arrays.items()}
-        made = _dataset(self.settings, self.first, values, self.failures, self.band)
+        result = _dataset(self.settings, self.first, values, self.failures, self.band)
         idle = self._without_effect(values)
         if idle:
             log.warning("sweep: %s changes nothing of %s: the values are the same all along it", " and ".join(idle), self.settings.title)
-            made.attrs["without_effect"] = ", ".join(idle)
-        return made
+            result.attrs["without_effect"] = ", ".join(idle)
+        return result
 
     def _without_effect(self, values: Mapping[str, NDArray[Any]]) -> list[str]:
         """Return the swept keys along which all numbers are the same: the quantity does not depend on them."""
@@ -432,6 +437,7 @@ class Gathered:
 def _same_along(array: NDArray[Any], axis: int) -> bool:
     """Return true where all values along an axis are the same; missing ones are."""
     first = np.take(array, [0], axis=axis)
+    # NaN is unequal to itself; two missing values count as equal.
     return bool(np.all((array == first) | ((array != array) & (first != first))))
 
 
@@ -469,8 +475,8 @@ def _dataset(
         **(band or {}),
     )
     if failures:
-        some = "; ".join(list(failures.values())[:_MOST_NAMED])
-        attributes |= {"failed_cases": len(failures), "failures": some}
+        first_failures = "; ".join(list(failures.values())[:_MOST_NAMED])
+        attributes |= {"failed_cases": len(failures), "failures": first_failures}
     dataset = xr.Dataset(data, coords=coords, attrs=plain_attributes(attributes))
     return dataset if callable(settings.what) else labelled(dataset)  # names of a user's function are its own
 
@@ -482,6 +488,7 @@ def _coordinate(plan: SweepPlan, array_name: str, array: NamedArray, values: Any
         return array.dims, array.values, array.attributes
     if not isinstance(values, np.ndarray):  # lazy
         return (*names, *array.dims), values, array.attributes
+    # Failed cases have no coordinate and are left out of the comparison.
     flat = values.reshape(plan.count, -1)
     good = flat[[number for number in range(plan.count) if number not in failures]] if failures else flat
     if all(np.array_equal(row, good[0]) for row in good[1:]):

@@ -1,8 +1,6 @@
-"""Keys of a scenario that a sweep varies: their values, and the coordinates that name them.
+"""Plan of a sweep: the varied keys with their values and coordinates, the cases, and the view angles.
 
-Cases of a sweep: a scenario with keys set to every combination of their values.
-
-View angles at which a sweep evaluates the sea instead of a picture's pixels.
+A case is the scenario with its keys set to one combination of their values.
 """
 
 from __future__ import annotations
@@ -46,7 +44,7 @@ class SweptKey:
     coordinate: NDArray[Any]  #: Numbers in the unit of the key, dates, or texts [(values,)].
     attributes: dict[str, str]  #: ``units`` and ``long_name`` of the coordinate.
 
-    def said(self, place: int) -> str:
+    def assignment(self, place: int) -> str:
         """Return the assignment of one value, for messages."""
         value = self.coordinate[place]
         text = np.datetime_as_string(value, unit="s") if isinstance(value, np.datetime64) else f"{value:g}" if _is_number(value) else value
@@ -96,8 +94,8 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
     """
     given = plain_values(given)
     if isinstance(given, str | Mapping) or not isinstance(given, Sequence | np.ndarray):
-        said = " ".join(repr(given).split())[:80]
-        raise DataError(f"vary: {name} = {said} is no list; give all values of the key in a list, such as [2, 5, 10]")
+        shown = " ".join(repr(given).split())[:80]
+        raise DataError(f"vary: {name} = {shown} is no list; give all values of the key in a list, such as [2, 5, 10]")
     values = tuple(value.item() if isinstance(value, np.generic) else value for value in given)
     if not values:
         raise DataError(f"vary: {name} has no values; give at least one")
@@ -109,13 +107,13 @@ def swept_key(base: TomlTables, name: str, given: Any, folder: Path | None) -> S
     coordinate = _coordinate(name, key, values)
     _, first, counts = np.unique(coordinate, return_index=True, return_counts=True)
     if (counts > 1).any():
-        said = SweptKey(name, values, coordinate, {}).said(int(first[counts > 1][0]))
-        raise DataError(f"vary: {said} is given twice; give each value of a key once")
+        repeated = SweptKey(name, values, coordinate, {}).assignment(int(first[counts > 1][0]))
+        raise DataError(f"vary: {repeated} is given twice; give each value of a key once")
     return SweptKey(name, values, coordinate, _attributes(key, coordinate))
 
 
 def plain_values(given: Any) -> Any:
-    """Return the values of an array of pandas or xarray as a list, in its ``units`` where it states some; others stay as they are."""
+    """Return the values of an array of pandas or xarray as a list, with its ``units`` if it states them; other values are unchanged."""
     if isinstance(given, str | Mapping | Sequence) or not hasattr(given, "__array__"):
         return given
     values = np.atleast_1d(np.asarray(given)).tolist()
@@ -151,12 +149,12 @@ def _coordinate(name: str, key: Key | None, values: tuple[Any, ...]) -> NDArray[
         try:
             return np.array([_utc(value) for value in values], dtype="datetime64[ns]")
         except (TypeError, ValueError):
-            pass  # the scenario says what is wrong with it
+            pass  # the scenario reports the mistake
     return np.array([label(name, value) for value in values], dtype=np.str_)
 
 
 def _number(name: str, value: Any, unit: str) -> float | int:
-    """Return a value as a number in a unit; whether it is allowed is the scenario's to say."""
+    """Return a value as a number in a unit; the scenario checks its range."""
     if isinstance(value, str) and unit:
         try:
             return convert(value, unit)
@@ -173,7 +171,7 @@ def _utc(value: Any) -> np.datetime64:
 
 
 def label(name: str, value: Any) -> str:
-    """Return the text that stands for a value which is no number.
+    """Return the text of a value that is no number.
 
     >>> label("band", {"min_um": 3.5, "max_um": 4.15}), label("sea.slopes", {"kind": "flat"}), label("sea.resolve_waves", True)
     ('3.5-4.15', 'kind = flat', 'true')
@@ -232,7 +230,7 @@ class SweepPlan:
         ScenarioError
             A scenario with mistakes, or a key that does not exist.
         DataError
-            Values that are none.
+            Values that are no values of a key.
         """
         base, folder = _tables(source)
         plan = cls(base, folder, swept_keys(base, vary, folder))
@@ -270,6 +268,7 @@ class SweepPlan:
 
     def order(self) -> list[int]:
         """Return the numbers of all cases, in an order in which neighbours share most of their preparation."""
+        # Keys of the air vary slowest, because air takes most of the preparation.
         ranks = [_rank(key.name) for key in self.keys]
         axes = sorted(range(len(self.keys)), key=lambda axis: (ranks[axis], axis))
         return [int(number) for number in np.arange(self.count).reshape(self.shape).transpose(axes).ravel()]
@@ -283,8 +282,8 @@ class SweepPlan:
         return tuple(int(place) for place in np.unravel_index(number, self.shape))
 
     def named(self, number: int) -> str:
-        """Return what a case sets, for messages."""
-        return ", ".join(key.said(place) for key, place in zip(self.keys, self.places(number), strict=True))
+        """Return the assignments of a case, for messages."""
+        return ", ".join(key.assignment(place) for key, place in zip(self.keys, self.places(number), strict=True))
 
     def scenario(self, number: int) -> Scenario:
         """Return the scenario of a case.
@@ -304,13 +303,14 @@ class SweepPlan:
             raise ScenarioError(first, mistakes=error.mistakes[:1]) from None
 
     def check(self) -> None:
-        """Refuse values that no scenario may have before anything is computed: each value of a key beside the first ones of the others.
+        """Refuse values that no scenario may have before anything is computed: each value of a key with the first values of the others.
 
         Raises
         ------
         ScenarioError
             Naming the case.
         """
+        # Steps in the case number from one value of a key to the next, as in a row-major array.
         place = np.cumprod([1, *self.shape[:0:-1]])[::-1]
         if sum(self.shape) <= MOST_CHECKED:
             for size, step in zip(self.shape, place, strict=True):
@@ -318,7 +318,7 @@ class SweepPlan:
                     self.scenario(value * int(step))
 
     def base_scenario(self) -> Scenario:
-        """Return the scenario without changes; its first case where the scenario needs what is varied."""
+        """Return the scenario without changes; its first case if the scenario needs a varied key."""
         try:
             return parse_scenario(self.base, base=self.folder)
         except ScenarioError:
@@ -339,7 +339,7 @@ def _tables(source: Scenario | str | Path | Mapping[str, Any]) -> tuple[TomlTabl
     try:
         return tomllib.loads(path.read_bytes().decode("utf-8-sig")), path.parent.absolute()
     except (OSError, ValueError, RecursionError):
-        load_scenario(path)  # it says what is wrong
+        load_scenario(path)  # raises with the mistake
         raise
 
 
@@ -351,6 +351,7 @@ def chunks(order: Sequence[int], together: int, workers: int) -> list[tuple[int,
     >>> chunks(range(6), 6, 2)
     [(0,), (1,), (2,), (3,), (4,), (5,)]
     """
+    # At least two units for each worker, so that none waits long for the last one.
     size = max(min(together, len(order) // (2 * workers)), 1) if workers > 1 else max(together, 1)
     return [tuple(order[first : first + size]) for first in range(0, len(order), size)]
 
@@ -372,7 +373,7 @@ class ViewAngles:
     """Angles of lines of sight to the sea. Make them with :meth:`of`."""
 
     zenith_deg: tuple[float, ...]  #: Zenith angles, at the sea, of the direction to the sensor [deg].
-    #: Azimuths of the lines of sight, clockwise from north [deg]; the sensor's own where there are none.
+    #: Azimuths of the lines of sight, clockwise from north [deg]; None is the sensor's azimuth.
     azimuth_deg: tuple[float, ...] | None = None
 
     @classmethod
@@ -405,7 +406,8 @@ class ViewAngles:
         return (ZENITH,) if self.azimuth_deg is None else (ZENITH, AZIMUTH)
 
     def elevations(self, height: float) -> FloatArray:
-        """Elevations of the lines of sight at a sensor's height [m] [rad, (zeniths,)]."""
+        """Return elevations of the lines of sight at a sensor's height [m] [rad, (zeniths,)]."""
+        # The zenith angle at the sea and the arc to it give the elevation at the sensor over the effective Earth.
         gamma = 0.5 * np.pi - np.radians(np.array(self.zenith_deg))
         return np.asarray(-(gamma + sea_arc(height, gamma) / EFFECTIVE_EARTH_RADIUS))
 

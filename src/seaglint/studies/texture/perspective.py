@@ -1,10 +1,8 @@
 """Texture on the sea as a sensor sees it: footprints grow with range, fluctuations average out, the correlation shrinks.
 
 The Gaussian field lies on the sea, its pixels some metres long and wide. A pixel of the sensor sees the mean over its footprint, which is
-Gaussian too, and is brought back to the variance 1. Its value is then the quantile of a distribution with the mean and the variance of
-that pixel, which are known beforehand.
-
-A texture in the perspective of a scenario: a sequence that stands in for a rendered one.
+Gaussian too, and is scaled to the variance 1. Its value is then the quantile of a distribution with the mean and the variance of that
+pixel, which are known beforehand. :func:`place` stores such a sequence instead of a rendered one.
 """
 
 from __future__ import annotations
@@ -34,7 +32,7 @@ from seaglint.textures.synthesis import latent
 
 SAMPLED: Final = 12  #: Number of frames for the variance of the averaged field, over all of the plane's columns.
 
-NARROWEST: Final = 1e-6  #: Least ratio of standard deviation to mean that is a fluctuation.
+NARROWEST: Final = 1e-6  #: Least ratio of standard deviation to mean that counts as a fluctuation.
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Footprints:
 
     @classmethod
     def of(cls, height: float, elevations: FloatArray, row_step: float, columns: int, column_step: float) -> Footprints:
-        """Footprints of a camera with equal steps [m, rad]; the row that the horizon cuts ends there."""
+        """Return the footprints of a camera with equal steps [m, rad]; the row that the horizon cuts ends there."""
         near = surface_range(height, -(elevations - 0.5 * row_step))
         far = surface_range(height, -(elevations + 0.5 * row_step))
         far = np.where(np.isnan(far) & ~np.isnan(near), horizon_range(height), far)
@@ -56,11 +54,11 @@ class Footprints:
 
     @property
     def sea(self) -> NDArray[np.bool_]:
-        """Rows that see the sea (rows,)."""
+        """Return the mask of rows that see the sea (rows,)."""
         return np.asarray(np.isfinite(self.near) & (self.far > self.near))
 
     def finest(self) -> tuple[float, float]:
-        """Length and width of the nearest footprint [m].
+        """Return length and width of the nearest footprint [m].
 
         Raises
         ------
@@ -101,22 +99,23 @@ class PeriodicField:
         power = np.zeros(self._rows.size)
         for number in numbers:
             profile = self._profile(number)
+            # Edges of a row are nearly equally spaced, so one width serves for the variance.
             width = np.diff(self._edges, axis=1).mean(axis=1)
             # Footprints of the same width everywhere around the period.
             starts = np.arange(profile.shape[1], dtype=float)[None, :] + np.zeros((self._rows.size, 1))
-            seen = (_running(profile, starts + width[:, None]) - _running(profile, starts)) / width[:, None]
-            power += (seen**2).mean(axis=1)
+            averaged = (_running(profile, starts + width[:, None]) - _running(profile, starts)) / width[:, None]
+            power += (averaged**2).mean(axis=1)
         self.spread = np.sqrt(power / numbers.size)
         """Standard deviation of the field averaged over the footprints of each row below the horizon [1]."""
 
     def _profile(self, number: int) -> FloatArray:
-        """Mean over the lengths of the rows' footprints, (rows below the horizon, columns of the field)."""
+        """Return the mean over the lengths of the rows' footprints, (rows below the horizon, columns of the field)."""
         field = self._field[number % len(self._field)].astype(np.float64)
         low, high = self._ends
         return (_running(field.T, high[None, :]) - _running(field.T, low[None, :])).T / (high - low)[:, None]
 
     def frame(self, number: int) -> FloatArray:
-        """Field in a frame as the sensor sees it, variance 1 (rows, columns) [1]; 0 above the horizon."""
+        """Return the field in a frame as the sensor sees it, variance 1 (rows, columns) [1]; 0 above the horizon."""
         profile = self._profile(number)
         sums = _running(profile, self._edges)
         out = np.zeros(self._shape)
@@ -125,15 +124,16 @@ class PeriodicField:
 
     @property
     def averaging(self) -> FloatArray:
-        """Standard deviation of each row of the picture over that of the field (rows,) [1]; 0 above the horizon."""
+        """Return the standard deviation of each row of the picture over the field's (rows,) [1]; 0 above the horizon."""
         out = np.zeros(self._shape[0])
         out[self._rows] = self.spread
         return out
 
 
 def _running(values: FloatArray, places: FloatArray) -> FloatArray:
-    """Integral of periodic steps (lines, n) from 0 to places (lines or 1, m), in steps."""
+    """Return the integral of periodic steps (lines, n) from 0 to places (lines or 1, m), in steps."""
     lines, n = values.shape
+    # The integral of a step function is linear between the cumulative sums.
     sums = np.concatenate([np.zeros((lines, 1)), np.cumsum(values, axis=1)], axis=1)
     periods = np.floor(places / n)
     rest = places - periods * n
@@ -145,7 +145,7 @@ def _running(values: FloatArray, places: FloatArray) -> FloatArray:
 
 
 def fluctuation(g: FloatArray, mean: FloatArray, std: FloatArray, tails: Tails) -> FloatArray:
-    """Values with a mean and a standard deviation by pixel, at g standard deviations of the Gaussian field [u], shape of g.
+    """Return values with a mean and a standard deviation by pixel, at g standard deviations of the Gaussian field [u], shape of g.
 
     ``tails`` gaussian and lognormal are these; all others are gamma distributed, from 0 upwards.
     Pixels whose mean or standard deviation is 0 have their mean.
@@ -165,31 +165,27 @@ def fluctuation(g: FloatArray, mean: FloatArray, std: FloatArray, tails: Tails) 
     shape = 1.0 / ratio**2
     upper = u > 0.0
     value = np.empty(u.size)
+    # The upper half uses the complement, which keeps digits in the far tail.
     value[upper] = special.gammainccinv(shape[upper], special.ndtr(-u[upper]))
     value[~upper] = special.gammaincinv(shape[~upper], special.ndtr(u[~upper]))
     out[lively] = mean[lively] * value / shape
     return out
 
 
-SAME_RATE: Final = 0.01  #: Relative difference of frame rates that is none.
+SAME_RATE: Final = 0.01  #: Relative difference up to which frame rates count as equal.
 
 
 def place(
-    stored: StoredTexture,
-    scenario: Scenario,
-    output: str | Path,
-    request: PlaceRequest,
-    *,
-    progress: Progress | None = None,
+    stored: StoredTexture, scenario: Scenario, output: str | Path, request: PlaceRequest, *, progress: Progress | None = None
 ) -> Path | str:
-    """Lay a texture on the sea of a scenario and store what its sensor sees.
+    """Lay a texture on the sea of a scenario and store the sequence of its sensor.
 
     Parameters
     ----------
     stored : StoredTexture
-        Of a Gauss-Markov field.
+        Texture of a Gauss-Markov field.
     scenario : Scenario
-        Whose mean map gives mean, horizon and contrast; a standing, upright sensor.
+        Scenario with an upright sensor at rest; its mean map gives mean, horizon and contrast.
     output : path
         Store to make.
     request : PlaceRequest
@@ -222,10 +218,12 @@ def place(
         seed = scenario.seed if request.seed is None else request.seed
         feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
         metres = feet.finest() if request.cell is None else request.cell
-        deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
-        need, what = BYTES_PER_PIXEL * deep * int(np.prod(request.size)), f"a field of {deep} x {request.size[0]} x {request.size[1]} cells"
+        # The loop must be longer than the correlation in time, else its ends would be correlated.
+        loop_frames = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
+        need = BYTES_PER_PIXEL * loop_frames * int(np.prod(request.size))
+        what = f"a field of {loop_frames} x {request.size[0]} x {request.size[1]} cells"
         require_room(need, what, "give a smaller size, or fewer sensor.frames")
-        plane = PeriodicField(latent(field, (deep, *request.size[::-1]), seed, texture.modulation), metres, feet)
+        plane = PeriodicField(latent(field, (loop_frames, *request.size[::-1]), seed, texture.modulation), metres, feet)
         total = means["radiance"].to_numpy().astype(np.float64)
         glint = request.contrast == "glint" or (request.contrast == "auto" and float(means["glint_std"].max()) > 0.0)
         if glint:
@@ -233,10 +231,11 @@ def place(
         else:
             lively = total - means["path_radiance"].to_numpy().astype(np.float64)
             spread = lively * (_contrast(texture.marginal.variance, texture.marginal.mean) * plane.averaging)[:, None]
-        still = total - lively
+        # Path and emission do not fluctuate with the texture.
+        steady = total - lively
 
         def image(number: int) -> dict[str, FloatArray]:
-            return {"radiance": still + _seen(plane, number, feet, lively, spread, texture.marginal.kind)}
+            return {"radiance": steady + _seen(plane, number, feet, lively, spread, texture.marginal.kind)}
 
         layout = Layout(
             azimuth_deg=np.degrees(camera.azimuths),
@@ -266,12 +265,12 @@ def _seen(plane: PeriodicField, number: int, feet: Footprints, mean: FloatArray,
 
 
 def _contrast(variance: float, mean: float) -> float:
-    """Standard deviation over mean of the data.
+    """Return the standard deviation over the mean of the data.
 
     Raises
     ------
     DataError
-        A mean that is not above 0: of filtered data, say.
+        A mean that is not above 0, as of filtered data.
     """
     if not mean > 0.0:
         raise DataError(

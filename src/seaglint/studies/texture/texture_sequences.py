@@ -1,4 +1,4 @@
-"""Recordings become textures, textures become endless sequences, and both are compared."""
+"""Textures fitted to recordings, endless sequences sampled from textures, and comparisons of both."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ class HeldOut:
     """Fit of half of the data judged by the other half."""
 
     #: ``log_pseudo_likelihood``, ``independent_pixels``: Logarithm of the pseudo-likelihood per pixel of the half that the fit has not
-    #: seen, and that of independent pixels.
+    #: seen, of the fit and of independent pixels.
     log_pseudo_likelihood: float | None
     independent_pixels: float | None
-    reason: str | None = None  #: Why there is none.
+    reason: str | None = None  #: Reason of missing numbers.
 
     @property
     def note(self) -> str | None:
-        """Sentence where neighbours predict no pixel of the other half.
+        """Return a sentence if neighbours predict no pixel of the other half.
 
         Examples
         --------
@@ -100,7 +100,7 @@ class Fitted:
 
 
 def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES) -> Frames:
-    """Consecutive frames of a region, as many as hold ``most`` values, from the middle of the recording [u]."""
+    """Return consecutive frames of a region, as many as hold ``most`` values, from the middle of the recording [u]."""
     count = max(min(recording.frames, most // region.pixels), 1)
     first = (recording.frames - count) // 2
     frames = np.ascontiguousarray(region.of(recording.read(first, first + count)), np.float32)
@@ -110,17 +110,18 @@ def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES
 
 
 def detrended(frames: Frames) -> Frames:
-    """Frames whose slow changes of mean and contrast are taken off: both are everywhere what they are on average."""
+    """Return frames without slow changes of mean and contrast: both have their average everywhere."""
     from scipy.ndimage import uniform_filter
 
     image = frames.mean(axis=0, dtype=np.float64)
     trend = trend_surface(image)
-    left = frames - trend
-    power = (left**2).mean(axis=0)
+    # One trend for all frames, so that changes in time remain.
+    remainder = frames - trend
+    power = (remainder**2).mean(axis=0)
     # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
     local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
     spread = np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
-    flat = left / spread
+    flat = remainder / spread
     return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
 
 
@@ -135,6 +136,7 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
     """
     region = parse_region(options.region or ":,:", recording.rows, recording.columns)
     data = frames_of(recording, region)
+    # Two grey levels are enough for an autobinomial field of two levels.
     require_values(data, two=options.model == "autobinomial" and options.levels == 2)
     notes: list[str] = []
     if len(data) < recording.frames:
@@ -148,13 +150,14 @@ def fit(recording: Recording, options: FitRequest) -> Fitted:
         notes.append(f"{len(data)} frames are too few for correlations in time (at least {STILL}): frames count as pictures of their own")
     texture: GaussianTexture | AutobinomialTexture
     if options.model == "autobinomial":
-        texture, fitted, made = _autobinomial(data, options)
+        texture, fitted, more_notes = _autobinomial(data, options)
     else:
-        texture, fitted, made = _gauss_markov(data, options)
-    notes += made
+        texture, fitted, more_notes = _gauss_markov(data, options)
+    notes += more_notes
     sample = sample_like(texture, data, options.seed)
     comparison = compare(data, sample, ("data", "sample"), consecutive=len(data) >= STILL)
     plain = _plain(texture, data)
+    # A Gaussian sample of the same field shows which statistics its tails and modulation add.
     gaussian = None
     if plain is not None:
         gaussian = compare(data, sample_like(plain, data, options.seed), ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
@@ -207,16 +210,17 @@ def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTextur
 
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
-    """The Gaussian texture of the same neighbourhood, to be compared with."""
+    """Return the Gaussian texture of the same neighbourhood, for comparison."""
     if not isinstance(texture, GaussianTexture) or (texture.marginal.kind == "gaussian" and texture.modulation is None):
         return None
     return _refit(texture, data, "gaussian")
 
 
 def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianTexture:
-    seen = estimation.covariances(data, texture.reach)
+    covariances = estimation.covariances(data, texture.reach)
     marginal = fit_marginal(data, tails)
-    known = replace(seen, values=marginal.latent_correlation(seen.values / seen.at((0, 0, 0))), mean=0.0)
+    # The field has unit variance; the marginal turns the data's correlations into those of the field.
+    known = replace(covariances, values=marginal.latent_correlation(covariances.values / covariances.at((0, 0, 0))), mean=0.0)
     try:
         field = estimation.fit(known, texture.field.offsets).model
     except estimation.NoOptimumError:
@@ -225,33 +229,37 @@ def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianText
 
 
 def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> HeldOut:
-    """Pseudo-likelihood of the half that a fit has not seen, beside that of independent Gaussian pixels."""
+    """Return the pseudo-likelihood of the half of the data that a fit has not seen, and of independent Gaussian pixels there."""
+    # Long sequences are split in time, short ones into left and right halves.
     half = len(data) // 2
     if len(data) >= 2 * STILL:
-        seen, unseen = data[:half], data[half:]
+        fitted_half, other_half = data[:half], data[half:]
     else:
         middle = data.shape[2] // 2
-        seen, unseen = data[:, :, :middle], data[:, :, middle:]
+        fitted_half, other_half = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(unseen)
-            alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((unseen - seen.mean()) ** 2) / seen.var())
+            value = _refit(texture, fitted_half, texture.marginal.kind).pseudo_log_likelihood(other_half)
+            mean, variance = fitted_half.mean(), fitted_half.var()
+            independent = float(-0.5 * np.log(2.0 * np.pi * variance) - 0.5 * np.mean((other_half - mean) ** 2) / variance)
         else:
-            half_fit = _autobinomial(seen, replace(options, method="pseudo-likelihood"))[0]
-            value = half_fit.pseudo_log_likelihood(unseen)
-            shares = np.maximum(half_fit.histogram, 0.5 / seen.size)
-            alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(unseen)]))
+            half_fit = _autobinomial(fitted_half, replace(options, method="pseudo-likelihood"))[0]
+            value = half_fit.pseudo_log_likelihood(other_half)
+            # A level that the half does not have would have the logarithm of 0.
+            shares = np.maximum(half_fit.histogram, 0.5 / fitted_half.size)
+            independent = float(np.mean(np.log(shares)[half_fit.grey.to_levels(other_half)]))
     except (DataError, ValueError) as error:
         return HeldOut(None, None, str(error))
-    return HeldOut(value, alone)
+    return HeldOut(value, independent)
 
 
 def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, seed: int) -> Frames:
-    """Sample of the size of the data, cut from a torus so large that opposite borders are not alike."""
+    """Return a sample of the size of the data, cut from a torus so large that opposite borders are independent."""
     frames, rows, columns = data.shape
     if isinstance(texture, AutobinomialTexture):
         return texture.sample((1, rows, columns), seed)
     far = texture.reach
+    # The torus is larger than the sample, so that opposite borders of the cut sample are independent.
     deep = max(2 * frames if frames >= STILL else frames, 4 * far[0] + 1)
     wide = [max(math.ceil(1.25 * n), 4 * r + 1) for n, r in zip((rows, columns), far[1:], strict=True)]
     return np.ascontiguousarray(texture.sample((min(deep, frames + 32), *wide), seed)[:frames, :rows, :columns])
@@ -289,7 +297,7 @@ def _layout(stored: StoredTexture, request: SampleRequest) -> Layout:
         frame_rate=stored.frame_rate or NOMINAL_RATE,
         band=None,
         variables=("texture",),
-        turning=True,  # nothing is known of where the pixels look
+        turning=True,  # the pixels of a texture have no known direction
         details={"texture": {"units": stored.units} if stored.units else {}},
         attributes=provenance(
             "Statistical texture, periodic in rows, columns and time",
@@ -304,7 +312,7 @@ def _layout(stored: StoredTexture, request: SampleRequest) -> Layout:
 
 
 def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
-    """Sample a texture in memory, labelled as the store is; arguments and errors of :func:`sample`."""
+    """Sample a texture in memory, with the labels of a store; arguments and errors of :func:`sample`."""
     import xarray as xr
 
     size, frames = request.size, request.frames
@@ -320,7 +328,7 @@ def loop(stored: StoredTexture, request: SampleRequest) -> xr.Dataset:
 
 
 def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -> Frames:
-    """Frames of a texture on a torus [u, (frames, rows, columns)].
+    """Return frames of a texture on a torus [u, (frames, rows, columns)].
 
     Raises
     ------
@@ -336,20 +344,14 @@ def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -
         raise DataError(f"frames = {frames}: give 1 or more")
     if frames > 1 and far[0] == 0:
         kind = "an autobinomial field" if isinstance(texture, AutobinomialTexture) else f"a texture fitted to {_what(stored)}"
-        raise DataError(
-            f"frames = {frames}: {kind} has no time; ask for 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more"
-        )
-    from seaglint.studies.sequence.memory import memory_available
+        raise DataError(f"frames = {frames}: {kind} has no time; give 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more")
+    from seaglint.studies.sequence.memory import require_room
 
     # A single frame of a field in time is one of a loop.
-    deep = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1
-    needed, available = BYTES_PER_PIXEL * deep * rows * columns, memory_available()
-    if available is not None and needed > available:
-        raise DataError(
-            f"{frames} frames of {columns} x {rows} pixels take {needed / 1e9:.3g} GB, and {available / 1e9:.3g} GB are free; "
-            "ask for fewer frames or a smaller size"
-        )
-    return texture.sample((deep, rows, columns), seed)[:frames]
+    loop_frames = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1
+    needed, what = BYTES_PER_PIXEL * loop_frames * rows * columns, f"a loop of {frames} frames of {columns} x {rows} pixels"
+    require_room(needed, what, "give fewer frames or a smaller size")
+    return texture.sample((loop_frames, rows, columns), seed)[:frames]
 
 
 def _what(stored: StoredTexture) -> str:
@@ -375,7 +377,7 @@ def compare_textures(
     -------
     comparison : Comparison
     first, second : ndarray
-        What was compared [u].
+        Compared frames [u].
     likelihood : DataLikelihood or None
         Pseudo-likelihood of the data under the model, where one of the two is one.
 
@@ -388,6 +390,7 @@ def compare_textures(
     models = [isinstance(one, StoredTexture) or (isinstance(one, str | Path) and Path(one).suffix.lower() == ".json") for one in given]
     if all(models):
         raise DataError(f"{_name(first)}, {_name(second)}: are two models; compare each with the data, or draw samples of both")
+    # Inputs without a region use the whole picture.
     regions = [*request.regions, "", ""]
     frames: list[Frames | None] = [None, None]
     names = [_name(one) for one in given]
@@ -407,6 +410,7 @@ def compare_textures(
     data, other = frames
     assert data is not None
     assert other is not None
+    # Correlations in time need consecutive frames in both.
     timed = min(len(data), len(other)) >= STILL
     if names[0] == names[1] and not _name(first):
         names = [f"first {names[0]}", f"second {names[1]}"]
@@ -419,7 +423,7 @@ def _name(given: Any) -> str:
 
 
 def latent_model(stored: StoredTexture) -> tuple[GaussMarkov, GaussianTexture]:
-    """The Gaussian field of a texture that can be laid on the sea.
+    """Return the Gaussian field of a texture that can be laid on the sea.
 
     Raises
     ------
