@@ -1,6 +1,6 @@
 """Tables of the light of facets for a scene: one assembly for the sweep and for walked rays.
 
-Emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path that they are multiplied with.
+The tables hold emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path by which they are multiplied.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics, gaussian_slope
 class PathTerms(NamedTuple):
     """Path at the places of a basis: coefficients and radiances.
 
-    The coefficients are those of the thermal, solar and emitted terms [1, (m, k)]; the radiances its own thermal one [W m-2 sr-1, (m,)] and
-    the scattered sunlight.
+    The coefficients belong to the thermal, solar and emitted terms [1, (m, k)]; the radiances are the path's thermal radiance
+    [W m-2 sr-1, (m,)] and its scattered sunlight.
     """
 
     thermal: np.ndarray
@@ -156,7 +156,7 @@ def facet_tables(
 
 
 def _leans(roughs: list[Roughness]) -> tuple[NDArray[np.float32], FloatArray]:
-    """Tables and gains of the lean of every level; zeros where a level's facets do not lean, empty where none do."""
+    """Tables and gains of the lean of every level; zeros where a level's facets do not lean, empty if no level's facets lean."""
     shapes = [(rough.lean.shape, rough.gains.shape) for rough in roughs if rough.gains.size]
     lean, gains = shapes[0] if shapes else ((0, 0), (0,))
     tables = [rough.lean if rough.gains.size else np.zeros(lean, np.float32) for rough in roughs]
@@ -171,7 +171,7 @@ def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
 
 
 def _lines(height: float, axes: FloatArray, shape: tuple[int, int, int, int]) -> Lines:
-    """Lines of sight and slopes at a table's nodes, seen from ``height`` [m]."""
+    """Lines of sight and slopes at a table's nodes, viewed from ``height`` [m]."""
     sine, at, along, across = (first + np.arange(n) / per_step for (first, per_step), n in zip(axes[:4], shape, strict=True))
     azimuth = np.array([azimuth_of(axes, float(x)) for x in at])
     return Lines(sine, turns_of(height, sine), azimuth, along, across)

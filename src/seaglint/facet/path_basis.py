@@ -1,6 +1,6 @@
 """Basis for spectral products along the line of sight: integrals per wavenumber from sums over a few terms.
 
-A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances seen from one height span a
+A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances from one height span a
 small space: with ``tau(nu; r) ~ sum_k a_k(r) phi_k(nu)`` the integral is ``sum_k a_k(r) int R phi_k X dnu``, and the
 inner integrals depend on the facet alone. The number of terms is chosen from the error that it leaves.
 """
@@ -32,7 +32,7 @@ class PathBasis:
     """Transmittance and path radiance from one sensor height, ready for band products."""
 
     wavenumber_cm: FloatArray  #: Samples inside the band.
-    grid: slice  #: Where they stand on the atmosphere's grid.
+    grid: slice  #: Position of these samples on the atmosphere's grid.
     phi: FloatArray  #: Basis of transmittance spectra.
     weights: FloatArray  #: Quadrature weights of the band.
     coefficients: FloatArray  #: ``a_k`` at the requested ranges.
@@ -44,7 +44,7 @@ class PathBasis:
 
 
 def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: FloatArray) -> PathBasis:
-    """Basis and coefficients for the sea points at arcs ``range_m`` [m] (ascending) seen from ``height`` [m]."""
+    """Basis and coefficients for the sea points at arcs ``range_m`` [m] (ascending) viewed from ``height`` [m]."""
     from scipy.interpolate import CubicSpline
 
     in_band = BandSum.of(band, atmosphere)
@@ -56,6 +56,7 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
 
     mean = np.maximum((tau @ weights) / weights.sum(), 1e-30)
     root = np.sqrt(np.maximum(weights, 1e-6 * weights.max()) / weights.sum())
+    # each row over its mean: far ranges with little transmittance count as much as near ones
     u, s, vt = np.linalg.svd(tau / mean[:, None] * root, full_matrices=False)
     # residual[j, k]: RMS over the band left at node j by the first k + 1 terms.
     left = (u * s) ** 2
@@ -73,7 +74,7 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
 def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1) -> tuple[FloatArray, FloatArray]:
     """Reduce tables (..., k) and coefficients (m, k) to the fewest terms with the same products ``tables @ coefficients.T`` [any unit].
 
-    What facets send varies less from one to the next than spectra can: two or three terms do the work of seven. Facets and ranges count
+    The light of facets varies less between facets than spectra can: two or three terms do the work of seven. Facets and ranges count
     alike, whatever their radiance. Their number is a multiple of ``together``.
     """
     facets = tables.reshape(-1, tables.shape[-1]).astype(np.float64)

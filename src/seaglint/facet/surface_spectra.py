@@ -1,4 +1,4 @@
-"""Spectra of a rough sea without the Sun: emission and mirrored sky, averaged over the facets that a viewer sees."""
+"""Spectra of a rough sea without the Sun: emission and mirrored sky, averaged over the facets visible to a viewer."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class SkyTable:
 
     @classmethod
     def of(cls, atmosphere: Atmosphere, grid: slice = slice(None)) -> SkyTable:
-        """Table of the sky seen from the sea, on part of the atmosphere's spectral grid."""
+        """Table of the sky above the sea, on part of the atmosphere's spectral grid."""
         root = np.sqrt(0.5 * np.pi) * np.linspace(0.0, 1.0, _SKY_NODES)
         radiance = mirrored_sky(atmosphere, np.clip(0.5 * np.pi - root**2, 0.0, 0.5 * np.pi), grid)
         u, s, v = np.linalg.svd(radiance, full_matrices=False)
@@ -127,7 +127,7 @@ class SeaSurface:
     ) -> SeaLeaving:
         """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1, (rows, columns)].
 
-        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. One sum over facets for each: for many azimuths take
+        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. Every azimuth takes one sum over facets: for many azimuths take
         :func:`wind_azimuths` and multiply by :func:`azimuth_weights`.
         """
         parts = [self.leaving(view_zenith, float(a), slopes, nested_bands) for a in view_azimuth]
