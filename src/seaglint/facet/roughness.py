@@ -74,7 +74,8 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *
     """Facet slopes as kernels read them, with a law of hiding, of both legs or of the viewer's alone.
 
     Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than
-    one band is Smith's law with the deviation along the Sun's leg reduced in proportion (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
+    one band is Smith's law with the deviation along the Sun's leg reduced in proportion
+    (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
     """
     whole = max(law.bands, 1.0)
     nested, coupling = between_bands(ratio_table, whole), coupling_table(whole, law.deviation) if shade_sun else np.zeros((0, 0, 0))

@@ -1,15 +1,15 @@
-"""Tiles that carry the waves of a sea: wave bands, sizes, and the shortest wave that is geometry.
+"""Tiles that carry the waves of a sea: wave bands, sizes, the shortest wave that is geometry, and the wander that hides their periods.
 
-Slow displacement of tiles over the sea, so that the sea does not repeat with the periods of its tiles.
+Tiles are periodic. So that the sea does not repeat with their periods, each tile is read at a place displaced slowly over the sea:
 
 ::
 
     zeta(x) = sum_t zeta_t(x + d_t(x)),     d_t(x) = sum_j a_j sin(k_j.x + phi_j)
 
-One period of a tile away the displacement is another one, by more than the length over which the tile's waves are correlated. It is
-static, and belongs to the sea. Heights and slopes at a place are those of a place of the tile: their joint density stays as it is, and so
-do all variances. Waves are stretched and turned by the gradient of the displacement, 2.5 % rms in each of its four parts on the first tile
-and 5.5 % on the others.
+One period of a tile away the displacement differs by more than the length over which the tile's waves are correlated. It is static, and
+belongs to the sea. Heights and slopes at a place are read at a place of the tile: their joint density and all variances are unchanged.
+Waves are stretched and turned by the gradient of the displacement, 2.5 % rms in each of its four parts on the first tile and 5.5 % on the
+others.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Tile:
 
     length: float  #: Period along both axes [m].
     n: int  #: Lattice points along each axis.
-    #: Angle of the first axis from east, counter-clockwise seen from above [rad]: ``u = (cos a x + sin a y)``, ``v = (-sin a x + cos a
+    #: Angle of the first axis from east, counter-clockwise from above [rad]: ``u = (cos a x + sin a y)``, ``v = (-sin a x + cos a
     #: y)``.
     rotation: float
     #: ``k_min``, ``k_max``: Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
@@ -142,6 +142,7 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
             value=shortest_wave,
             allowed=(0.0, float(2.0 * np.pi / k_low)),
         )
+    # the nudge by multiples of the golden ratio keeps lengths and axes of any two tiles incommensurate
     ratio = (k_top / k_low) ** (1.0 / tiles)
     span = n / (SAMPLES_PER_WAVE * ratio)
     last = shortest_wave * n / SAMPLES_PER_WAVE
@@ -170,7 +171,7 @@ def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fracti
     """Wavenumber at which resolved slopes reach a fraction of the slope model, in the direction where that comes first.
 
     Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction. For waves that run
-    with the wind the direction is upwind or crosswind; for swell from elsewhere it is where ``v.R v/(v.T v)`` is largest over the
+    with the wind the direction is upwind or crosswind; for swell from another azimuth it is where ``v.R v/(v.T v)`` is largest over the
     directions v, R and T the covariances of resolved slopes and of the model.
 
     Parameters
@@ -196,6 +197,7 @@ def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fracti
     def excess(log_k: float) -> float:
         k = float(np.exp(log_k))
         up, cross = (share / most for share, most in zip(spectrum.mss(k), allowed, strict=True))
+        # largest eigenvalue of the resolved covariance over the allowed one
         both = spectrum.slope_covariance(k) / np.sqrt(allowed[0] * allowed[1])
         return float(0.5 * (up + cross) + np.hypot(0.5 * (up - cross), both)) - 1.0
 
@@ -225,8 +227,8 @@ def require_bands(spectrum: DirectionalSpectrum, tiles: Sequence[Tile]) -> None:
 
 #: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
 #:
-#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up
-#: to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
+#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, the waves that leave the least correlation at all lags of
+#: up to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
 _LONG: Final = np.array(
     [
         (-0.0977, -0.0007, 0.0153, 0.0459),
@@ -240,9 +242,9 @@ _LONG: Final = np.array(
 
 #: Waves for the other tiles.
 #:
-#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: those that leave
-#: the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would leave
-#: the tile in step with itself.
+#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: the waves that
+#: leave the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would
+#: leave the tile in step with itself.
 _SHORT: Final = np.array(
     [
         (0.1569, 0.1865, 0.0416, 0.0051),

@@ -1,24 +1,23 @@
-r"""Waves as they show along a direction: by their wavenumber along it, whatever their own.
+r"""Lean of visible facets across the line of sight, where long waves run in other directions than short ones.
 
-Heights along a line of sight tell of a wave by its wavenumber along that line alone, :math:`k |\cos(\varphi - \varphi_v)|`: waves that
-cross it look long. Waves of one length are taken to have the directions :math:`1 + 2 a_2 \cos 2(\varphi - \varphi_0)` of the covariance
-of their slopes, Elfouhaily's own; where they are narrower than these can be, :math:`a_2 > 1/2`, :math:`2 a_2 - 1` of them run in the one
-direction :math:`\varphi_0`, the rest as for :math:`a_2 = 1/2`.
+**Waves along a direction.** Heights along a line of sight depend on a wave through its wavenumber along that line alone,
+:math:`k |\cos(\varphi - \varphi_v)|`: waves that cross the line look long. Waves of one length are assumed to have the directional
+distribution :math:`1 + 2 a_2 \cos 2(\varphi - \varphi_0)` of the covariance of their slopes, as in Elfouhaily's spectrum. Where they are
+narrower than this form allows, :math:`a_2 > 1/2`, :math:`2 a_2 - 1` of them run in the one direction :math:`\varphi_0`, the rest as for
+:math:`a_2 = 1/2`.
 
-Lean of the facets that are seen, across the line of sight, where long waves run in other directions than short ones.
-
-Hiding chooses slopes along the view, and those of long waves more than in proportion: facets that are seen sit on the visible flanks of
-long waves. Where these run obliquely to the view their slopes along and across it go together, so that visible facets of a slope along the
-view lean to one side. With :math:`x` the share of the slope variance along the view in the waves whose wavenumber along it is below a
-number (:mod:`seaglint.sea.shadowing.facet_lean`), and :math:`y(x)` the covariance of their slopes along and across it over that variance,
-the mean slope across the view is shifted by
+**Lean.** Hiding selects slopes along the view, and the slopes of long waves more than in proportion: visible facets lie on the visible
+flanks of long waves. Where these run obliquely to the view, their slopes along and across it are correlated, so that visible facets of a
+slope along the view lean to one side. With :math:`x` the share of the slope variance along the view in the waves whose wavenumber along it
+is below a number (:func:`waves_along`), and :math:`y(x)` the covariance of their slopes along and across it over that variance, the mean
+slope across the view is shifted by
 
 .. math:: \delta = \sigma_1 \int \frac{dy}{dx}\, \frac{dE}{dx}\, dx, \qquad E = E_\frac{1}{2}\, \frac{h(x)}{h_\mathrm{max}}
 
 with :math:`h(x) = x^{0.62} (1 - x)`, :math:`\sigma_1` the rms slope along the view, :math:`E(x)` the excess of the mean slope of the
 longer waves over their share of the facet's slope, in rms slopes, and :math:`E_{1/2}` the excess at half of the variance by the law of
-nested bands (:mod:`seaglint.sea.shadowing.nested`) times :data:`LEAN`. The shape is that of brute force over isotropic seas, the factor
-fits glint under oblique wind (``tools/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
+nested bands (:mod:`seaglint.sea.shadowing.nested`) times :data:`LEAN`. The shape is fitted to brute force over isotropic seas, the factor
+to glint under oblique wind (``tools/hidden_facets.py``). The lean is 0 in the vertical plane of waves that run along it.
 """
 
 from __future__ import annotations
@@ -41,8 +40,8 @@ _WAVENUMBERS: Final = 96  #: Number of wavenumbers along a direction at which su
 class WavesAlong(NamedTuple):
     """Sums over the waves whose wavenumber along a direction is below a number, from none to all.
 
-    The fields are these wavenumbers [rad/m, (n,)], and the variance of the slopes along the direction and their covariance with those to
-    the right of it [1, (n, directions)].
+    The fields are these wavenumbers [rad/m, (n,)], and the variance of the slopes along the direction and their covariance with the slopes
+    to the right of it [1, (n, directions)].
     """
 
     wavenumber: FloatArray
@@ -53,8 +52,8 @@ class WavesAlong(NamedTuple):
 def waves_along(slopes: SlopeStatistics, turn: FloatArray, resolved: float = 0.0) -> WavesAlong:
     """Return the sums at azimuths counted from the wind's [rad].
 
-    They are of the waves of :meth:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.growth`, but for the longest ones that have the
-    slope variance ``resolved`` [1]. All are 0 where no waves are left.
+    They include the waves of :meth:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.growth` except the longest ones, which have the
+    slope variance ``resolved`` [1]. All are 0 if no waves are left.
     """
     growth = slopes.growth()
     length = growth[:, 1] + growth[:, 2]
@@ -82,6 +81,7 @@ def waves_along(slopes: SlopeStatistics, turn: FloatArray, resolved: float = 0.0
     along = (even @ round_)[:, None] + 2.0 * second @ (narrow[:, None] * np.cos(2.0 * off))
     beside = 2.0 * odd @ (narrow[:, None] * np.sin(2.0 * off))
     if straight.any():
+        # waves in one direction have one wavenumber along the view: they enter the sums as a step
         reached = below[:, None, None] >= k[:, None] * np.abs(np.cos(off))
         along += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) ** 2)
         beside += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) * np.sin(off))
@@ -106,13 +106,13 @@ def breadth(slopes: SlopeStatistics, azimuth: float) -> float:
 def bands_along(slopes: SlopeStatistics, azimuth: float) -> float:
     """Number of bands of the nested law for views along an azimuth [rad], or against it [1].
 
-    By the :func:`breadth` of the waves where a spectrum is known; by the slope variance alone elsewhere. Both are the same, within 0.25,
+    By the :func:`breadth` of the waves if a spectrum is known; else by the slope variance alone. Both agree within 0.25
     for isotropic seas of Elfouhaily's shape and Cox and Munk's slope variance from 2 to 7 m/s.
     """
     return bands_of_breadth(breadth(slopes, azimuth)) if slopes.nesting else bands_of(slopes.mss)
 
 
-LEAN: Final = 0.93  #: Ratio of the excess at half of the variance by brute force to that of the law's bands.
+LEAN: Final = 0.93  #: Ratio of the excess at half of the variance by brute force to the excess by the law's bands.
 
 AZIMUTHS: Final = 36  #: Number of azimuths of a half circle at which gains are tabulated.
 
@@ -121,7 +121,7 @@ _POWER: Final = 0.62  #: Power of x in the excess of the mean slope of the longe
 _STEP: Final = 0.1
 _ROWS: Final = round(HIGHEST / _STEP) + 1
 _COLUMNS: Final = round(2.0 * REACH / _STEP) + 1
-_EDGE: Final = 0.02  #: Least distance, in rms slopes, from the slope that is seen edge on: facets beyond it are not seen.
+_EDGE: Final = 0.02  #: Least distance, in rms slopes, from the slope that is viewed edge on: facets beyond it are not visible.
 
 
 def _excess(bands: int, mu: float) -> FloatArray:
@@ -170,8 +170,8 @@ def lean_kernel(slope: float, edge: float, gain: float, table: FloatArray) -> fl
 def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
     """Gains at azimuths of the direction to the viewer from the wind's [1, (:data:`AZIMUTHS`,)], over half a circle.
 
-    The integral of the module for :math:`E_{1/2} = 1`, over all waves but those that are geometry: the longest, which have the slope
-    variance ``resolved`` [1].
+    The integral of the module for :math:`E_{1/2} = 1`, over all waves except those that are geometry: the longest, which have the
+    slope variance ``resolved`` [1].
     """
     waves = waves_along(slopes, np.linspace(0.0, np.pi, AZIMUTHS, endpoint=False), resolved)
     total = waves.along[-1]
@@ -186,7 +186,7 @@ def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
 
 @kernel
 def gain_at(gains: FloatArray, turn: float) -> float:
-    """Gain at an azimuth ``turn`` from the wind's [rad], linear between those of :func:`lean_gains`."""
+    """Gain at an azimuth ``turn`` from the wind's [rad], linear between the azimuths of :func:`lean_gains`."""
     x = turn / math.pi * gains.shape[0]
     x -= math.floor(x / gains.shape[0]) * gains.shape[0]
     i = min(int(x), gains.shape[0] - 1)

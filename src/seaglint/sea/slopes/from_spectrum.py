@@ -15,11 +15,11 @@ from seaglint.sea.tiles import resolve_limit
 
 _LENGTHS: Final = 24  #: Number of wavelengths at which covariances are taken.
 
-_RIPPLES: Final = 13  #: Number of those of the ripples.
+_RIPPLES: Final = 13  #: Number of wavelengths of the ripples.
 
 #: Width of ripples without a spectrum in the logarithm of the wavenumber: a first part, and one by the slope variance up to an end.
 #:
-#: Even ones of this width have the breadth that Elfouhaily's seas have, to which the number of bands by slope variance belongs.
+#: Ripples that are even over this width have the breadth of Elfouhaily's seas, to which the number of bands by slope variance belongs.
 _BREADTH: Final = (2.7, 156.0, 0.0337)
 
 
@@ -59,11 +59,11 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
 
     They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`: of the spectrum up to where they reach 0.8
     of the slopes' variances, and ripples that make up the slopes. These have the spectrum's shares of every shorter length as far as its
-    shorter waves go; what no wave of the spectrum accounts for, swell alone being given, is even over the logarithm of the wavenumber, as
-    broad as seas of these slopes are (:data:`_BREADTH`).
+    shorter waves suffice; variance that no wave of the spectrum accounts for, as with swell alone, is even over the logarithm of the
+    wavenumber, as broad as seas of these slopes are (:data:`_BREADTH`).
 
     In light winds, where slopes are :attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.directed` in part, that part has these
-    covariances and the rest has what is left without the wind sea, so that the sea passes to a calm without a step.
+    covariances and the rest has the covariances without the wind sea, so that the sea passes to a calm without a step.
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
     spectrum : DirectionalSpectrum, optional
         Waves of the same sea; None without waves.
     calm : DirectionalSpectrum, optional
-        Those of them that do not depend on the wind, a swell; None where there are none.
+        The waves among them that do not depend on the wind, a swell; None without such waves.
 
     Returns
     -------
     SlopeStatistics
-        The same slopes; flat ones as they are.
+        The same slopes; flat slopes are returned unchanged.
     """
     if min(slopes.mss_up, slopes.mss_cross) <= 0.0:
         return slopes
@@ -100,7 +100,7 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
         return np.column_stack([SHORTEST * np.exp(width * (share - 1.0)), np.outer(share, [slopes.mss_up, slopes.mss_cross, 0.0])])
     low, limit = spectrum.wavenumber_range[0], resolve_limit(spectrum, slopes)
     if slopes.directed is not None:
-        # all waves of a vanishing wind sea are below the limit: without this, ripples of its residual variance would be those above 1e4
+        # all waves of a vanishing wind sea are below the limit: without this, its residual variance would be in ripples above 1e4 rad/m
         limit = min(limit, SHORTEST)
     turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
     c, s = float(np.cos(turn)), float(np.sin(turn))

@@ -37,7 +37,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     Raises
     ------
     DomainError
-        Height, period, enhancement or width outside what is taken; waves too steep to stand.
+        Height, period, enhancement or width outside the allowed ranges; waves too steep to exist.
 
     Notes
     -----
@@ -58,7 +58,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     to_azimuth: float  #: Azimuth the waves travel TO [rad].
     gamma: float = 3.3  #: Peak enhancement [1].
     width: float = float(np.radians(30.0))  #: Circular width of the directions [rad]; see :mod:`seaglint.sea.spectra.directional`.
-    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to distinguish upwind from crosswind.
 
     def __post_init__(self) -> None:
         """Refuse values outside the ranges, and waves that would break."""
@@ -80,7 +80,7 @@ class JonswapSpectrum(DirectionalSpectrum):
         most = STEEPEST * GRAVITY * self.peak_period**2 / (2.0 * np.pi)
         if self.height > most:
             raise DomainError(
-                f"height = {self.height:g} m at a peak period of {self.peak_period:g} s is steeper than waves stand; allowed: up to "
+                f"height = {self.height:g} m at a peak period of {self.peak_period:g} s is steeper than waves can be; allowed: up to "
                 f"{most:.3g} m ({100 * STEEPEST:g} % of the peak's wavelength); give a longer period or less height",
                 name="height",
                 value=self.height,

@@ -2,9 +2,9 @@
 
 A buoy gives, per frequency band, the energy density and two Fourier moments of the directional distribution. The distribution used is the
 one of maximum entropy with exactly these moments, positive everywhere; the slope variances along and across the wind depend on the second
-moment alone. What is given on directions instead is in :mod:`seaglint.sea.spectra.binned`. Above the last band with energy the spectrum
-goes on as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958, with the mean level and the mean directions of the last bands that
-have energy.
+moment alone. Spectra given on directions are in :mod:`seaglint.sea.spectra.binned`. Above the last band with energy the spectrum
+continues as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958, with the mean level and the mean directions of the last bands
+that have energy.
 
 References
 ----------
@@ -51,7 +51,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
     #: ``first``, ``second``: ``int D exp(i phi) dphi`` and ``int D exp(2 i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
     first: ComplexArray
     second: ComplexArray
-    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to distinguish upwind from crosswind.
 
     def __post_init__(self) -> None:
         """Refuse columns that are not a valid spectrum."""
