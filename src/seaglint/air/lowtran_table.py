@@ -1,23 +1,19 @@
-"""Splines as weighted sums over node values, for many points at once.
+"""Atmosphere tables of LOWTRAN7's model atmospheres: reader, cut to a band, and spectra for many cases at once.
 
-A not-a-knot spline in wind and height is a sum over the nodes between two kinks; along the path two values and two slopes suffice.
-
-Files of the atmosphere tables: their list, their reader, and one of them cut to a band.
-
-Built by ``tools/build_atmosphere.py``; each file holds, for one model atmosphere and one spectral region,
+The files, built by ``tools/build_atmosphere.py``, hold for one model atmosphere and one spectral region
 
 - encoded optical depth and effective air temperature ``T_e`` of the path from the sea to a sensor, against wind, height and
   normalised path length: ``L_path = (1 - tau) B(T_e)``;
 - encoded optical depth of the path to the Sun against wind and zenith angle;
 - brightness temperature of the thermal sky against wind, height and elevation, above and below the horizontal,
 
-each as spectral principal components whose scores are interpolated by cubic splines. These quantities vary slowly where
-transmittance and radiance vary by orders of magnitude, and splines of them show no bands in an image.
+each as spectral principal components with scores that are interpolated by cubic splines. These quantities vary slowly where
+transmittance and radiance vary by orders of magnitude, and their splines show no bands in an image.
 
-Table atmosphere for many cases at once, each with its own wind, height and angles, as spreadsheets have them.
-
-Splines over wind, height and the path are taken at every case's own (:mod:`seaglint.air.lowtran_table`): 20 us a case, where sums along its
-ray (:mod:`seaglint.air.profile.air_sums`) take a millisecond.
+:class:`BatchAtmosphere` evaluates cases that each have a wind, a height and angles, as in spreadsheets. Splines over wind, height and the
+path are weighted sums over node values (:class:`Stencil`): a not-a-knot spline in wind and height sums over the nodes between two kinks,
+along the path two values and two slopes suffice. A case takes 20 us; sums along its ray (:mod:`seaglint.air.profile.air_sums`) take a
+millisecond.
 """
 
 from __future__ import annotations
@@ -214,9 +210,9 @@ class BandTable:
     sky_heights: FloatArray  #: See ``winds``.
     levels: tuple[float, ...]
     height_kinks: tuple[float, ...]
-    refraction: RefractingAir  #: LOWTRAN7's own.
+    refraction: RefractingAir  #: LOWTRAN7's refraction.
     #: ``horizon_excess``, ``ray``: Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate
-    #: of LOWTRAN7's rays against that of straight ones [1, (heights, nodes)].
+    #: of LOWTRAN7's rays against the coordinate of straight ones [1, (heights, nodes)].
     horizon_excess: FloatArray
     ray: FloatArray
     #: ``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``, ``sky_dip``: Spectra that :func:`read_table` describes.
@@ -314,7 +310,7 @@ class BandTable:
         return elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
 
     def sunlight(self, solar_zenith: ArrayLike, encoded: FloatArray) -> FloatArray:
-        """Direct sunlight at the sea [W m-2 per cm-1, (..., n)] from the encoded depth of the way to the Sun; 0 below the horizon."""
+        """Direct sunlight at the sea [W m-2 per cm-1, (..., n)] from the encoded depth of the path to the Sun; 0 below the horizon."""
         up = (np.asarray(solar_zenith, dtype=np.float64) <= 0.5 * np.pi + ANGLE_SLACK)[..., np.newaxis]
         return np.asarray(np.where(up, self.solar * np.exp(-decode_optical_depth(encoded)), 0.0))
 
@@ -325,14 +321,14 @@ def _covered(grid: FloatArray) -> str:
 
 @dataclass(frozen=True, eq=False)
 class BatchAtmosphere:
-    """LOWTRAN7 model atmosphere over one band for cases with their own winds. Make it with :meth:`load`.
+    """LOWTRAN7 model atmosphere over one band for cases of different winds. Make it with :meth:`load`.
 
     Notes
     -----
     LOWTRAN7's Navy maritime aerosol at winds (U10, also the 24-hour mean) of 0 to 20 m/s, heights of 2 m to 10 km, paths to the sea named
     by the depression of LOWTRAN7's own refracted ray at the sensor, in its layers and at its 20 cm-1, sampled every 5. Radiance is thermal.
     Against LOWTRAN7 runs off the nodes (3-5 um) the 95th percentile of the error is 0.15 % of band transmittance, 0.1 % of path radiance
-    and sunlight, 0.05 % of the sky seen from the sea, and 1.5 % (largest 5 %) of the sky from a height within four dips of the horizon.
+    and sunlight, 0.05 % of the sky above the sea, and 1.5 % (largest 5 %) of the sky from a height within four dips of the horizon.
 
     References
     ----------
@@ -352,22 +348,22 @@ class BatchAtmosphere:
     #: ``wind_range``, ``height_range``: Ranges of the table [m s-1], [m].
     wind_range: tuple[float, float]
     height_range: tuple[float, float]
-    extrapolate: bool  #: Whether winds and heights beyond that are taken.
+    extrapolate: bool  #: Whether winds and heights beyond the ranges are accepted.
     _table: BandTable
     _ray: FloatArray
     #: Scores of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)].
     _path_scores: FloatArray
     _sun_scores: FloatArray
-    _sky_scores: FloatArray  #: Scores of the sky seen from the sea against elevation, values and slopes [(winds, 2 nodes, components)].
+    _sky_scores: FloatArray  #: Scores of the sky above the sea against elevation, values and slopes [(winds, 2 nodes, components)].
 
     @classmethod
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
         """Read the table of ``model`` over a band [um].
 
-        With ``extrapolate`` winds above the table see the air of its highest wind, as in LOWTRAN7 itself. Below the table's lowest height a
-        path is one of equal length from there: the air is the same (transmittance within 0.02 %, path radiance 0.1 %, 0.5 m). The path to
-        a sensor above it ends where the ray passes the highest one and lacks the air above: at 15 km and 30 deg down 1-3 % of
-        transmittance and 3-9 % of path radiance, more towards the horizon. Outside winds and heights are refused otherwise.
+        With ``extrapolate`` winds above the table take the air of its highest wind, as in LOWTRAN7 itself. Below the table's lowest height
+        a path is one of equal length from there: the air is the same (transmittance within 0.02 %, path radiance 0.1 %, 0.5 m). The path to
+        a sensor above it ends where the ray passes the highest one and lacks the air above: at 15 km and 30 deg down 1-3 % of transmittance
+        and 3-9 % of path radiance, more towards the horizon. Outside winds and heights are refused otherwise.
 
         Raises
         ------
@@ -435,7 +431,7 @@ class BatchAtmosphere:
         h = np.minimum(h, self.height_range[1])
         straight = path_coordinate(straight_slant(h, cosine), h, straight_slant(h, 0.0))
         nodes = np.linspace(0.0, 1.0, self._ray.shape[-1] // 2)
-        # The ray's spline says how far along LOWTRAN7's own path the sea lies: the coordinate of the path nodes.
+        # The ray's spline converts the coordinate of the straight path to the coordinate of LOWTRAN7's own ray, on which the nodes are.
         x = np.maximum(at_height.times(Stencil.hermite(nodes, straight)).of(self._ray.reshape(-1)), 0.0)
         x, share = self._of_length(h, x)
         path_nodes = np.linspace(0.0, 1.0, self._path_scores.shape[2] // 2)
@@ -465,7 +461,7 @@ class BatchAtmosphere:
     def sky_radiance(self, wind_speed: ArrayLike, zenith: ArrayLike, height: ArrayLike | None = None) -> FloatArray:
         """Thermal radiance of the clear sky [W m-2 sr-1 per cm-1, (cases, n)] at zenith angles [rad, (cases,)].
 
-        Seen from the sea, or from heights [m, (cases,)]; from there down to the horizon of LOWTRAN7's own rays (:meth:`dip`).
+        The sky above the sea, or at heights [m, (cases,)], there down to the horizon of LOWTRAN7's own rays (:meth:`dip`).
         """
         angle = np.asarray(zenith, dtype=np.float64)
         if height is not None:

@@ -42,7 +42,7 @@ HEIGHT_SLACK = 1e-3  #: Tolerance within which two heights are equal [m].
 FILE_SUN = 1.02  #: Ratio of assumed extraterrestrial sunlight to the largest value given, where no solar spectrum is known.
 
 
-#: Scale height of the absorber [m], that of water vapour: paths to points above the sea are matched by equal amounts of it.
+#: Scale height of the absorber [m], equal to water vapour's: paths to points above the sea are matched by equal amounts of it.
 SCALE_HEIGHT = 2000.0
 
 #: Least and largest power of the path length with which optical depth grows; strong lines grow by the root, continua linearly.
@@ -65,7 +65,7 @@ class LiveLine(Protocol):
 class PathSamples:
     """Paths from the sea to the sensor at ascending arcs ``range_m`` [m, (k,)]: transmittance [1], thermal radiance, both (k, n).
 
-    ``beyond`` says that the last one touches the sea horizon, so that longer ones (to wave crests) go on along the tangent.
+    ``beyond`` is true if the last one touches the sea horizon, so that longer ones (to wave crests) continue along the tangent.
     """
 
     range_m: FloatArray
@@ -90,8 +90,8 @@ class SampledAtmosphere(ClearAir):
     Notes
     -----
     Other sensor heights, arcs beyond the samples (unless they reach the horizon), and angles outside them are refused with the range
-    covered. Of the sky from a height, the part between the horizontal and the horizon of the calculation is stretched onto that of
-    :mod:`seaglint.base.conventions`. Accuracy is that of the nodes: with those of
+    covered. The sky from a height between the horizontal and the horizon of the calculation is stretched to the horizon of
+    :mod:`seaglint.base.conventions`. The accuracy depends on the nodes: with the nodes of
     :mod:`seaglint.formats.lowtran.lowtran_sample`, band quantities are within 0.03 % of LOWTRAN7 runs between them.
 
     Examples
@@ -151,7 +151,7 @@ class SampledAtmosphere(ClearAir):
         height : float
             Sensor height of ``path`` [m], above 0.
         path, sun, skies
-            The samples; one sky must be that seen from the sea (height 0).
+            The samples; one sky must be the sky at the sea (height 0).
         line : LiveLine, optional
             The calculation itself, for paths to points above the sea.
         scattered : ScatteredSamples, optional
@@ -235,12 +235,12 @@ class SampledAtmosphere(ClearAir):
         return path_coordinate(slant_range(height, arc), height, self._longest)
 
     def seen_between(self, nearest: float, farthest: float | None) -> SampledAtmosphere:
-        """Return the same air for a picture that sees the sea between two arcs only [m]; None means up to the horizon.
+        """Return the same air for a picture with sea between two arcs only [m]; None means up to the horizon.
 
         The samples must cover these arcs.
 
-        Models tabulate a view in all directions, whatever part of it they draw: what their tables take from outside the picture is the
-        samples' continuation (by the power of the length below them, along their tangent above) and reaches no pixel.
+        Models tabulate a view in all directions, whatever part of it they draw: outside the picture their tables take the samples'
+        continuation (by the power of the length below them, along their tangent above), which reaches no pixel.
 
         Raises
         ------
@@ -257,7 +257,7 @@ class SampledAtmosphere(ClearAir):
         return depth * self._shortened(slant, np.maximum(slant, shortest)) if np.any(slant < shortest) else depth
 
     def _shortened(self, slant: FloatArray, inside: FloatArray) -> FloatArray:
-        """Ratio [1, (..., n)] of the optical depth of shorter paths [m, (...)] to that of paths ``inside`` the samples."""
+        """Ratio [1, (..., n)] of the optical depth of shorter paths [m, (...)] to the optical depth of paths ``inside`` the samples."""
         if not np.any(slant < inside):
             return np.ones((1,))
         shortest = float(slant_range(self.height, self._ranges[0]))
@@ -268,10 +268,10 @@ class SampledAtmosphere(ClearAir):
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
 
-        ``target_height`` [m], broadcast with ``range_m``, is that of the point looked at. To a point above the sea the calculation behind
-        the samples is asked where there is one. Otherwise the path is that from the sea, of such a length that it holds the same amount
-        of an absorber with the scale height :data:`SCALE_HEIGHT`; shorter than the shortest sample, its optical depth falls with the
-        power of the length that the shortest ones have.
+        ``target_height`` [m], broadcast with ``range_m``, belongs to the point looked at. Paths to a point above the sea are computed by
+        the calculation behind the samples, if available. Otherwise a path from the sea is used, of such a length that it holds the same
+        amount of an absorber with the scale height :data:`SCALE_HEIGHT`; below the length of the shortest sample, its optical depth falls
+        with the power of the length by which the shortest samples differ.
         """
         arc, target = require_line(height, range_m, target_height)
         if not target.any():
@@ -315,7 +315,7 @@ class SampledAtmosphere(ClearAir):
         return self.path(height, range_m, target_height)[1]
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the spectral samples; None where none are known. They are computed at every call."""
+        """Scatterers on part of the spectral samples; None if not known. They are computed at every call."""
         return self._scattering().cut(grid) if self._scattering is not None else None
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
@@ -337,7 +337,7 @@ class SampledAtmosphere(ClearAir):
         return np.asarray(np.where(up[..., np.newaxis], sunlight, 0.0))
 
     def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky in directions [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+        """Thermal radiance of the clear sky in directions [rad, (...)] from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
 
         ``height`` is 0 or the sensor's; from there the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``.
         """
@@ -381,7 +381,7 @@ class SampledAtmosphere(ClearAir):
 
 
 def _mean_density(height: float, target: ArrayLike, slant: FloatArray) -> FloatArray:
-    """Mean of ``exp(-z / SCALE_HEIGHT)`` along lines from the sensor to points, over that at the sea [1, (cases,)]."""
+    """Mean of ``exp(-z / SCALE_HEIGHT)`` along lines from the sensor to points, over the value at the sea [1, (cases,)]."""
     node, weight = np.polynomial.legendre.leggauss(8)
     z = heights_along(height, np.asarray(target, dtype=np.float64)[..., np.newaxis], slant[..., np.newaxis], 0.5 * (1.0 + node))
     return np.asarray(np.exp(-np.maximum(z, 0.0) / SCALE_HEIGHT) @ (0.5 * weight))
@@ -397,6 +397,7 @@ def _along(spline: CubicSpline[np.float64], x: FloatArray) -> FloatArray:
 
 def _solar_source(nu: FloatArray, sun: SunSamples) -> FloatArray:
     """Sunlight outside the atmosphere, nowhere below the sunlight at the sea."""
+    # sunlight at the sea below the source keeps every optical depth above 0
     largest = FILE_SUN * np.max(sun.irradiance, axis=0)
     if sun.source is not None:
         return np.maximum(np.asarray(sun.source, dtype=np.float64), 1e-300)

@@ -1,6 +1,6 @@
-"""Visible part of a Sun that the horizon cuts.
+"""Visible part of a Sun that the horizon cuts, and the sky of a sampled atmosphere.
 
-Sky of a sampled atmosphere: brightness temperature splined over elevation, in pieces between corners.
+The sky's brightness temperature is splined over elevation, in pieces between corners.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ def visible_part_kernel(elevation: float) -> tuple[float, float]:
         return 1.0, 0.0
     if height <= -1.0:
         return 0.0, 0.0
+    # circular segment of a disc of radius 1: area acos(-h) + h sqrt(1 - h^2), first moment 2/3 (1 - h^2)^1.5
     rest = math.sqrt(1.0 - height * height)
     area = math.acos(-height) + height * rest
     return area / math.pi, SOLAR_ANGULAR_RADIUS * 2.0 / 3.0 * rest * rest * rest / area
@@ -41,9 +42,9 @@ COLDEST, HOTTEST = 1.0, 1e5  #: Limits of brightness temperatures [K]; splines o
 
 @dataclass(frozen=True, eq=False)
 class SkySamples:
-    """Thermal sky (k, n) seen from ``height`` [m] at ascending elevations above the horizontal [rad, (k,)].
+    """Thermal sky (k, n) at ``height`` [m] at ascending elevations above the horizontal [rad, (k,)].
 
-    ``dip`` is the depression of the horizon in the calculation that made them [rad]. ``kinks`` are node elevations at or below the
+    ``dip`` is the depression of the horizon in the underlying calculation [rad]. ``kinks`` are node elevations at or below the
     horizontal where the sky may have corners: a ray that grazes a level of the atmosphere.
     """
 

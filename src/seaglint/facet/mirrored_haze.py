@@ -3,7 +3,8 @@ r"""Scattered sky light mirrored by facets: averages over their slopes, tabulate
 Unlike the thermal sky it depends on the azimuth from the Sun. Its aureole is some ten degrees wide, as the facets' slopes blur
 it, so that sums over slopes need close nodes. They are convolutions: with ``a`` the slope towards the viewer, ``c`` the slope
 across and ``d = c - lean a``, the density of a facet's slopes is a product of Gaussians of ``a`` and ``d`` about the facet's tilt, while
-the light that a slope mirrors does not depend on the tilt. So for every grazing angle and azimuth each slope is looked up once for all tilts.
+the light that a slope mirrors does not depend on the tilt. So for every grazing angle and azimuth each slope is looked up once for all
+tilts.
 
 Averages over slope statistics are in :mod:`seaglint.facet.scattered`; each quadrature is the other's check.
 """

@@ -1,23 +1,19 @@
-"""Shipped file of the numbers that LOWTRAN7 computes with: model atmospheres, band laws, aerosols, sunlight outside the air.
+"""Profiles of pressure, temperature, water vapour and gases from the sea to 100 km: model atmospheres, and soundings that one continues.
 
-Built by ``tools/build_lowtran_numbers.py`` for 0.7-14.7 um in channels every 5 cm-1. Nothing in it is a result.
+**Numbers.** The shipped file holds LOWTRAN7's input: model atmospheres, band laws, aerosols, sunlight outside the air. It is built by
+``tools/build_lowtran_numbers.py`` for 0.7-14.7 um in channels every 5 cm-1 and contains no results.
 
-Ozone of a sounding in the air of a model atmosphere: joined to the model's above the highest level that has it, and its whole amount.
+**Soundings** end below 100 km. Above their last level a model atmosphere continues them:
 
-Profiles of pressure, temperature and water vapour from the sea to 100 km: model atmospheres, and soundings that one of them continues.
+- Ozone: the model's, joined to the sounding above the highest level with ozone.
+- Humidity: relative humidity differs least between airs of different temperature, so the model's relative humidity continues in the air of
+  the sounding. In the stratosphere, where air is dry by its history, the model's mixing ratio continues.
 
 References
 ----------
-Anderson, G. P., et al. (1986), AFGL atmospheric constituent profiles (0-120 km), AFGL-TR-86-0110, Table 1; the numbers are those of
+Anderson, G. P., et al. (1986), AFGL atmospheric constituent profiles (0-120 km), AFGL-TR-86-0110, Table 1; the numbers are taken from
 LOWTRAN7 (block data MLATMB). Between them LOWTRAN7 interpolates by Lagrange's cubic (subroutine DEFALT).
 
-Humidity above the highest level of a sounding that has one: that of a model atmosphere, joined to the sounding.
-
-Relative humidity is what differs least between airs of different temperature, so it is the model's relative humidity that goes on in the
-air of the sounding. Where air is dry by its history, in the stratosphere, it is the model's mixing ratio.
-
-References
-----------
 Manabe, S., and R. T. Wetherald (1967), Thermal equilibrium of the atmosphere with a given distribution of relative humidity, J. Atmos.
 Sci. 24, 241-259.
 """
@@ -76,7 +72,7 @@ def numbers_provenance() -> JsonObject:
 
 
 def channels_of(wavenumber_cm: FloatArray) -> FloatArray:
-    """Indices [(n,)] of channels among those of the file.
+    """Indices [(n,)] of channels among the channels of the file.
 
     Raises
     ------
@@ -144,7 +140,7 @@ STANDARD_PRESSURE: Final = 1013.25  #: [hPa].
 #: Gases of the profiles, the first seven by model.
 GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
 
-_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3], as LOWTRAN7 has it (2.68675e19 where it makes number densities of humidities).
+_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3] in LOWTRAN7 (2.68675e19 where it computes number densities from humidities).
 
 _AIR_OF_HUMIDITY: Final = 2.68675e19
 
@@ -181,7 +177,7 @@ class AirProfile:
     gas: FloatArray  #: Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
     earth_radius: float  #: LOWTRAN7's radius of the Earth for the latitude of the model [m].
     season: str  #: ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.
-    haze_humidity: float | None = None  #: Relative humidity of the Navy's haze [%]; None for that of the lowest level.
+    haze_humidity: float | None = None  #: Relative humidity of the Navy's haze [%]; None for the humidity of the lowest level.
 
     @property
     def relative_humidity(self) -> FloatArray:
@@ -209,6 +205,7 @@ def sum_between(height: FloatArray, density: FloatArray) -> float:
     """Integral of a density over heights [m, (levels,)], exponential between levels: in its unit times m."""
     a, b = density[:-1], density[1:]
     both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
+    # the mean of an exponential is (a - b)/ln(a/b); equal or zero densities take the arithmetic mean
     ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
     mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
     return float(np.sum(mean * np.diff(height)))
@@ -222,7 +219,7 @@ def _model_index(model: str) -> int:
 
 
 def _cubic(height: FloatArray, tables: FloatArray) -> FloatArray:
-    """Lagrange's cubic through the four levels of the models around heights [m], as DEFALT has it: (..., heights)."""
+    """Lagrange's cubic through the four levels of the models around heights [m], as in DEFALT: (..., heights)."""
     nodes = 1e3 * lowtran_numbers()["model_height"]
     upper = np.clip(np.searchsorted(nodes, height - 1e-9), 1, nodes.size - 1)
     first = np.clip(upper - 2, 0, nodes.size - 4)

@@ -1,13 +1,13 @@
-r"""Rays of a profile with the optical depth of their gases, kept for hazes of other winds: only the aerosol knows the wind.
-
-Transmittance and thermal emission along any ray through a profile, with band laws of LOWTRAN7's form.
+r"""Transmittance and thermal emission along any ray through a profile, with band laws of LOWTRAN7's form.
 
 .. math:: \tau(\nu, s) = \exp\Bigl(-\sum_k c_k W_k(s) - \sum_b (C_b W_b(s))^{a_b}\Bigr), \qquad
    L(\nu) = \int_{\tau}^1 B(\nu, T)\, d\tau'
 
-``W(s)`` are the amounts between the sensor and the place s; lines saturate, so that transmittances are those of whole ways. Emission is
-that of the temperature at the place. Densities are exponential between the profile's levels, as in LOWTRAN7; amounts between two nodes are
-exact vertical sums times the ray's mean slope, so that a profile may have any number of levels.
+``W(s)`` are the amounts between the sensor and the place s; lines saturate, so that transmittances follow from the amounts of whole paths.
+Emission follows the temperature at the place. Densities are exponential between the profile's levels, as in LOWTRAN7; amounts between two
+nodes are exact vertical sums times the ray's mean slope, so that a profile may have any number of levels.
+
+The wind affects the aerosol alone: the optical depths of the gases along rays are cached (:class:`GasRays`) and serve hazes of other winds.
 """
 
 from __future__ import annotations
@@ -31,40 +31,40 @@ from seaglint.air.profile.ray_paths import LayeredIndex
 from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
 
-MOST_BYTES: Final = 64 << 20  #: Bytes of kept rays of a profile on some channels.
+MOST_BYTES: Final = 64 << 20  #: Largest size of the cached rays of a profile on some channels [bytes].
 
 
 @dataclass(frozen=True, eq=False)
 class GasRay:
-    """Way through the air, with what no haze changes."""
+    """Path through the air, with the quantities that do not depend on a haze."""
 
     ray: BentRay | None  #: The ray; None for a path between two heights.
     height: FloatArray  #: Heights of the cuts [m, (cuts + 1,)].
     length: FloatArray  #: Lengths of the cuts [m, (cuts,)].
-    #: Optical depth of the gases from the start to the ends of the pieces [1, (pieces, n)], or of the whole way [1, (n,)].
+    #: Optical depth of the gases from the start to the ends of the pieces [1, (pieces, n)], or of the whole path [1, (n,)].
     depth: FloatArray
-    glow: FloatArray | None = None  #: Mean Planck radiance of the pieces [W m-2 sr-1 per cm-1, (pieces, n)]; None where it is not needed.
+    glow: FloatArray | None = None  #: Mean Planck radiance of the pieces [W m-2 sr-1 per cm-1, (pieces, n)]; None if it is not needed.
 
     @property
     def size(self) -> int:
-        """Bytes."""
+        """Size in memory [bytes]."""
         return self.height.nbytes + self.length.nbytes + self.depth.nbytes + (0 if self.glow is None else self.glow.nbytes)
 
 
 @dataclass(eq=False)
 class GasRays:
-    """Rays of one profile on some channels; the oldest go when there are more than :data:`MOST_BYTES`."""
+    """Cache of rays of one profile on some channels; beyond :data:`MOST_BYTES` the least recently used are dropped."""
 
     _held: OrderedDict[Hashable, GasRay] = field(default_factory=OrderedDict)
     _size: int = 0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def get(self, key: Hashable, make: Callable[[], GasRay]) -> GasRay:
-        """Return the ray of a key, made where it is not there."""
+        """Return the ray of a key, computed if it is not cached."""
         return self.get_each([key], lambda _: [make()])[0]
 
     def get_each(self, keys: Sequence[Hashable], make: Callable[[Sequence[int]], Sequence[GasRay]]) -> list[GasRay]:
-        """Return the rays of keys; those that are not there are made in one go, by their positions among the keys."""
+        """Return the rays of keys; missing ones are computed together, by their positions among the keys."""
         found: dict[Hashable, GasRay] = {}
         with self._lock:
             for key in keys:
@@ -88,7 +88,7 @@ class GasRays:
 
 AEROSOLS: Final = 4
 
-#: Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that every place has its own.
+#: Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that it follows the humidity at every place.
 LOCAL_HUMIDITIES: Final = np.array([0.0, 50.0, 70.0, 75.0, 80.0, 84.0, 88.0, 91.0, 94.0, 96.0, 98.0, 99.0])
 
 _FIRST, _SECOND = 1.190956e-16 * 1e8, 1.43879  #: LOWTRAN7's radiation constants: [W m-2 sr-1 per (cm-1)^4], [K cm].
@@ -130,7 +130,7 @@ class _Densities:
         return replace(begun, sums=np.concatenate([begun.sums[:, :1], np.cumsum(layers, axis=1)], axis=1))
 
     def rows(self, first: int, end: int) -> _Densities:
-        """Those of some rows."""
+        """Select the densities of some rows."""
         some = slice(first, end)
         return _Densities(self.height, self.density[some], self.both[some], self.growth[some], self.sums[some])
 
@@ -140,7 +140,7 @@ class _Densities:
         return np.asarray((self.sums[:, layer] + self._part(layer, part)).T)
 
     def at(self, z: FloatArray) -> FloatArray:
-        """Densities at heights [km] [(places, rows)], exponential where both levels have any."""
+        """Densities at heights [km] [(places, rows)], exponential between two levels that both have some."""
         layer, part = self._layer(z)
         a, b = self.density[:, layer], self.density[:, layer + 1]
         both = (a > 0.0) & (b > 0.0)
@@ -155,16 +155,16 @@ class _Densities:
         """Integral from the lower level of layers up to a part of their thickness [(rows, places)]."""
         a, b = self.density[:, layer], self.density[:, layer + 1]
         growth = self.growth[:, layer] * part
-        small = np.abs(growth) < 1e-6
+        small = np.abs(growth) < 1e-6  # the series spares 0/0
         mean = np.where(small, 1.0 + 0.5 * growth, np.expm1(growth) / np.where(small, 1.0, growth))
         thick = (self.height[layer + 1] - self.height[layer]) * part
         return np.asarray(thick * np.where(self.both[:, layer], a * mean, a + 0.5 * (b - a) * part))
 
 
 def laid_lines(lines: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
-    """Lay lines end to end: heights of their cuts [m], lengths of these [m], and the first piece of each line.
+    """Join lines end to end: heights of their cuts [m], lengths of these [m], and the first piece of each line.
 
-    Between two lines lies a piece of parts without length, in which there is nothing: sums of all in one go are much quicker.
+    Between two lines is an empty piece with parts of length 0. Summing all lines at once is much quicker.
     """
     gap = CUTS - 1
     height = np.concatenate([np.append(z, np.full(gap, z[-1])) for z, _ in lines])[: -gap or None]
@@ -242,6 +242,7 @@ class AirSums:
             return held.density, held.extinction
         x = -np.log(100.0 - np.minimum(self.profile.relative_humidity, 99.0))
         nodes = -np.log(100.0 - LOCAL_HUMIDITIES)
+        # hat functions of the humidity: every node's extinction gets its share of the density at each level
         hats = np.array([np.interp(x, nodes, row) for row in np.eye(nodes.size)])
         spectra = [aerosols(self.profile, self.haze, self.laws.wavenumber_cm, float(h)).extinction[0] for h in LOCAL_HUMIDITIES]
         return np.concatenate([held.density[0] * hats, held.density[1:]]), np.concatenate([spectra, held.extinction[1:]])
@@ -255,9 +256,9 @@ class AirSums:
         return (vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1), heat / np.diff(ray.height)
 
     def _layer_amounts(self, ray: BentRay) -> FloatArray:
-        """Amounts of the pieces of a layered ray [(pieces, rows)] as LOWTRAN7 has them.
+        """Amounts of the pieces of a layered ray [(pieces, rows)], as in LOWTRAN7.
 
-        The start, the lowest point and the end of the ray are levels of their own (its FILL), and densities that grow with height are
+        The start, the lowest point and the end of the ray are additional levels (its FILL), and densities that grow with height are
         linear between levels (its LAYER).
         """
         ends = 1e-3 * np.array([ray.height[0], ray.height.min(), ray.height[-1]])
@@ -286,7 +287,7 @@ class AirSums:
         return self._gas_way(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
 
     def _hazes_of(self, ways: Sequence[GasRay]) -> list[FloatArray]:
-        """Amounts of the aerosols in the pieces of each way [(pieces, aerosols)]."""
+        """Amounts of the aerosols in the pieces of each path [(pieces, aerosols)]."""
         height, length, first = laid_lines([(way.height, way.length) for way in ways])
         every = self.haze_amounts(height, length)
         return [every[at : at + way.length.size // CUTS] for way, at in zip(ways, first, strict=True)]
@@ -327,7 +328,7 @@ class AirSums:
         """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of the path between two heights [m] of a length [m].
 
         The path is a line over the Earth of the radius that makes this air's rays straight between the heights that it passes; air
-        below the sea is that at it.
+        below the sea is taken as at the sea.
         """
         return self.between_each(height, target, [length])[0]
 
@@ -348,11 +349,12 @@ class AirSums:
     def _gas_way(
         self, ray: BentRay | None, cuts: FloatArray, length: FloatArray, node: FloatArray, amounts: FloatArray, mean: FloatArray
     ) -> GasRay:
-        """Gases of a way cut at heights [m], from their amounts [(pieces, gases)] between its nodes [m] and the temperatures there [K]."""
+        """Gases of a path cut at heights [m], from their amounts [(pieces, gases)] between its nodes [m] and the temperatures there [K]."""
         gases = amounts.copy()
         gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(mean, self.laws.cold_kelvin)
         nu = self.laws.wavenumber_cm
         at_node = planck_wavenumber(nu, np.interp(node, self.profile.height, self.profile.temperature)[:, None])
+        # Simpson's rule over a piece: the Planck radiance at both ends, and at the mean temperature for the middle
         glow = (at_node[:-1] + 4.0 * planck_wavenumber(nu, mean[:, None]) + at_node[1:]) / 6.0
         return GasRay(ray, cuts, length, self.laws.optical_depth(np.cumsum(gases, axis=0)), glow)
 
@@ -370,6 +372,7 @@ class AirSums:
         """
         z = np.maximum(z, 0.0)
         step = np.diff(z)
+        # a level cut has no mean slope: its temperature is taken at its height
         level = np.abs(step) < LEVEL
         kelvin = np.diff(_heat_to(self.profile, self._heat, z)) / np.where(level, 1.0, step)
         if level.any():

@@ -1,33 +1,23 @@
-r"""Numbers of the band laws: LOWTRAN7's own, or those whose bands agree with LBLRTM. Whoever sums them does not know which.
+r"""Optical depth of absorber amounts in channels by continua and band laws of LOWTRAN7's form, and gases that replace a profile's.
 
-The second ones have LOWTRAN7's form and its shape within bands. In each band of RRTMGP's, a gas that RRTMGP holds there has
+.. math:: d(\nu) = \sum_k c_k(\nu) W_k + \sum_b (C_b(\nu) W_b)^{a_b}
+
+Lines of a band saturate (``a_b < 1``): the depth of a path follows from its whole amounts, not from a sum over its parts.
+
+**Numbers.** They are LOWTRAN7's own, or numbers with which the bands agree with LBLRTM; the sums do not depend on the choice. The second
+ones have LOWTRAN7's form and its shape within bands. In each band of RRTMGP's, a gas that RRTMGP holds there has
 
 .. math:: d = F (C/C_0)^s (C_0 W)^a
 
-with LOWTRAN7's coefficients :math:`C`, their mean :math:`C_0` over the band, its power as :math:`s`, and a factor :math:`F`, a power
-:math:`a` and exponents of pressure and temperature of its own; continua have factors. Other gases, and all beyond 3350 cm-1, are
-LOWTRAN7's; between 3250 and 3350 cm-1 the depths are weighted sums of both.
+with LOWTRAN7's coefficients :math:`C`, their mean :math:`C_0` over the band, the power :math:`s` of their contrast, and a factor :math:`F`,
+a power :math:`a` and exponents of pressure and temperature for this band; continua have factors. Other gases, and all gases beyond 3350
+cm-1, are LOWTRAN7's; between 3250 and 3350 cm-1 the depths are weighted sums of both.
 
 References
 ----------
 Kneizys, F. X., et al. (1988), Users Guide to LOWTRAN 7, AFGL-TR-88-0177. Pincus, R., E. J. Mlawer and J. S. Delamere (2019), Balancing
 accuracy, efficiency, and flexibility in radiation calculations for dynamical models, J. Adv. Model. Earth Syst. 11, 3074-3089; the fit:
-``tools/fit_lblrtm.py``.
-
-Optical depth of absorber amounts in channels: continua and band laws of LOWTRAN7's form.
-
-.. math:: d(\nu) = \sum_k c_k(\nu) W_k + \sum_b (C_b(\nu) W_b)^{a_b}
-
-Lines of a band saturate (``a_b < 1``): the depth of a way is that of its whole amounts, not a sum over its parts.
-
-References
-----------
-Pierluissi, J. H., and C. E. Maragoudakis (1986), AFGL-TR-86-0272; LOWTRAN7's subroutines TRANS, DBLTX and O2CONT.
-
-Gases of one's own in a profile: today's carbon dioxide, or what somebody measured.
-
-References
-----------
+``tools/fit_lblrtm.py``. Pierluissi, J. H., and C. E. Maragoudakis (1986), AFGL-TR-86-0272; LOWTRAN7's subroutines TRANS, DBLTX and O2CONT.
 Lan, X., P. Tans and K. W. Thoning, Trends in globally-averaged CO2, NOAA Global Monitoring Laboratory: 424.6 ppmv at Mauna Loa in 2024.
 """
 
@@ -65,9 +55,9 @@ SELF_KELVIN: Final = 1800.0
 
 FIRST_COLUMN: Final = 101  #: Number of the first scaled amount of the file; LOWTRAN7's own are below.
 
-MORE_ROWS: Final = 2  #: Rows beside LOWTRAN7's: second terms of a gas, and LOWTRAN7's own where one goes over into the other.
+MORE_ROWS: Final = 2  #: Rows in addition to LOWTRAN7's: second terms of a gas, and LOWTRAN7's own terms in the join of both.
 
-HIGHEST, JOINED = 3250.0, 3350.0  #: Wavenumbers [cm-1] up to which the file goes, and from which on the numbers are LOWTRAN7's.
+HIGHEST, JOINED = 3250.0, 3350.0  #: Wavenumbers [cm-1] up to which the file reaches, and from which on the numbers are LOWTRAN7's.
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +106,7 @@ def band_numbers(spectroscopy: Spectroscopy) -> BandNumbers:
 
 
 def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
-    """Put the numbers of the file in the place of LOWTRAN7's."""
+    """Replace LOWTRAN7's numbers by the numbers of the file."""
     try:
         content = resources.files("seaglint.air").joinpath("data", FILE).read_bytes()
         lines = [line for line in content.decode("utf-8").splitlines() if not line.startswith("#")]
@@ -146,6 +136,7 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
         log_c = own.log_coefficient[gas, here] / own.power[gas, here]
         band = (nu[here] >= low) & (nu[here] <= high)
         mean = float(np.log(np.mean(np.exp(log_c[band]))))
+        # overlapping bands of one gas: the second law takes one of the further rows
         second = bool((column[gas, here] >= FIRST_COLUMN).any())
         at = _free_row(column, own.column.shape[0], here) if second else gas
         column[at, here], power[at, here] = number, a
@@ -171,7 +162,7 @@ def _free_row(column: NDArray[np.int64], first: int, here: NDArray[np.intp]) -> 
     return next(row for row in range(first, column.shape[0]) if not column[row, here].any())
 
 
-#: LOWTRAN7's numbers of all absorbers linear in the amount: those that scattered light passes, and O2.
+#: LOWTRAN7's numbers of all absorbers linear in the amount: the absorbers of scattered light, and O2.
 LINEAR: Final = (*CONTINUA, 63, 1, 2)
 
 
@@ -209,7 +200,7 @@ class BandLaws:
         return [*LINEAR, *self.gases.numbers]
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:
-        """Optical depth [1, (ways, n)] of amounts [(ways, columns)] in the order of :attr:`columns`."""
+        """Optical depth [1, (paths, n)] of amounts [(paths, columns)] in the order of :attr:`columns`."""
         column, power, coefficient = self._grown
         rows = amount[:, len(LINEAR) :]
         depth = amount[:, : len(LINEAR)] @ self.continuum + np.maximum(rows[:, column], 0.0) ** power @ coefficient
@@ -237,7 +228,7 @@ GRAM_PER_HPA: Final = 216.68  #: Water vapour of 1 hPa at 1 K [g m-3].
 
 @dataclass(frozen=True)
 class OwnGases:
-    """Gases that replace those of a profile; None leaves the profile's."""
+    """Gases that replace the gases of a profile; None leaves the profile's."""
 
     co2_ppmv: float | None = None  #: Of dry air, the same at all heights.
     #: ``ch4_ppmv``, ``n2o_ppmv``: Of dry air, at the lowest level; above in proportion to the profile's.
@@ -246,7 +237,7 @@ class OwnGases:
     ozone_du: float | None = None  #: Column from the sea up [Dobson units].
 
     def of(self, spectroscopy: Spectroscopy) -> OwnGases:
-        """Return the gases with carbon dioxide of today, unless LOWTRAN7's numbers go with LOWTRAN7's gases."""
+        """Return the gases with carbon dioxide of today, unless LOWTRAN7's numbers require LOWTRAN7's gases."""
         return replace(self, co2_ppmv=TODAY_CO2_PPMV) if self.co2_ppmv is None and spectroscopy != "lowtran7" else self
 
 
@@ -262,7 +253,7 @@ def ozone_column(profile: AirProfile) -> float:
 
 
 def with_gases(profile: AirProfile, gases: OwnGases) -> AirProfile:
-    """Return the profile with gases of one's own.
+    """Return the profile with some of its gases replaced.
 
     >>> from seaglint.air.profile.air_profile import model_profile
     >>> air = with_gases(model_profile("us-standard-1976"), OwnGases(co2_ppmv=425.0, ozone_du=300.0))

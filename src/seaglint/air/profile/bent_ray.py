@@ -25,7 +25,7 @@ THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))  #: Largest thickness
 #: Largest thickness of a piece [m] above heights [m] in a profile of more than :data:`MOST_NODE_LEVELS` levels.
 THICKEST_OF_MANY: Final = ((0.0, 25.0), (2e3, 100.0), (5e3, 250.0), (12e3, 500.0), (30e3, 5e3))
 
-#: Levels of a profile are nodes of every ray where there are no more of them; of more, means between nodes are taken.
+#: Largest number of levels of a profile for which every level is a node of every ray; with more levels means between nodes are taken.
 MOST_NODE_LEVELS: Final = 100
 
 NEARLY_LEVEL: Final = 0.003  #: Cosine of the zenith angle at its lower end below which a ray has nodes :data:`ABOVE_LOWEST` there.
@@ -63,7 +63,10 @@ class BentRay:
 
 @dataclass(frozen=True, eq=False)
 class RefractingAir:
-    """Refractivity over heights, exponential between levels, around an Earth of a radius; made as it is, or with :meth:`of`."""
+    """Refractivity over heights, exponential between levels, around an Earth of a radius.
+
+    Make it with :meth:`of`, or directly if no gradient is to be reduced.
+    """
 
     #: ``height``, ``log_refractivity``: Levels [m] and ``log(n - 1)``; (levels,).
     height: FloatArray
@@ -79,7 +82,7 @@ class RefractingAir:
         return cls(height, np.log(n), earth_radius)
 
     def refractivity(self, height: ArrayLike) -> FloatArray:
-        """``n - 1`` at heights [m]; above the top that of the top."""
+        """Refractivity ``n - 1`` at heights [m]; above the top the value at the top."""
         return np.asarray(np.exp(np.interp(np.asarray(height, dtype=np.float64), self.height, self.log_refractivity)))
 
     def invariant(self, height: ArrayLike, sine: ArrayLike = 1.0) -> FloatArray:
@@ -91,6 +94,7 @@ class RefractingAir:
     def cosine(self, height: ArrayLike, invariant: ArrayLike) -> FloatArray:
         """Size of the cosine of the zenith angle at heights [m] of a ray with an invariant, 0 below its lowest point."""
         here = self.invariant(height)
+        # 1 - sin, from differences of invariants: near the horizontal the cosine keeps its digits
         lack = np.clip((here - np.asarray(invariant, dtype=np.float64)) / (self.earth_radius + here), 0.0, 1.0)
         return np.asarray(np.sqrt(lack * (2.0 - lack)))
 
@@ -110,14 +114,14 @@ class RefractingAir:
         return np.asarray(np.arctan2(self.cosine(height, self._from_sea(c)), level))
 
     def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
-        """Cosine of the zenith angle at the sea [1] of rays seen at depressions [rad] from heights [m]; NaN where they miss the sea."""
+        """Cosine of the zenith angle at the sea [1] of rays at depressions [rad] from heights [m]; NaN for rays that miss the sea."""
         here, half = self.invariant(height), 0.5 * np.asarray(depression, dtype=np.float64)
         lack = (self.sea_invariant - here + 2.0 * np.sin(half) ** 2 * (self.earth_radius + here)) / (self.earth_radius + self.sea_invariant)
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sqrt(lack * (2.0 - lack)))
 
     def sea_arc(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
-        """Arc along the sea of rays that leave it at zenith angles ``arccos(sea_cosine)`` and end at a height [m]; without steps' errors.
+        """Arc along the sea of rays that leave it at zenith angles ``arccos(sea_cosine)`` and end at a height [m], without errors of steps.
 
         Between levels the integral over height runs over its root, in which it is smooth down to grazing rays.
         """
@@ -142,7 +146,7 @@ class RefractingAir:
         if invariant <= self.sea_invariant:
             return 0.0
         low, high = 0.0, height
-        for _ in range(60):
+        for _ in range(60):  # bisection to the last bit
             middle = 0.5 * (low + high)
             low, high = (middle, high) if float(self.invariant(middle)) < invariant else (low, middle)
         return high
@@ -150,8 +154,8 @@ class RefractingAir:
     def ray(self, height: float, zenith: float, end: float | None = None) -> BentRay:
         """Follow a ray from a height [m] at a zenith angle [rad] to the sea, to the top of the air, or to the height ``end`` [m].
 
-        A ray that starts downwards ends where it first reaches ``end`` below its start; to one above its start it goes on through its
-        lowest point.
+        A ray that starts downwards ends where it first reaches ``end`` below its start; to an ``end`` above its start it continues through
+        its lowest point.
         """
         return self._followed(height, zenith, end, None)
 
@@ -246,6 +250,7 @@ class RefractingAir:
             cosine = float(self.cosine(high, invariant))
             s = FIRST_PIECE * np.exp(np.arange(0.0, math.log(farthest / FIRST_PIECE), math.log(GROWTH)))
             z = high - cosine * s + s * s / (2.0 * radius)
+            # the parabola of the spacing may turn upwards before the lowest point: only its descending part gives nodes
             z = z[: max(int(np.argmax(np.diff(z, append=np.inf) >= 0.0)), 0)]
         else:
             cosine, base = float(self.cosine(low, invariant)), max(far, FIRST_PIECE)
@@ -261,18 +266,19 @@ class RefractingAir:
 
 
 def trapping_layers(height: FloatArray, refractivity: FloatArray, earth_radius: float) -> list[tuple[float, float]]:
-    """Layers that bend rays more than the Earth is round, from and to heights [m], neighbours taken together.
+    """Layers that bend rays more than the Earth curves, from and to heights [m], neighbours taken together.
 
     >>> trapping_layers(np.array([0.0, 50.0, 60.0, 70.0]), 1e-6 * np.array([280.0, 279.0, 276.0, 273.0]), 6371e3)
     [(50.0, 70.0)]
     """
+    # a horizontal ray bends by -dn/dz, the Earth by 1/R
     steep = np.diff(refractivity) / np.diff(height) < -1.0 / earth_radius
     edge = np.flatnonzero(np.diff(np.concatenate([[False], steep, [False]])))
     return [(float(height[a]), float(height[b])) for a, b in zip(edge[::2], edge[1::2], strict=True)]
 
 
 def _ladder(levels: FloatArray, low: float, high: float) -> tuple[FloatArray, FloatArray]:
-    """Levels that are nodes, and heights of even spacing between two heights [m]: finer ones where there are too many levels."""
+    """Levels that are nodes, and heights of even spacing between two heights [m]: finer spacing for profiles of too many levels."""
     few = levels.size <= MOST_NODE_LEVELS
     thickest = THICKEST if few else THICKEST_OF_MANY
     ends = [*(start for start, _ in thickest[1:]), np.inf]

@@ -1,7 +1,7 @@
 """Aerosols of LOWTRAN7 over the heights of a profile: density, extinction and absorption of the regions, whatever the haze.
 
 Up to 2 km lies the boundary layer's haze, then the troposphere's up to 10 km, the stratosphere's up to 30 km, meteoric dust above.
-Densities are extinctions at 0.55 um [km-1]; coefficients are relative to them.
+Densities are extinctions at 0.55 um [km-1]; coefficients are relative to these extinctions.
 
 References
 ----------
@@ -28,7 +28,7 @@ NAMES: Final = (
     "desert",
 )  # fmt: skip
 
-#: Visibility of a haze where none is given [km]; those of the Navy's and the desert's follow from the weather.
+#: Default visibility of a haze [km]; the visibilities of the Navy's and the desert's follow from the weather.
 DEFAULT_VISIBILITY: Final = {
     "rural-23km": 23.0, "rural-5km": 5.0, "maritime-23km": 23.0, "urban": 5.0, "tropospheric": 50.0, "advective-fog": 0.2,
     "radiative-fog": 0.5,
@@ -82,15 +82,15 @@ class Aerosols:
 def aerosols(profile: AirProfile, weather: HazeWeather, wavenumber_cm: FloatArray, humidity: float) -> Aerosols:
     """Return the aerosols of a profile on channels [cm-1, (n,)].
 
-    ``humidity`` [%] is that of the boundary layer's haze where its table asks for one: LOWTRAN7 takes the mean along a path, weighted by
-    the haze (:func:`mean_humidity`). The Navy's haze takes that of the lowest level.
+    ``humidity`` [%] is the boundary layer's, for hazes with a table over humidity: LOWTRAN7 takes the mean along a path, weighted by
+    the haze (:func:`mean_humidity`). The Navy's haze takes the humidity of the lowest level.
     """
     held, um = lowtran_numbers(), 1e4 / wavenumber_cm
     surface = profile.relative_humidity[0] if profile.haze_humidity is None else profile.haze_humidity
     below, visibility = _below(weather, float(surface), humidity)
     kinds = [below, _humid("troposphere", TROPOSPHERE_HUMIDITY), held["aerosol_stratosphere"], held["aerosol_meteoric"]]
     edges = (2e3, 10e3, 30e3)
-    if weather.haze == "tropospheric":  # LOWTRAN7 goes on with the same region up to 10 km
+    if weather.haze == "tropospheric":  # LOWTRAN7 continues with the same region up to 10 km
         kinds, edges = [kinds[0], kinds[2], kinds[3], kinds[3]], (10e3, 30e3, np.inf)
     region = np.searchsorted(np.array(edges), profile.height, side="left")
     haze = haze_by_height(profile, visibility) if weather.haze != "none" else np.zeros(profile.height.size)
@@ -106,6 +106,7 @@ def haze_by_height(profile: AirProfile, visibility_km: float) -> FloatArray:
     """Extinction of the aerosol at 0.55 um [km-1, (levels,)], between LOWTRAN7's heights exponential."""
     held = lowtran_numbers()
     height, layers = held["haze_height"], held["haze_below"]
+    # between two tabulated visibilities the haze is linear in 1/visibility, as the extinction is
     j = int(next((i for i in range(1, 5) if visibility_km >= VISIBILITIES[i]), 4))
     a, b = VISIBILITIES[j - 1], VISIBILITIES[j]
     inverse = 1.0 / (1.0 / b - 1.0 / a)
@@ -164,6 +165,7 @@ def _navy(weather: HazeWeather, humidity: float, visibility: float) -> tuple[Flo
     """Navy maritime aerosol: three sizes of droplets, grown by humidity, raised by the wind."""
     held = lowtran_numbers()
     rh = min(max(humidity, 50.0), 98.0)
+    # Gathman's growth of the radius of droplets with humidity
     f = ((2.0 - rh / 100.0) / (6.0 * (1.0 - rh / 100.0))) ** 0.33333
     wind, mean = max(min(weather.wind, 20.0), 1e-3), max(min(weather.wind_24h, 20.0), 1e-3)
     numbers = np.array([2000.0 * weather.air_mass**2, max(5.866 * (mean - 2.2), 0.5), 10.0 ** (0.06 * wind - 2.8)])

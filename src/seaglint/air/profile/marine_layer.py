@@ -26,7 +26,7 @@ REFERENCE_HEIGHT: Final = 10.0  #: Height of wind, air temperature and humidity 
 
 SIMILAR_UP_TO: Final = 50.0  #: Height up to which the profiles follow the law [m].
 
-JOINED_AT: Final = 500.0  #: Height from which on the air is that of the profile [m]; between both the difference fades evenly.
+JOINED_AT: Final = 500.0  #: Height from which on the air is the profile's [m]; between both the difference fades evenly.
 
 #: Levels of the lowest air [m], close where it changes most.
 LEVELS: Final = (
@@ -59,7 +59,7 @@ LEVELS: Final = (
 
 KARMAN: Final = 0.4  #: Von Karman's constant of the COARE law.
 
-ADIABATIC: Final = 9.8e-3  #: Fall of the temperature of dry air that rises [K m-1].
+ADIABATIC: Final = 9.8e-3  #: Decrease of the temperature of rising dry air with height [K m-1].
 
 SALT: Final = 0.98  #: Vapour pressure over sea water in parts of that over fresh water.
 
@@ -161,7 +161,7 @@ def similar_profiles(wind_speed: float, sea_kelvin: float, air_minus_sea: float,
         if abs(new - zeta) < 1e-10 * (1.0 + abs(new)):
             zeta = new
             break
-        zeta = 0.5 * (zeta + new)
+        zeta = 0.5 * (zeta + new)  # damped: half of every step
     return SimilarProfiles(friction, temperature, moisture, z / zeta if zeta != 0.0 else math.inf, heat)
 
 
@@ -171,7 +171,7 @@ def with_marine_layer(profile: AirProfile, wind_speed: float, sea_kelvin: float,
     Parameters
     ----------
     profile : AirProfile
-        The air above :data:`JOINED_AT`; its relative humidity at 10 m and its pressures are kept.
+        The air above :data:`JOINED_AT`; its relative humidity at 10 m and its pressures stay unchanged.
     wind_speed : float
         At 10 m [m s-1].
     sea_kelvin, air_minus_sea : float

@@ -1,16 +1,14 @@
-"""Nodes of a spline, added where the values between them need them: spectra of rays that pass layers of any sounding.
-
-Two splines, each through every other node, are compared with the nodes left out. Where they differ much, rays are added in the middle
-between nodes until the spline was right there. Smooth air costs no ray more than the first nodes.
-
-Air of a profile as every model asks for it: spectra of paths, sky and sunlight, splined between rays that are computed when asked for.
+"""Air of a profile as an atmosphere: spectra of paths, sky and sunlight, splined between rays that are computed on first use.
 
 A path is named by height and range, over the straight lines of :mod:`seaglint.base.conventions`; the sky between the horizontal and the
-sea's horizon by its share of the dip. So the camera's standard refraction and that of the profile meet at the same horizon.
+sea's horizon by its share of the dip. So the camera's standard refraction and the profile's refraction meet at the same horizon.
 
-Transmittance and sunlight of one profile at many winds: gases are summed once, the wind's aerosol for each.
+**Nodes.** A sounding may have any layers, so nodes are added where a spline needs them (:func:`refined_nodes`). Two splines, each through
+every other node, are compared with the nodes left out. Where they differ much, rays are added in the middle between nodes until the spline
+agrees with them. Smooth air costs no ray more than the first nodes.
 
-Transmittance is ``exp(-gases - aerosol)``, and only the aerosol knows the wind. For what needs no emission: likelihoods of sunlight.
+**Many winds.** :class:`WindyAir` gives transmittance and sunlight of one profile at many winds, without emission, for likelihoods of
+sunlight. Transmittance is ``exp(-gases - aerosol)`` and the wind affects the aerosol alone: gases are summed once, the aerosol per wind.
 """
 
 from __future__ import annotations
@@ -43,8 +41,8 @@ if TYPE_CHECKING:
 
 LIMIT: Final = 0.01  #: Error between nodes from which on one more is added [K].
 
-#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: a smooth spline is 16 times better with
-#: twice the nodes, one over a corner at least twice.
+#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: with twice the nodes a smooth spline is
+#: 16 times better, one over a corner at least 2 times.
 DOUBTED: Final = 4.0
 
 MOST_TIMES: Final = 4  #: Largest number of nodes, in parts of the first ones.
@@ -64,7 +62,7 @@ class RefinedNodes(NamedTuple):
 
 
 def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedNodes:
-    """Add nodes until a spline through them is right in the middle between those that are in doubt.
+    """Add nodes until a spline through them is within :data:`LIMIT` in the middle of every checked interval.
 
     Parameters
     ----------
@@ -78,7 +76,7 @@ def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedN
     Returns
     -------
     RefinedNodes
-        Nodes, and the largest error [K] of the last ones added where there may be no more; 0 where all were right.
+        Nodes, and the largest error [K] of the last ones added if their number is exhausted; 0 if all were within the limit.
     """
     x, y = place, values(place)
     doubt, left = _doubtful(x, y, errors), 0.0
@@ -101,7 +99,7 @@ def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedN
 
 
 def _doubtful(x: FloatArray, y: FloatArray, errors: Errors) -> NDArray[np.bool_]:
-    """Intervals beside nodes that a spline through every other node misses [(n - 1,)]."""
+    """Intervals next to nodes that a spline through every other node misses [(n - 1,)]."""
     off = np.zeros(x.size)
     for first in (1, 2):
         out = np.arange(first, x.size - 1, 2)
@@ -125,14 +123,14 @@ DIP_NODES: Final = 20  #: Numbers of rays between which spectra are splined.
 #: Steps of the lowest height of rays that start downwards [m] above heights [m].
 LOWEST_STEPS: Final = ((0.0, 200.0), (20e3, 1e3), (50e3, 5e3))
 
-#: Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and go on along their tangent.
+#: Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and continue along their tangent.
 BEYOND: Final = 1.1
 
 SKY_SCALE: Final = 0.004  #: Angle at which the spacing of the sky's rays changes from even to geometric [rad].
 
 ANGLE_SLACK: Final = 1e-6  #: Tolerance of angles at the edges [rad].
 
-COLD: Final = 200.0  #: Temperature [K] of colder sky in what an error of its radiance is worth: a band of no light has no temperature.
+COLD: Final = 200.0  #: Temperature [K] at which errors of colder sky are converted to temperature: a dark band has no temperature.
 
 CLEAR: Final = 1e-9  #: Smallest optical depth whose emission is evaluated.
 
@@ -172,8 +170,8 @@ class ProfileAtmosphere(ClearAir):
     scattering : callable, optional
         Function that makes the scatterers on part of the channels; None for air that scatters almost no sunlight.
     moving : bool
-        True for a sensor that changes its height: spectra are blended between those of heights 5 % apart, so that one set of rays
-        serves a whole track.
+        True for a sensor that changes its height: spectra are blended between heights 5 % apart, so that one set of rays serves a
+        whole track.
     spectroscopy : str
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
     rays : GasRays, optional
@@ -181,7 +179,7 @@ class ProfileAtmosphere(ClearAir):
 
     Notes
     -----
-    Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined, with more
+    Rays are computed when a height is first requested. Between them brightness temperature and encoded optical depth are splined, with more
     rays where two splines through half of them disagree (:mod:`seaglint.air.profile.profile_atmosphere`); errors of band temperatures above
     0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 100 km.
     """
@@ -214,7 +212,7 @@ class ProfileAtmosphere(ClearAir):
 
     @property
     def index(self) -> LayeredIndex:
-        """Refraction of the profile, ducts as they are."""
+        """Refraction of the profile, ducts included."""
         return self.sums.index
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
@@ -243,6 +241,7 @@ class ProfileAtmosphere(ClearAir):
             depression = self.sums.air.depression(height, cosine)
             rays = [self.sums.in_layers(height, 0.5 * np.pi + float(d)) for d in depression]
             slant = slant_range(height, [ray.ray.arc[-1] * self.sums.air.earth_radius for ray in rays])
+            # rays straight down may have equal lengths, which a spline does not allow
             keep = np.concatenate([[True], np.diff(slant) > 1e-6 * slant[1:]])
             slant = slant[keep]
             x = np.log(slant)
@@ -264,7 +263,7 @@ class ProfileAtmosphere(ClearAir):
         return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, values[..., 1, :])
 
     def _path_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
-        """Errors of splined paths in band temperature [K], before a sea as warm as the lowest air and of the path's own light."""
+        """Errors of splined paths in band temperature [K], in front of a sea as warm as the lowest air, and of the path's own light."""
         warm = np.full(self.wavenumber_cm.size, float(self.sums.profile.temperature[0]))
         sea = radiance_of(self.wavenumber_cm, warm)
         (tau, light), (own, lit) = self._decoded(splined), self._decoded(values)
@@ -273,7 +272,7 @@ class ProfileAtmosphere(ClearAir):
         return np.asarray(off / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
 
     def _sky_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
-        """Errors of splined brightness temperatures of the sky in band temperature [K]; of colder sky the radiance as at :data:`COLD`."""
+        """Errors of splined brightness temperatures of the sky in band temperature [K]; colder sky counts as at :data:`COLD`."""
         warm = np.maximum(values, COLD)
         slope = radiance_of(self.wavenumber_cm, warm + 1.0) - radiance_of(self.wavenumber_cm, warm)
         off = radiance_of(self.wavenumber_cm, splined) - radiance_of(self.wavenumber_cm, values)
@@ -357,6 +356,7 @@ class ProfileAtmosphere(ClearAir):
         if found is not None:
             return found
         dip = horizon_depression(height) if height > 0.0 else 0.0
+        # the profile's dip over the camera's: below the horizontal elevations are scaled so that both horizons coincide
         bent = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
         y = np.linspace(float(_sky_coordinate(-dip)), float(_sky_coordinate(0.5 * np.pi)), SUN_NODES)
         elevation = np.minimum(_sky_elevation(y), 0.5 * np.pi)
@@ -370,8 +370,8 @@ class ProfileAtmosphere(ClearAir):
     def solar_irradiance(self, solar_zenith: ArrayLike, height: float = 0.0) -> FloatArray:
         """Direct sunlight at a height [m], normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)].
 
-        ``solar_zenith`` is the apparent (refracted) zenith angle, there, of the point of the Sun looked at [rad, (...)]; below the sea's
-        horizon, at the sea beyond pi/2, there is no light.
+        ``solar_zenith`` is the apparent (refracted) zenith angle, there, of the point of the Sun looked at [rad, (...)]. The result is 0
+        below the sea's horizon, at the sea beyond pi/2.
         """
         require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
         elevation = 0.5 * np.pi - require_solar_zenith(solar_zenith)
@@ -386,9 +386,9 @@ class ProfileAtmosphere(ClearAir):
         return self.solar_irradiance(solar_zenith, height)
 
     def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky in directions [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+        """Thermal radiance of the clear sky in directions [rad, (...)] from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
 
-        From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
+        From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones point at the sea
         and are refused.
         """
         require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
@@ -424,6 +424,7 @@ class ProfileAtmosphere(ClearAir):
             for (start, step), end in zip(LOWEST_STEPS, ends, strict=True)
         ]
         lowest = np.concatenate(steps)
+        # rays whose lowest points step through the heights: the sky changes fast as a ray grazes a layer
         grazing = np.arcsin(self.sums.air.cosine(height, self.sums.air.invariant(lowest)))
         below = np.concatenate([below, _sky_coordinate(-grazing / bent)])
         x = np.concatenate([np.unique(below), above])
@@ -457,7 +458,7 @@ def _sky_elevation(coordinate: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class _LaidPaths:
-    """Paths or rays laid end to end, and the optical depth of their gases.
+    """Paths or rays joined end to end, and the optical depth of their gases.
 
     Heights of the cuts [m], lengths of the parts [m], first piece of each path, and depths [1, (paths, n)].
     """
@@ -490,7 +491,7 @@ class WindyAir:
         return cls(AirSums(profile, HazeWeather(), wavenumber_cm, spectroscopy=spectroscopy))
 
     def at(self, wind: float) -> AirAtWind:
-        """The air at a wind [m s-1], also that of the last 24 hours."""
+        """Air at a wind [m s-1], which is also the mean wind of the last 24 hours."""
         sums = self.sums
         haze = HazeWeather(wind=wind, wind_24h=wind)
         return AirAtWind(self, AirSums(sums.profile, haze, sums.laws.wavenumber_cm, spectroscopy=sums.spectroscopy))
@@ -519,8 +520,8 @@ class WindyAir:
 class AirAtWind:
     """Transmittance and sunlight of :class:`WindyAir` at one wind."""
 
-    air: WindyAir  #: What does not depend on the wind.
-    sums: AirSums  #: The aerosol.
+    air: WindyAir  #: Gases, which do not depend on the wind.
+    sums: AirSums  #: Aerosol at the wind.
     _light: dict[tuple[float, ...], FloatArray] = field(default_factory=dict)
 
     @property

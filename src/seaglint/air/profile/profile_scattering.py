@@ -1,6 +1,7 @@
-"""Scatterers of a profile: what :mod:`seaglint.air.scattering` sums single scattering of sunlight from, for any profile and haze.
+"""Scatterers of any profile and haze, and scattered sunlight of many cases.
 
-Scattered sunlight of many cases with their own wind, height, direction and Sun, computed line by line without a table.
+:mod:`seaglint.air.scattering` sums single scattering of sunlight over these scatterers. Cases that each have a wind, height, direction and
+Sun are computed line by line, without a table (:func:`scattered_cases`).
 """
 
 from __future__ import annotations
@@ -128,6 +129,7 @@ class Scatterers:
         thin = self._profile
         if humidity is None and haze.haze in HUMID_TABLES:
             dry = aerosols(thin, haze, self._nu, 0.0)
+            # a level's weight is the amount of haze in the layer below it
             weight = np.concatenate([[0.0], 0.5 * (dry.density[0, :-1] + dry.density[0, 1:]) * np.diff(thin.height)])
             humidity = mean_humidity(thin.relative_humidity, weight)
         kept = aerosols(thin, haze, self._nu, humidity or 0.0)
@@ -173,13 +175,13 @@ def model_scatterers(
 
 
 def maritime(wind_speed: float) -> HazeWeather:
-    """Return the Navy's haze at a wind [m s-1]; above 20 m/s that of 20, as in LOWTRAN7."""
+    """Return the Navy's haze at a wind [m s-1]; above 20 m/s the haze at 20 m/s, as in LOWTRAN7."""
     wind = min(float(wind_speed), NAVY_AEROSOL_WIND[1])
     return HazeWeather(wind=wind, wind_24h=wind)
 
 
 def _phase_humidity(haze: str, humidity: FloatArray) -> FloatArray:
-    """Humidity [%] of the phase functions: LOWTRAN7 takes the tropospheric haze's of the next drier table."""
+    """Humidity [%] of the phase functions: for the tropospheric haze LOWTRAN7 takes the next drier table."""
     return np.array(HUMIDITIES)[np.searchsorted(HUMIDITIES, humidity, side="right") - 1] if haze == "tropospheric" else humidity
 
 
@@ -217,7 +219,7 @@ def _mie_phase(haze: str, channels: tuple[float, ...]) -> FloatArray:
 
 _THREADS: Final = min(os.cpu_count() or 1, 4)
 
-SCATTERED_UM: Final = (2.0, 5.5)  #: Wavelengths of bands whose scattered sunlight is computed [um]; in 7.5-14 um there is almost none.
+SCATTERED_UM: Final = (2.0, 5.5)  #: Wavelengths of bands for which scattered sunlight is computed [um]; in 7.5-14 um it is negligible.
 
 _PARTS: Final = 8  #: Parts of the work for each thread.
 
@@ -226,7 +228,7 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, con
     """Scattered radiance of cases in bands, Sun at 1 au [W m-2 sr-1, (cases,)], in LOWTRAN7's layers or continuous, with its band laws.
 
     ``lines`` [(cases, 5)]: wind [m s-1], height [m], then elevation, azimuth from the Sun and the Sun's zenith angle without refraction at
-    the sensor [rad]. A disc cut by the sea's horizon counts by the share that is up; a Sun below scatters nothing.
+    the sensor [rad]. A disc cut by the sea's horizon counts by its visible share; a Sun below the horizon scatters nothing.
     """
     if not bands:
         return []

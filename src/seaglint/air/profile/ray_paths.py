@@ -24,13 +24,13 @@ FINEST: Final = ((0.0, 5.0), (200.0, 25.0), (2e3, 200.0), (12e3, 1e3))
 
 ABOVE: Final = 2e5  #: Height above the last level up to which rays are followed, without air [m].
 
-MOST_LEVELS: Final = 400  #: Levels of a profile are kept where there are no more of them; of more, those at steps of :data:`DENSE` serve.
+MOST_LEVELS: Final = 400  #: Largest number of levels that are all used; larger profiles are sampled at steps of :data:`DENSE`.
 
 DENSE: Final = ((0.0, 1.0), (100.0, 5.0), (500.0, 25.0), (2e3, 200.0), (12e3, 1e3))  #: As :data:`FINEST`, for profiles of many levels.
 
 HIGHEST: Final = 0.01  #: Elevation up to which a ray in a duct may come back to the sea [rad].
 
-STEEPER: Final = 16  #: Elevations tried between straight down and where the horizon of standard air is, in even ratios.
+STEEPER: Final = 16  #: Number of elevations tried between straight down and the horizon of standard air, in even ratios.
 
 MOST_CROSSINGS: Final = 20_000  #: Largest number of levels that a ray crosses; one in a duct crosses some tens in 10 km.
 
@@ -49,9 +49,9 @@ class RayPaths:
     _curve: FloatArray
 
     def at(self, arc: float, *, into_sea: bool = False) -> FloatArray:
-        """Heights of the rays at an arc [m, (rays,)]; NaN where they have met the sea before.
+        """Heights of the rays at an arc [m, (rays,)]; NaN for rays that met the sea before.
 
-        With ``into_sea`` they go on below it, as into the trough of a wave.
+        With ``into_sea`` they continue below it, as into the trough of a wave.
         """
         piece = np.maximum((self._begin <= arc).sum(axis=0) - 1, 0)
         ray = np.arange(piece.size)
@@ -63,7 +63,7 @@ class RayPaths:
 
 @dataclass(frozen=True, eq=False)
 class LayeredIndex:
-    """Refraction of a profile, ducts as they are.
+    """Refraction of a profile, ducts included.
 
     Parameters
     ----------
@@ -98,12 +98,12 @@ class LayeredIndex:
     def paths(self, height: float, elevation: FloatArray, farthest: float) -> RayPaths:
         """Follow rays from a height [m] at elevations [rad, (rays,)] up to an arc [m].
 
-        Errors: those of a gradient that is constant within :data:`FINEST` (1e-6 rad over 30 km), none of steps.
+        Errors come from gradients that are constant within :data:`FINEST` (1e-6 rad over 30 km); steps cause none.
         """
         zeta, log_m = self.levels
         start = self.earth_radius * np.log1p(height / self.earth_radius)
         first = int(np.clip(np.searchsorted(zeta, start, side="right") - 1, 0, zeta.size - 2))
-        square = np.expm1(2.0 * log_m)
+        square = np.expm1(2.0 * log_m)  # m^2 - 1, which keeps its digits
         gradient = np.diff(square) / np.diff(zeta)
         here = square[first] + gradient[first] * (start - zeta[first])
         e = np.asarray(elevation, dtype=np.float64)
@@ -140,7 +140,7 @@ class LayeredIndex:
         """Elevation of the sea's horizon from a height [rad]: no ray above it meets the sea within an arc [m]."""
         depth = 1.6 * (np.sqrt(2.0 * height / self.earth_radius) + 1e-3)
         low, high = -min(depth, 0.5 * np.pi), max(depth, HIGHEST)
-        # a sea warmer than the air bends rays upwards, so that its horizon may lie below any guess; straight down is always sea
+        # a sea warmer than the air bends rays upwards, so that its horizon may be below any guess; straight down is always sea
         below = -np.geomspace(0.5 * np.pi, -low, STEEPER, endpoint=False)
         tried = np.concatenate([below, np.linspace(low, high, 65)])
         for _ in range(8):
@@ -159,9 +159,10 @@ class LayeredIndex:
 
 
 def _reach(distance: FloatArray, slope: FloatArray, curve: FloatArray) -> FloatArray:
-    """Arc to the next crossing of a level ``distance`` ahead [m]; infinite where there is none."""
+    """Arc to the next crossing of a level ``distance`` ahead [m]; infinite without a crossing."""
     root = slope * slope + 2.0 * curve * distance
     size = np.sqrt(np.maximum(root, 0.0))
     with np.errstate(divide="ignore", invalid="ignore"):
+        # first positive root of distance = slope x + curve x^2/2; a rising ray takes the form without cancellation
         ahead = np.where(slope > 0.0, 2.0 * distance / (slope + size), np.where(curve > 0.0, (size - slope) / curve, np.inf))
     return np.where((root >= 0.0) & np.isfinite(ahead), ahead, np.inf)

@@ -52,7 +52,7 @@ class LayerGrid(NamedTuple):
     """Quadrature heights of every whole layer, for rays far from level there: the sums need no exponentials.
 
     ``invariant[l, g]``: ``n r`` there [km], and at the levels ``at_level[l]``; ``amount[l, g, k]``: weights of ``1/cos(zenith)`` for the
-    amounts; ``bending[l, g]`` and ``turn[l, g]`` those of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
+    amounts; ``bending[l, g]`` and ``turn[l, g]`` the weights of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
     """
 
     at_level: np.ndarray
@@ -67,8 +67,9 @@ class Laws(NamedTuple):
 
     ``density[k, l]``: scaled densities at the levels of four aerosols, molecules, then absorbers; ``humidity`` relative [%] and ``tops``
     the highest levels of the aerosol regions. ``linear[k, i]``: coefficients of the columns whose optical depth is proportional to the
-    amount; ``scattering[k, i]`` those of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical depth
-    ``coefficient W**power[s]`` in channels first...end, whose coefficients are listed one after another. ``grid`` follows from the levels.
+    amount; ``scattering[k, i]`` the coefficients of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical
+    depth ``coefficient W**power[s]`` in channels first...end, whose coefficients are listed one after another. ``grid`` follows from the
+    levels.
     """
 
     earth_radius: float
@@ -126,7 +127,7 @@ def tangent_height(laws: Laws, invariant: float, z: float) -> float:
     if invariant < invariant_of(laws, 0.0, 1.0):
         return SHADE
     low, high = 0.0, z
-    for _ in range(60):
+    for _ in range(60):  # bisection to the last bit
         middle = 0.5 * (low + high)
         if invariant_of(laws, middle, 1.0) < invariant:
             low = middle
@@ -162,6 +163,7 @@ def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float, scale: float) ->
 
     It follows ``exp(scale / T)``; with 0 it is linear, as in LOWTRAN7.
     """
+    # mean pressure over mean density, both exponential between the points: the temperature weighted with density
     kelvin = kelvin1
     rho1, rho2 = p1 / kelvin1, p2 / kelvin2
     if abs(rho2 / rho1 - 1.0) > 1e-9 and abs(p2 / p1 - 1.0) > 1e-9:
@@ -192,6 +194,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     sine1 = min(invariant / ((1.0 + n1) * (re + z1)), 1.0)
     sine2 = min(invariant / ((1.0 + n2) * (re + z2)), 1.0)
     cos1 = math.sqrt((1.0 - sine1) * (1.0 + sine1))
+    # curvature of the ray relative to the Earth, with a floor for almost trapped rays
     curved = max(sine1 * sine1 - (re + z1) * fall * n1 / (1.0 + n1) * sine1 * sine1, 0.02) / (re + z1)
     dz = z2 - z1
     length = 2.0 * dz / (cos1 + math.sqrt(cos1 * cos1 + 2.0 * curved * dz))
@@ -218,7 +221,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     turned = math.asin(sine1) - math.asin(sine2) + bending
     if columns == 0:
         return turned, bending
-    # Temperature of the layer, weighted with the density of air, says how much of the continuum counts as cold.
+    # The layer's temperature, weighted with the density of air, determines how much of the continuum counts as cold.
     p1 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z1 - laws.height[layer]) / thick)
     p2 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z2 - laws.height[layer]) / thick)
     for k in range(columns):
@@ -235,6 +238,7 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
     turn, bending = 0.0, 0.0
     for layer in range(first, last):
         low, high = invariant / grid.at_level[layer], invariant / grid.at_level[layer + 1]
+        # near level the squared cosine grows by a large factor within the layer, which fixed heights do not resolve
         if (1.0 - high * high) > _STRAIGHT * (1.0 - low * low):
             part = layer_part(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
             turn += part[0]
@@ -289,6 +293,7 @@ def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.n
         lowest = tangent_height(laws, invariant, z)
         if lowest < 0.0:
             return SHADE
+        # below the start the ray passes every layer twice, down to its tangent height and up again
         bending = 2.0 * rise(laws, lowest, z, invariant, work, out)[1]
         for k in range(out.size):
             out[k] *= 2.0

@@ -4,12 +4,12 @@ r"""Single scattering of sunlight into a line of sight, summed over LOWTRAN7's l
    J_c = \sum_j \tfrac{1}{2} (\tau^s_{j-1} - \tau^s_j)
    \left(\frac{w_{c,j-1} T_{j-1}}{\tau^s_{j-1}} + \frac{w_{c,j} T_j}{\tau^s_j}\right)
 
-over the points j where the line crosses a level: ``tau^s`` is the transmittance of the line up to there as far as its scatterers go,
-``T_j`` that of the whole way Sun - point - sensor, ``w`` the share of kind c among the scatterers of its group, aerosols or molecules.
-Azimuth enters through the Sun's zenith angle at each point alone.
+over the points j where the line crosses a level: ``tau^s`` is the transmittance of the line up to there by its scatterers alone, ``T_j``
+the transmittance of the whole path Sun - point - sensor, ``w`` the share of kind c among the scatterers of its group, aerosols or
+molecules. Azimuth enters through the Sun's zenith angle at each point alone.
 
-Two things are smooth here that are not in LOWTRAN7: it leaves out refraction of sunlight below 0.1 deg, and a point where the Earth
-hides the whole Sun without refraction lies in the dark; here all sunlight is refracted, and the disc sets behind the point's horizon.
+Two quantities are smooth, unlike in LOWTRAN7, which omits refraction of sunlight below 0.1 deg and takes a point as dark if the Earth
+hides the whole Sun without refraction: all sunlight is refracted, and the disc sets behind the point's horizon.
 
 References
 ----------
@@ -60,12 +60,12 @@ class SunwardTable(NamedTuple):
     coefficient: np.ndarray
 
 
-NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))  #: Table without heights: every amount is summed for itself.
+NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))  #: Table without heights: every amount is summed separately.
 
 
 @njit
 def horizon_zenith(laws: Laws, z: float) -> float:
-    """Zenith angle [rad] of the refracted sea horizon seen from a height [km]."""
+    """Zenith angle [rad] of the refracted sea horizon from a height [km]."""
     return math.pi - math.asin(min(invariant_of(laws, 0.0, 1.0) / invariant_of(laws, z, 1.0), 1.0))
 
 
@@ -73,7 +73,8 @@ def horizon_zenith(laws: Laws, z: float) -> float:
 def apparent_zenith(laws: Laws, z: float, zenith: float, work: np.ndarray) -> float:
     """Apparent zenith angle [rad] of the Sun at a height [km], from the angle without refraction [rad].
 
-    One step, as in LOWTRAN7: less by the bending of the ray with the angle without refraction; below the horizon by that of the horizon.
+    One step, as in LOWTRAN7: less by the bending of the ray with the angle without refraction; below the horizon by the bending of the
+    horizon's ray.
     """
     grazing = horizon_zenith(laws, z) - _GRAZING
     return zenith - max(sun_amounts(laws, z, min(zenith, grazing), work, work[0, :0]), 0.0)
@@ -95,6 +96,7 @@ def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: floa
     """Compute :func:`sun_seen`, from the table where it has the j-th point's height and the Sun's zenith angle."""
     if j >= table.height.size or table.height[j] != z or zenith < table.first or zenith > table.last:
         return sun_seen(laws, z, zenith, work, out)
+    # Chebyshev polynomials by their recurrence, divided by the cosine with which the amounts were multiplied
     x = (2.0 * zenith - table.first - table.last) / (table.last - table.first)
     for k in range(out.size):
         out[k] = 0.0
@@ -110,7 +112,7 @@ def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: floa
 def fill_suns(laws: Laws, height: np.ndarray, zenith: np.ndarray, out: np.ndarray) -> None:
     """Compute amounts to the Sun times the cosine of its zenith angle, at heights [km] (heights, zeniths, columns).
 
-    Zenith angles [rad] are those without refraction.
+    Zenith angles [rad] are without refraction.
     """
     work = np.zeros((WORK_ROWS, out.shape[2]))
     for j in range(height.size):
@@ -239,8 +241,8 @@ def _log_mean(a: float, b: float, x: float) -> float:
 def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, float], table: SunwardTable, out: np.ndarray) -> float:
     """Compute amplitudes as :func:`line_amplitudes`, of continuous air, along a traced line: ``J_c`` is the integral of ``beta_c T``.
 
-    T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its own
-    kind where it is.
+    T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its kind at
+    its place.
     """
     columns, channels = laws.density.shape[0], laws.linear.shape[1]
     work = np.zeros((WORK_ROWS, columns))

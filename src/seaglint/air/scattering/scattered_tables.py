@@ -1,6 +1,7 @@
-"""Scattered sunlight of a user's calculation, as the tables of :mod:`seaglint.air.scattering.scattered_light`.
+"""Tables of scattered sunlight for :mod:`seaglint.air.scattering.scattered_light`.
 
-Tables of scattered sunlight for :mod:`seaglint.air.scattering.scattered_light`, from lines of sight computed one by one.
+They are made from lines of sight computed one by one (:class:`ScatteredLight`), or from the samples of a user's calculation
+(:class:`SampledLight`).
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ FILE_DIP_ROWS: Final = 64
 
 #: Height [m] up to which the sky below the horizontal is the horizontal's.
 #:
-#: LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea.
+#: LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with different air, would appear as a line above the sea.
 LOW: Final = 300.0
 
 _RANK: Final = 1e-4  #: Relative singular value of the spectra below which components are dropped.
@@ -47,8 +48,8 @@ _RANK: Final = 1e-4  #: Relative singular value of the spectra below which compo
 class SampledLight:
     """Scattered sunlight of a file, for its one Sun; as :class:`seaglint.air.scattering.scattered_tables.ScatteredLight`.
 
-    Radiance is split into a function of the scattering angle, which has the aureole, and what is left, which is smooth and interpolated
-    linearly between the file's directions. What the file leaves out is dark.
+    Radiance is split into a function of the scattering angle, which has the aureole, and the smooth rest, which is interpolated
+    linearly between the file's directions. Directions that the file omits are dark.
     """
 
     samples: ScatteredSamples
@@ -76,7 +77,7 @@ class SampledLight:
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sensor, in band."""
+        """Table of the scattered sky above the sensor, in band."""
         held = self._sky_from(self.height)
         if held is None:
             return DARK
@@ -88,7 +89,7 @@ class SampledLight:
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sea, as spectra."""
+        """Table of the scattered sky above the sea, as spectra."""
         held = self._sky_from(0.0)
         if held is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
@@ -127,7 +128,7 @@ class SampledLight:
         size = np.sqrt((values**2).sum(axis=2))
         angular = self._angular(angle, size)
         smooth = np.interp(angle, np.linspace(0.0, math.pi, ANGLES), angular)
-        # the rest: its magnitude by the logarithm
+        # the smooth rest: its magnitude is interpolated as a logarithm, its spectrum linearly
         tiny = 1e-9 * max(float(size.max()), 1e-30)
         left = np.concatenate([np.log(np.maximum(size, tiny) / smooth)[..., None], values / np.maximum(size, tiny)[..., None]], axis=2)
         columns = np.sin(0.5 * azimuth) ** 2
@@ -201,14 +202,14 @@ def scattered_in(
     """Return the scattered sunlight of a band in any atmosphere.
 
     Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. Air from a
-    file has what the file tells.
+    file has the scattered sunlight of the file.
 
     Parameters
     ----------
     atmosphere : Atmosphere or None
-        Asked for samples of its own, ``scattered``, else for its scatterers; None for light that is left out.
+        Source of samples, ``scattered``, or else of scatterers; None to omit scattered sunlight.
     grid, weights : slice, ndarray
-        Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.facet.sea_view.BandSum` has them.
+        Samples in the band and its quadrature weights there [cm-1, (n,)], as in :class:`seaglint.facet.sea_view.BandSum`.
     height, solar_zenith, farthest_turn : float
         As for :class:`ScatteredLight`; ``seaglint.facet.sea_view.SeaView`` has all three.
     """
@@ -219,7 +220,7 @@ def scattered_in(
         return SampledLight(samples, grid, np.asarray(weights, dtype=np.float64), height)
     air = atmosphere.scattering(grid) if up and atmosphere is not None else None
     made = ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
-    # Its tables take 0.4 s: a frame has those of the mean map, and a map those of the one before where air and Sun are the same.
+    # Its tables take 0.4 s: a frame reuses the tables of the mean map, and a map the tables of an earlier one with the same air and Sun.
     key = hashlib.blake2b(pickle.dumps(made)).digest()
     with _LOCK:
         made = _KEPT.pop(key, made)
@@ -235,15 +236,15 @@ class ScatteredLight:
 
     Notes
     -----
-    A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below scatters
-    nothing, twilight is left out. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
+    A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below it scatters
+    nothing, twilight is omitted. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
     """
 
-    air: ScatteringAir | None  #: On the band's channels; None where nothing scatters, the tables then hold nothing.
+    air: ScatteringAir | None  #: Air on the band's channels; None if nothing scatters: the tables are then dark.
     weights: FloatArray  #: Quadrature weights of the band on them [cm-1, (n,)].
     height: float  #: Sensor height [m].
     solar_zenith: float  #: Apparent zenith angle of the Sun's centre at the sea at the sensor's foot [rad].
-    #: Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` then serves Suns that much higher and lower.
+    #: Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` covers Suns that much higher and lower.
     farthest_turn: float = 0.0
 
     @property
@@ -263,7 +264,7 @@ class ScatteredLight:
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sensor, in band [W m-2 sr-1]."""
+        """Table of the scattered sky above the sensor, in band [W m-2 sr-1]."""
         if self.air is None:
             return DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
@@ -273,7 +274,7 @@ class ScatteredLight:
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sea, as spectra."""
+        """Table of the scattered sky above the sea, as spectra."""
         return self.sea_sky_within(self.farthest_turn)
 
     def sea_sky_within(self, turn: float) -> ScatteredTable:
@@ -307,7 +308,7 @@ class ScatteredLight:
         return self._spectra(zenith, azimuth, self.height, self._aloft)
 
     def sky_spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float) -> FloatArray:
-        """Scattered sky in every channel, seen from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad]."""
+        """Scattered sky in every channel, from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad]."""
         if self.air is None:
             return np.zeros((zenith.size, azimuth.size, self.weights.size))
         return self._spectra(zenith, azimuth, height, float(self.air.apparent_zenith(self._sun, height)))
@@ -464,6 +465,7 @@ def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray
     energy, vectors = np.linalg.eigh(scaled @ scaled.T)
     left = np.sqrt(np.maximum(np.cumsum(np.maximum(energy, 0.0)) / energy.sum(), 0.0))
     count = min(max(int(np.sum(left > SHAPE_ERROR)), 1), MOST_SHAPES)
+    # eigenvectors of the weighted phase functions, largest first: the fewest shapes for a given error
     kinds = (vectors[:, ::-1][:, :count].T @ scaled) / matter  # of the scaled phase functions
     # Least squares over kinds and channels, as they count, gives the shapes at all angles.
     basis = kinds * matter

@@ -1,8 +1,8 @@
 """Scatterers and absorbers of one atmosphere: LOWTRAN7's own profiles, band laws and phase functions, on part of the spectrum.
 
-From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`), whatever the height, direction and
-Sun: a table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
-for any profile and haze, :mod:`seaglint.formats.lowtran.lowtran_sample` of a run of LOWTRAN7.
+From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`) for any height, direction and Sun; a
+table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
+for any profile and haze, :mod:`seaglint.formats.lowtran.lowtran_sample` from a run of LOWTRAN7.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SUN_NODES: Final = (6, 10)
 
 HIGH_SUN: Final = float(np.radians(66.0))  #: Zenith angle [rad].
 
-LOWEST_SUN: Final = float(np.radians(88.0))  #: Zenith angle of the Sun up to which they are [rad].
+LOWEST_SUN: Final = float(np.radians(88.0))  #: Zenith angle of the Sun up to which amounts are interpolated [rad].
 
 #: Part of the Sun's elevation by which it may be lower at a place in the table, and half that by which it may be higher; beyond, rays are
 #: followed one by one.
@@ -53,7 +53,7 @@ _LOCK: Final = threading.Lock()
 
 
 class Segments(NamedTuple):
-    """Consecutive bands as :class:`Laws` has them: (column, first, end), their powers, and coefficients of all their channels."""
+    """Consecutive bands as in :class:`Laws`: (column, first, end), their powers, and coefficients of all their channels."""
 
     place: NDArray[np.int64]
     power: FloatArray
@@ -154,7 +154,7 @@ class ScatteringAir:
         """
         # Copies, which can be written to: kernels are compiled once for them, wherever the arrays are from.
         density = np.array(levels.density)
-        density[SELF_COLD] = 0.0  # made of the column before it, by temperature
+        density[SELF_COLD] = 0.0  # kernels derive it from the column before it, by temperature
         laws = Laws(
             float(levels.earth_radius),
             np.array(levels.height),
@@ -222,9 +222,9 @@ class ScatteringAir:
         return out
 
     def even_phase(self, count: int) -> FloatArray:
-        """Phase functions [sr-1, (count, KINDS, n)] at even steps of the scattering angle from 0 to pi, which no one may change.
+        """Phase functions [sr-1, (count, KINDS, n)] at even steps of the scattering angle from 0 to pi; read-only.
 
-        Winds share them: their haze scatters with the same phase functions, in other shares.
+        Different winds share them: their haze scatters with the same phase functions, in other shares.
         """
         with _LOCK:
             for log_phase, table in _EVEN:
@@ -270,6 +270,7 @@ class ScatteringAir:
         near = NEARER * (0.5 * np.pi - most)
         first, last = max(least - min(reach, 2.0 * near), 0.0), most + min(reach, near)
         count = SUN_NODES[last > HIGH_SUN]
+        # Chebyshev points: their interpolation matrix is well conditioned, and errors stay even over the interval
         x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
         values = np.empty((heights.size, count, self.laws.density.shape[0]))
         fill_suns(self.laws, np.array(heights), 0.5 * (first + last) + 0.5 * (last - first) * x, values)
@@ -284,7 +285,7 @@ def grid_of(levels: AirLevels) -> LayerGrid:
 
 
 def molecular_phase(angle: ArrayLike) -> FloatArray:
-    """Phase function of molecules with a depolarisation of 0.0279 [sr-1], as LOWTRAN7 has it.
+    """Phase function of molecules with a depolarisation of 0.0279 [sr-1], as in LOWTRAN7.
 
     >>> round(float(molecular_phase(0.0)), 5)
     0.11772
@@ -293,7 +294,7 @@ def molecular_phase(angle: ArrayLike) -> FloatArray:
 
 
 def scattering_angle(zenith: ArrayLike, azimuth_from_sun: ArrayLike, solar_zenith: ArrayLike) -> FloatArray:
-    """Angle between sunlight and the light it becomes in a line of sight [rad]: that between the directions to the Sun and looked into.
+    """Scattering angle of sunlight in a line of sight [rad]: the angle between the directions to the Sun and looked into.
 
     >>> round(float(scattering_angle(1.2, 0.0, 1.0)), 9)
     0.2
