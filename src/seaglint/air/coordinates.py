@@ -16,6 +16,13 @@ from numpy.typing import ArrayLike
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 
+SKY_HEIGHT_SCALE = 20.0  #: Height at which the spacing of the sky's height nodes changes from even to geometric [m].
+
+ELEVATION_SCALE = 0.012  #: Angle above the horizontal at which the spacing of elevation nodes changes from even to geometric [rad].
+
+#: Optical depths below which a channel is clear and far above which it is opaque; the encoding spends little precision on either.
+OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
+
 
 def _over_radius(height: FloatArray) -> FloatArray:
     """Difference of squared radii ``(R' + h)^2 - R'^2`` [m2]."""
@@ -68,9 +75,9 @@ def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArra
     h = np.asarray(height, dtype=np.float64)
     edges = np.array(levels)
     layer = np.clip(np.searchsorted(edges, h, side="right") - 1, 0, edges.size - 2)
-    part = np.maximum(h - edges[layer], 0.0) / (edges[layer + 1] - edges[layer])
+    fraction = np.maximum(h - edges[layer], 0.0) / (edges[layer + 1] - edges[layer])
     low = np.log(np.minimum(h, edges[0]) / edges[0])
-    return np.asarray(np.where(h <= edges[0], low, layer + np.sqrt(part)))
+    return np.asarray(np.where(h <= edges[0], low, layer + np.sqrt(fraction)))
 
 
 def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
@@ -82,14 +89,9 @@ def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> Float
     h = np.asarray(height, dtype=np.float64)
     edges = np.array(levels)
     layer = np.clip(np.searchsorted(edges, h, side="right") - 1, 0, edges.size - 2)
-    part = np.clip((h - edges[layer]) / (edges[layer + 1] - edges[layer]), 0.0, 1.0)
+    fraction = np.clip((h - edges[layer]) / (edges[layer + 1] - edges[layer]), 0.0, 1.0)
     low = np.minimum(np.log1p(h / SKY_HEIGHT_SCALE) / np.log1p(edges[0] / SKY_HEIGHT_SCALE), 1.0)
-    return np.asarray(np.where(h <= edges[0], 1.0 - np.sqrt(1.0 - low), 1.0 + layer + np.arcsin(np.sqrt(part)) / (0.5 * np.pi)))
-
-
-SKY_HEIGHT_SCALE = 20.0  #: Height at which the spacing of the sky's height nodes changes from even to geometric [m].
-
-ELEVATION_SCALE = 0.012  #: Angle above the horizontal at which the spacing of elevation nodes changes from even to geometric [rad].
+    return np.asarray(np.where(h <= edges[0], 1.0 - np.sqrt(1.0 - low), 1.0 + layer + np.arcsin(np.sqrt(fraction)) / (0.5 * np.pi)))
 
 
 def elevation_coordinate(elevation: ArrayLike, dip: ArrayLike) -> FloatArray:
@@ -111,10 +113,6 @@ def dip_coordinate(depression: ArrayLike, dip: ArrayLike) -> FloatArray:
     air between sensor and tangent height dominates, as the root of the angle (1 K from 2.5 km).
     """
     return np.asarray(np.sqrt(np.maximum(np.asarray(depression, dtype=np.float64), 0.0) / dip))
-
-
-#: Optical depths below which a channel is clear and far above which it is opaque; the encoding spends little precision on either.
-OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
 
 
 def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:

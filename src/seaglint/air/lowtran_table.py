@@ -45,11 +45,19 @@ from seaglint.air.coordinates import (
     straight_slant,
 )
 from seaglint.air.profile.bent_ray import RefractingAir
-from seaglint.air.protocol import require_solar_zenith, wavenumber_grid
+from seaglint.air.protocol import ANGLE_SLACK, require_solar_zenith, wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.optics.blackbody import planck_wavenumber
+
+_DATA = resources.files("seaglint.air").joinpath("data")
+
+Region = Literal["mwir", "lwir"]
+
+_REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
+
+_QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,12 +75,12 @@ class Stencil:
         Between two kinks it is not-a-knot (three nodes: a parabola, two: a line).
         """
         edges = np.array(sorted({float(nodes[0]), *kinks, float(nodes[-1])}))
-        part = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
+        interval = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
         inside = [np.flatnonzero((nodes >= edges[j - 1]) & (nodes <= edges[j])) for j in range(1, edges.size)]
         widest = max(piece.size for piece in inside)
         index, weight = np.zeros((x.size, widest), dtype=np.intp), np.zeros((x.size, widest))
         for j, piece in enumerate(inside, start=1):
-            cases = np.flatnonzero(part == j)
+            cases = np.flatnonzero(interval == j)
             if cases.size:
                 index[cases, : piece.size] = piece
                 weight[cases, : piece.size] = CubicSpline(nodes[piece], np.eye(piece.size))(x[cases])
@@ -114,17 +122,6 @@ def with_slopes(nodes: FloatArray, values: FloatArray) -> FloatArray:
     """Node values [(..., nodes, k)] followed by the slopes of their cubic spline: (..., 2 nodes, k)."""
     slope = np.asarray(CubicSpline(nodes, np.eye(nodes.size))(nodes, 1))
     return np.concatenate([values, slope @ values], axis=-2)
-
-
-_DATA = resources.files("seaglint.air").joinpath("data")
-
-Region = Literal["mwir", "lwir"]
-
-_REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
-
-_QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
-
-ANGLE_SLACK = 1e-6  #: Tolerance within which angles below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad].
 
 
 def models(region: str = "mwir") -> tuple[str, ...]:
@@ -484,8 +481,10 @@ class BatchAtmosphere:
         below = elevation < 0.0
         if below.any():
             x = np.minimum(dip_coordinate(-elevation[below], dip[below]), 1.0)
-            part = Stencil(where.index[below], where.weight[below], where.size).times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x))
-            scores[below] = part.of(low.reshape(-1, low.shape[-1]))
+            dip_stencil = Stencil(where.index[below], where.weight[below], where.size).times(
+                Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x)
+            )
+            scores[below] = dip_stencil.of(low.reshape(-1, low.shape[-1]))
         return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(scores))
 
     @cached_property

@@ -32,6 +32,13 @@ if TYPE_CHECKING:
 #: Tolerance within which two zenith angles of the Sun are equal [rad]; at 85 deg scattered light changes by 1 % over it.
 SAME_SUN = np.radians(0.1)
 
+#: Tolerance within which angles outside a range count as on its edge [rad]: rounding of degrees, 2e-4 of the solar radius.
+ANGLE_SLACK = 1e-6
+
+DEEPEST_LINE = 100.0  #: Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides.
+
+GRID_STEP_CM = 5.0  #: Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it.
+
 
 @dataclass(frozen=True, eq=False)
 class ScatteredSky:
@@ -61,19 +68,14 @@ class ScatteredSamples:
             The message names both zenith angles.
         """
         if solar_zenith <= 0.5 * np.pi and abs(solar_zenith - self.solar_zenith) > SAME_SUN:
-            given, held = np.degrees(solar_zenith), np.degrees(self.solar_zenith)
+            given, sampled = np.degrees(solar_zenith), np.degrees(self.solar_zenith)
             raise DomainError(
-                f"solar zenith = {given:.4g} deg: {name} holds scattered sunlight of a Sun at {held:.4g} deg only (within 0.1 deg); "
+                f"solar zenith = {given:.4g} deg: {name} holds scattered sunlight of a Sun at {sampled:.4g} deg only (within 0.1 deg); "
                 "set sun.zenith_deg to that, or make the file for this Sun, or leave path_scattered and sky_scattered out of it",
                 name="solar_zenith",
                 value=solar_zenith,
                 allowed=(self.solar_zenith, self.solar_zenith),
             )
-
-
-DEEPEST_LINE = 100.0  #: Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides.
-
-GRID_STEP_CM = 5.0  #: Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it.
 
 
 @runtime_checkable

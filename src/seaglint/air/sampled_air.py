@@ -21,7 +21,7 @@ from seaglint.air.coordinates import (
     heights_along,
     path_coordinate,
 )
-from seaglint.air.protocol import ClearAir, ScatteredSamples, require_line, require_range, require_solar_zenith, slant_range
+from seaglint.air.protocol import ANGLE_SLACK, ClearAir, ScatteredSamples, require_line, require_range, require_solar_zenith, slant_range
 from seaglint.air.sun_and_sky import Sky, SkySamples, brightness_temperature, radiance_of
 from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import FloatArray, horizon_depression
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 OPAQUE = 25.0  #: Largest optical depth: transmittance 1e-11.
 
 CLEAR = 1e-6  #: Smallest optical depth whose emission is evaluated.
-
-ANGLE_SLACK = 1e-6  #: Tolerance within which angles outside the range count as on the edge: rounding of degrees [rad].
 
 HEIGHT_SLACK = 1e-3  #: Tolerance within which two heights are equal [m].
 
@@ -124,7 +122,7 @@ class SampledAtmosphere(ClearAir):
     _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
     _scattering: Callable[[], ScatteringAir] | None = None
-    _free: tuple[bool, bool] = (False, False)
+    _unbounded: tuple[bool, bool] = (False, False)
     scattered: ScatteredSamples | None = None  #: Sunlight scattered by the air, where the calculation contains it.
 
     @classmethod
@@ -189,7 +187,7 @@ class SampledAtmosphere(ClearAir):
         x = path_coordinate(slant_range(height, path.range_m), height, longest)
         keep = np.concatenate([[True], np.diff(x) > 1e-9])  # arcs much shorter than the height are all straight down
         source = _solar_source(nu, sun)
-        toward = np.clip(-np.log(np.maximum(sun.irradiance, 1e-300) / source), 0.0, OPAQUE)
+        sun_depth = np.clip(-np.log(np.maximum(sun.irradiance, 1e-300) / source), 0.0, OPAQUE)
         elevation = np.maximum(0.5 * np.pi - np.asarray(sun.zenith)[::-1], 0.0)
         return cls(
             wavenumber_cm=nu,
@@ -203,7 +201,7 @@ class SampledAtmosphere(ClearAir):
             _source=source,
             _depth=CubicSpline(x[keep], encode_optical_depth(depth[keep]), axis=0),
             _temperature=CubicSpline(x[keep], temperature[keep], axis=0),
-            _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
+            _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(sun_depth[::-1]), axis=0),
             _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
             scattered=scattered,
@@ -221,8 +219,8 @@ class SampledAtmosphere(ClearAir):
             )
         first, last = self._ranges
         # Straight down is one path, however the arcs are rounded there.
-        nearest = 0.0 if self._free[0] or first <= 0.05 * self.height else first * (1.0 - 1e-6)
-        farthest = np.inf if self._free[1] or self._beyond else last * (1.0 + 1e-6)
+        nearest = 0.0 if self._unbounded[0] or first <= 0.05 * self.height else first * (1.0 - 1e-6)
+        farthest = np.inf if self._unbounded[1] or self._beyond else last * (1.0 + 1e-6)
         outside = (arc < nearest) | (arc > farthest)
         if outside.any():
             wrong = arc[outside].ravel()[0]
@@ -248,7 +246,7 @@ class SampledAtmosphere(ClearAir):
             The samples do not hold an end of the picture.
         """
         self._coordinate(self.height, [nearest] if farthest is None else [nearest, farthest])
-        return replace(self, _free=(True, farthest is not None))
+        return replace(self, _unbounded=(True, farthest is not None))
 
     def _sea_depth(self, x: FloatArray, arc: FloatArray) -> FloatArray:
         """Optical depth [1, (..., n)] of paths from the sea at coordinates ``x`` that belong to arcs [m]."""
@@ -262,8 +260,8 @@ class SampledAtmosphere(ClearAir):
             return np.ones((1,))
         shortest = float(slant_range(self.height, self._ranges[0]))
         ends = path_coordinate(shortest * np.array([1.0, 1.3]), self.height, self._longest)
-        near, next_to_it = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
-        return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(next_to_it / near) / np.log(1.3), *GROWTH))
+        near, farther = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
+        return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(farther / near) / np.log(1.3), *GROWTH))
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
@@ -370,9 +368,9 @@ class SampledAtmosphere(ClearAir):
         outside = (elevation < sky.lowest - max(0.01 * sky.dip, 1e-4)) | (elevation > sky.highest + max(ANGLE_SLACK, 1e-4))
         if outside.any():
             covered = f"{90.0 - np.degrees(sky.highest):g}-{90.0 - np.degrees(sky.lowest):g} deg of {self.name}"
-            whose, end = (f"sensor at {height:g} m", f"the sea horizon at {horizon}") if dip > 0.0 else ("sea", "90 deg")
+            viewpoint, end = (f"sensor at {height:g} m", f"the sea horizon at {horizon}") if dip > 0.0 else ("sea", "90 deg")
             raise DomainError(
-                f"sky seen from the {whose}: zenith angles outside {covered} are needed; add the sky there, down to {end}",
+                f"sky seen from the {viewpoint}: zenith angles outside {covered} are needed; add the sky there, down to {end}",
                 name="zenith",
                 value=float(0.5 * np.pi - np.asarray(elevation)[outside].ravel()[0]),
                 allowed=(0.5 * np.pi - sky.highest, 0.5 * np.pi - sky.lowest),

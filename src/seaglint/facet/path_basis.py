@@ -59,15 +59,15 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
     # each row over its mean: far ranges with little transmittance count as much as near ones
     u, s, vt = np.linalg.svd(tau / mean[:, None] * root, full_matrices=False)
     # residual[j, k]: RMS over the band left at node j by the first k + 1 terms.
-    left = (u * s) ** 2
-    residual = np.sqrt(np.maximum(left.sum(axis=1, keepdims=True) - np.cumsum(left, axis=1), 0.0))
+    energy = (u * s) ** 2
+    residual = np.sqrt(np.maximum(energy.sum(axis=1, keepdims=True) - np.cumsum(energy, axis=1), 0.0))
     terms = int(np.argmax(residual.max(axis=0) < RELATIVE_ERROR)) + 1
     phi = vt[:terms] / root
     log_nodes = np.log(nodes)
-    at = np.log(np.maximum(range_m, lowest))
-    coefficients = CubicSpline(log_nodes, (u * s)[:, :terms] * mean[:, None], axis=0)(at)
+    log_range = np.log(np.maximum(range_m, lowest))
+    coefficients = CubicSpline(log_nodes, (u * s)[:, :terms] * mean[:, None], axis=0)(log_range)
     return PathBasis(
-        in_band.wavenumber_cm, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(at))
+        in_band.wavenumber_cm, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(log_range))
     )
 
 
@@ -84,8 +84,8 @@ def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1
     product = (facets / np.maximum(size, 1e-300)) @ r.T
     energy, vectors = np.linalg.eigh(product.T @ product)
     energy, vectors = np.maximum(energy[::-1], 0.0), vectors[:, ::-1]
-    left = energy.sum() - np.cumsum(energy)
-    terms = int(np.argmax(left <= PRODUCT_ERROR**2 * energy.sum())) + 1
+    omitted = energy.sum() - np.cumsum(energy)
+    terms = int(np.argmax(omitted <= PRODUCT_ERROR**2 * energy.sum())) + 1
     terms = -(-terms // together) * together
     selected = np.zeros((vectors.shape[0], terms))
     selected[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]

@@ -108,8 +108,8 @@ class SeaSurface:
         flat = theta.ravel()
         if flat.size == 0:  # a camera that sees the sky alone
             return SeaLeaving(*(np.zeros((*theta.shape, self.blackbody.size)) for _ in range(2)))
-        parts = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes, nested_bands) for i in range(0, flat.size, _CHUNK)]
-        emission, sky = (np.concatenate([part[i] for part in parts]).reshape(*theta.shape, -1) for i in (0, 1))
+        chunks = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes, nested_bands) for i in range(0, flat.size, _CHUNK)]
+        emission, sky = (np.concatenate([chunk[i] for chunk in chunks]).reshape(*theta.shape, -1) for i in (0, 1))
         return SeaLeaving(emission, sky)
 
     def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics, nested_bands: float) -> tuple[FloatArray, FloatArray]:

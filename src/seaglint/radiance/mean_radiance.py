@@ -132,11 +132,11 @@ class SeaLines:
         if columns.size <= _FEW:
             scattered = light.path(where, columns), light.mirrored(where, columns)
         else:
-            beside, around = Around.path(), Around.mirrored()
+            path_nodes, mirrored_nodes = Around.path(), Around.mirrored()
             from_sun = columns - view.solar_azimuth
             scattered = (
-                light.path(where, view.solar_azimuth + beside.azimuth) @ beside.weights(from_sun),
-                light.mirrored(where, view.solar_azimuth + around.azimuth) @ around.weights(from_sun),
+                light.path(where, view.solar_azimuth + path_nodes.azimuth) @ path_nodes.weights(from_sun),
+                light.mirrored(where, view.solar_azimuth + mirrored_nodes.azimuth) @ mirrored_nodes.weights(from_sun),
             )
         return _with_scattered(out, sea, scattered, light.above(rows[~sea], columns))
 
@@ -208,8 +208,8 @@ class MeanModel:
         sky[sea, 0] = np.sum(interpolated[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
         # every line of sight has a different elevation: one interpolation per azimuth node serves all of them
         above, table = self._sky
-        seen = np.stack([np.interp(elevation[~sea], above, row) for row in table])
-        sky[~sea, 0] = thermal_at(seen, azimuth[~sea], np.arange(seen.shape[1]))
+        sky_rows = np.stack([np.interp(elevation[~sea], above, row) for row in table])
+        sky[~sea, 0] = thermal_at(sky_rows, azimuth[~sea], np.arange(sky_rows.shape[1]))
         if self._scattered is not None:
             more_path, more_sky = self._scattered.along(gamma[sea], azimuth[sea])
             path[sea, 0] += more_path
@@ -258,7 +258,7 @@ def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = N
 
 def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[FloatArray, FloatArray], above: FloatArray) -> SeaRadiance:
     """Add scattered sunlight to path and sky components, for rows of sea and rows above."""
-    path, sky = (np.broadcast_to(part, out.chance.shape).copy() for part in (out.path, out.sky))
+    path, sky = (np.broadcast_to(component, out.chance.shape).copy() for component in (out.path, out.sky))
     path[sea] += scattered[0]
     sky[sea] += scattered[1]
     sky[~sea] += above

@@ -42,6 +42,39 @@ ENERGETIC_SHARE: Final = 0.01
 
 _GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
 
+#: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
+#:
+#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, the waves that leave the least correlation at all lags of
+#: up to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
+_LONG: Final = np.array(
+    [
+        (-0.0977, -0.0007, 0.0153, 0.0459),
+        (-0.0683, -0.021, 0.0567, 0.0175),
+        (-0.143, -0.2009, -0.0177, -0.0015),
+        (0.008, -0.1963, -0.0148, -0.0215),
+        (0.1524, -0.2499, -0.0084, 0.0132),
+        (0.1013, -0.0735, -0.0237, 0.0226),
+    ]
+)
+
+#: Waves for the other tiles.
+#:
+#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: the waves that
+#: leave the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would
+#: leave the tile in step with itself.
+_SHORT: Final = np.array(
+    [
+        (0.1569, 0.1865, 0.0416, 0.0051),
+        (0.2827, 0.303, 0.0076, -0.0234),
+        (-0.3033, 0.4166, 0.0163, -0.0049),
+        (-0.0188, 0.0758, -0.0842, -0.0384),
+        (-0.1162, 0.4337, -0.0012, 0.0201),
+        (-0.0893, 0.0196, 0.0563, -0.0761),
+        (-0.6577, 0.0722, -0.0106, -0.0101),
+        (-0.0788, 0.0741, -0.0179, -0.0426),
+    ]
+)
+
 
 @dataclass(frozen=True)
 class Tile:
@@ -148,10 +181,10 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
     last = shortest_wave * n / SAMPLES_PER_WAVE
     lengths = [last * ratio ** (tiles - 1 - i) * (1.0 + 0.06 * ((tiles - 1 - i) * _GOLDEN % 1.0)) for i in range(tiles)]
     if span < SHORTEST_SPAN:
-        need = SHORTEST_SPAN * 2.0 * np.pi / k_low
+        needed = SHORTEST_SPAN * 2.0 * np.pi / k_low
         raise DomainError(
             f"{tiles} tiles of {n} points from {shortest_wave:.4g} m waves up make the longest {lengths[0]:.4g} m long; this sea needs "
-            f"{need:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
+            f"{needed:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
         )
     edges = [0.0, *(2.0 * np.pi * n / (SAMPLES_PER_WAVE * length) for length in lengths)]
     return tuple(
@@ -198,8 +231,8 @@ def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fracti
         k = float(np.exp(log_k))
         up, cross = (share / most for share, most in zip(spectrum.mss(k), allowed, strict=True))
         # largest eigenvalue of the resolved covariance over the allowed one
-        both = spectrum.slope_covariance(k) / np.sqrt(allowed[0] * allowed[1])
-        return float(0.5 * (up + cross) + np.hypot(0.5 * (up - cross), both)) - 1.0
+        covariance = spectrum.slope_covariance(k) / np.sqrt(allowed[0] * allowed[1])
+        return float(0.5 * (up + cross) + np.hypot(0.5 * (up - cross), covariance)) - 1.0
 
     low, high = spectrum.wavenumber_range
     if excess(float(np.log(high))) <= 0.0:
@@ -223,40 +256,6 @@ def require_bands(spectrum: DirectionalSpectrum, tiles: Sequence[Tile]) -> None:
             raise DomainError(
                 f"tile of {tile.length:.4g} m is too short for its waves of {longest:.4g} m; give at least {SHORTEST_SPAN * longest:.4g} m"
             )
-
-
-#: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
-#:
-#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, the waves that leave the least correlation at all lags of
-#: up to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
-_LONG: Final = np.array(
-    [
-        (-0.0977, -0.0007, 0.0153, 0.0459),
-        (-0.0683, -0.021, 0.0567, 0.0175),
-        (-0.143, -0.2009, -0.0177, -0.0015),
-        (0.008, -0.1963, -0.0148, -0.0215),
-        (0.1524, -0.2499, -0.0084, 0.0132),
-        (0.1013, -0.0735, -0.0237, 0.0226),
-    ]
-)
-
-#: Waves for the other tiles.
-#:
-#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: the waves that
-#: leave the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would
-#: leave the tile in step with itself.
-_SHORT: Final = np.array(
-    [
-        (0.1569, 0.1865, 0.0416, 0.0051),
-        (0.2827, 0.303, 0.0076, -0.0234),
-        (-0.3033, 0.4166, 0.0163, -0.0049),
-        (-0.0188, 0.0758, -0.0842, -0.0384),
-        (-0.1162, 0.4337, -0.0012, 0.0201),
-        (-0.0893, 0.0196, 0.0563, -0.0761),
-        (-0.6577, 0.0722, -0.0106, -0.0101),
-        (-0.0788, 0.0741, -0.0179, -0.0426),
-    ]
-)
 
 
 class Wander(NamedTuple):

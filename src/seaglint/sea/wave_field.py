@@ -53,10 +53,24 @@ from seaglint.sea.tiles import Tile, Wander, longest_wave_number, require_bands
 
 Reading = Literal["linear", "cubic"]
 
-_KEPT: dict[Reading, tuple[float, ...]] = {"linear": (2 / 3, 1 / 3), "cubic": (2416 / 5040, 2382 / 5040, 240 / 5040, 2 / 5040)}
+_READ_SHARES: dict[Reading, tuple[float, ...]] = {"linear": (2 / 3, 1 / 3), "cubic": (2416 / 5040, 2382 / 5040, 240 / 5040, 2 / 5040)}
+
+SurfaceArray = NDArray[np.float32]
+ComplexArray = NDArray[np.complex64]
+
+_NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
+
+#: Share of the height variance by which tiles read linearly may have more of it at their lattice points than on average.
+#:
+#: Such reading is three times as fast; cubic reading of the others adds 0.01 at most.
+UNEVEN: Final = 0.02
+
+NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
+
+SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
 
 
-def kept_share(turn: FloatArray, reading: Reading) -> FloatArray:
+def read_share(turn: FloatArray, reading: Reading) -> FloatArray:
     """Share of the variance of waves that a reader gets, along one axis [1].
 
     Parameters
@@ -68,27 +82,16 @@ def kept_share(turn: FloatArray, reading: Reading) -> FloatArray:
 
     Examples
     --------
-    >>> [round(float(kept_share(np.pi / 2, reading)), 3) for reading in ("linear", "cubic")]
+    >>> [round(float(read_share(np.pi / 2, reading)), 3) for reading in ("linear", "cubic")]
     [0.667, 0.432]
     """
     turn = np.asarray(turn, np.float64)
-    return np.asarray(sum(share * np.cos(m * turn) for m, share in enumerate(_KEPT[reading])), np.float64)
+    return np.asarray(sum(share * np.cos(m * turn) for m, share in enumerate(_READ_SHARES[reading])), np.float64)
 
 
 def gain(turn: FloatArray, reading: Reading) -> FloatArray:
-    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as :func:`kept_share`."""
-    return np.asarray(1.0 / np.sqrt(kept_share(turn, reading)))
-
-
-SurfaceArray = NDArray[np.float32]
-ComplexArray = NDArray[np.complex64]
-
-_NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
-
-#: Share of the height variance by which tiles read linearly may have more of it at their lattice points than on average.
-#:
-#: Such reading is three times as fast; cubic reading of the others adds 0.01 at most.
-UNEVEN: Final = 0.02
+    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as :func:`read_share`."""
+    return np.asarray(1.0 / np.sqrt(read_share(turn, reading)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +146,8 @@ class WaveField:
         """
         require_bands(spectrum, tiles)
         lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
-        aside = _wander(tiles, seed) if wander else ()
-        return cls(spectrum, tuple(tiles), seed, aside, _readings(tiles, lattices), lattices, _draw(lattices, seed))
+        wanders = _wander(tiles, seed) if wander else ()
+        return cls(spectrum, tuple(tiles), seed, wanders, _readings(tiles, lattices), lattices, _draw(lattices, seed))
 
     def reseeded(self, seed: int) -> WaveField:
         """Return another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
@@ -260,7 +263,7 @@ class WaveField:
     def resolved_mss(self) -> tuple[float, float]:
         """Ensemble slope variance along and across the wind of all tiles together [1]; the rest of a slope model is the facets'."""
         up = cross = 0.0
-        for energy, along, across in self._slope_parts():
+        for energy, along, across in self._slope_waves():
             up += float(np.sum(energy * along**2))
             cross += float(np.sum(energy * across**2))
         return up, cross
@@ -272,9 +275,9 @@ class WaveField:
         """
         if self.spectrum.slope_covariance() == 0.0:
             return 0.0
-        return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_parts()))
+        return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_waves()))
 
-    def _slope_parts(self) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    def _slope_waves(self) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
         """Variances of the waves of every tile, and their wavenumbers along the wind and to the right of it."""
         s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
         for waves in self._lattices:
@@ -313,7 +316,7 @@ def _excess(tile: Tile, waves: _Lattice, reading: Reading, coarser: int = 1) -> 
     turns = [coarser * turn for turn in _turns(tile)]
     energy = (waves.variance + waves.opposite) * (np.hypot(waves.k_east, waves.k_north) < tile.k_max / coarser)
     at_points = 1.0 if reading == "linear" else np.outer(*((2.0 + np.cos(turn)) / 3.0 for turn in turns)) ** 2
-    return float(np.sum(energy * (at_points / np.outer(*(kept_share(turn, reading) for turn in turns)) - 1.0)))
+    return float(np.sum(energy * (at_points / np.outer(*(read_share(turn, reading) for turn in turns)) - 1.0)))
 
 
 def _readings(tiles: Sequence[Tile], lattices: Sequence[_Lattice]) -> tuple[Reading, ...]:
@@ -352,11 +355,11 @@ def _variances(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: Floa
     """Variances of the lattice waves along k and -k [m²]: fine sums where cells are large against k or cut by an edge of the band."""
     steps = np.hypot(p, q)
     low, high = tile.k_min / tile.step, tile.k_max / tile.step
-    held = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
+    in_band = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
     near = steps <= _NEAR
     edge = (np.abs(steps - low) < 0.75) | (np.abs(steps - high) < 0.75)
     along, against = np.zeros(p.shape), np.zeros(p.shape)
-    for cells, order in ((held & near, 12), (held & ~near & edge, 4), (held & ~near & ~edge, 2)):
+    for cells, order in ((in_band & near, 12), (in_band & ~near & edge, 4), (in_band & ~near & ~edge, 2)):
         along[cells], against[cells] = _cell_variance(spectrum, tile, p[cells], q[cells], order)
     return along, against
 
@@ -377,9 +380,9 @@ def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_
     rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
     inner = np.ix_(rows, np.arange(top + 1))
     k_east, k_north = lattice.k_east[inner], lattice.k_north[inner]
-    held = np.hypot(k_east, k_north) < tile.k_max
-    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * held, lattice.opposite[inner] * held)
-    return waves, _Amplitudes(amplitudes.forward[inner] * held, amplitudes.backward[inner] * held)
+    in_band = np.hypot(k_east, k_north) < tile.k_max
+    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * in_band, lattice.opposite[inner] * in_band)
+    return waves, _Amplitudes(amplitudes.forward[inner] * in_band, amplitudes.backward[inner] * in_band)
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
@@ -404,13 +407,15 @@ def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
 
 def _plane_waves(lattice: _Lattice, amplitudes: _Amplitudes) -> FloatArray:
     """Plane waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
-    own = np.ones(lattice.variance.shape, bool)
-    own[lattice.variance.shape[1] :, 0] = False
+    distinct = np.ones(lattice.variance.shape, bool)
+    distinct[lattice.variance.shape[1] :, 0] = False
     waves = []
     for sign, half, variance in ((1.0, amplitudes.forward, lattice.variance), (-1.0, amplitudes.backward, lattice.opposite)):
-        held = own & (variance > 0.0)
-        a = 2.0 * half[held].astype(np.complex128)
-        waves.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
+        chosen = distinct & (variance > 0.0)
+        a = 2.0 * half[chosen].astype(np.complex128)
+        waves.append(
+            np.stack([sign * lattice.k_east[chosen], sign * lattice.k_north[chosen], lattice.frequency[chosen], a.real, a.imag], axis=1)
+        )
     return np.concatenate(waves)
 
 
@@ -431,11 +436,6 @@ def _transformed(tile: Tile, coefficients: ComplexArray, workers: int) -> Surfac
     whole[:columns], whole[n - rows + columns :] = coefficients[:columns], coefficients[columns:]
     along = scipy.fft.ifft(whole, axis=0, norm="forward", overwrite_x=True, workers=workers)
     return np.asarray(scipy.fft.irfft(along, n=n, axis=1, norm="forward", overwrite_x=True, workers=workers))
-
-
-NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
-
-SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
 
 
 @dataclass(frozen=True)
@@ -470,21 +470,21 @@ class Detail:
         parts: list[WaveField] = []
         versions: list[list[int]] = []
         for i, tile in enumerate(waves.tiles):
-            part, chain = waves.only(i), []
+            version, chain = waves.only(i), []
             least = NARROWEST * max(tile.k_min, longest)
             while True:
                 chain.append(len(parts))
-                parts.append(part)
-                held = part.tiles[0]
-                if 0.5 * held.k_max < least or held.n // 2 < SMALLEST or (held.n // 2) % 4:
+                parts.append(version)
+                carried = version.tiles[0]
+                if 0.5 * carried.k_max < least or carried.n // 2 < SMALLEST or (carried.n // 2) % 4:
                     break
-                part = part.halved()
+                version = version.halved()
             versions.append(chain)
         chosen = [[chain[0] for chain in versions[: i + 1]] for i in range(len(versions))]
         selections = [
-            (*first[:-1], version)  # whole longer tiles, and the last one's versions
+            (*first[:-1], place)  # whole longer tiles, and the last one's versions
             for first, chain in zip(reversed(chosen), reversed(versions), strict=True)
-            for version in chain
+            for place in chain
         ]
         every = cls(tuple(parts), tuple(_level(parts, level) for level in selections[:levels]))
         return every.first(len(every.levels))

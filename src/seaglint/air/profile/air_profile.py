@@ -41,6 +41,40 @@ from seaglint.base.free_form import JsonObject
 
 FILE: Final = "lowtran7_numbers.npz"
 
+#: Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft.
+OZONE_JOIN_M: Final = 5000.0
+
+LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
+
+BOLTZMANN: Final = 1.380649e-23  #: [J K-1].
+
+DOBSON: Final = 2.6867e20  #: Molecules of one Dobson unit [m-2].
+
+MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)  #: Levels of LOWTRAN7's own models [m].
+
+ZERO_CELSIUS: Final = 273.15
+
+STANDARD_PRESSURE: Final = 1013.25  #: [hPa].
+
+#: Gases of the profiles, the first seven by model.
+GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
+
+_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3] in LOWTRAN7 (2.68675e19 where it computes number densities from humidities).
+
+_AIR_OF_HUMIDITY: Final = 2.68675e19
+
+_GRAM_OF_MOLECULES: Final = 2.989e-23  #: LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3.
+
+_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6  #: Molecules per cm3 of 1 g m-3 of water.
+
+#: Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour.
+HUMIDITY_JOIN_M: Final = 2000.0
+
+TROPOSPHERE_HPA: Final = 200.0  #: Pressure down to which the relative humidity is the model's [hPa].
+
+#: Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated.
+STRATOSPHERE_HPA: Final = 100.0
+
 
 @lru_cache(maxsize=1)
 def lowtran_numbers() -> Mapping[str, Any]:
@@ -54,21 +88,21 @@ def lowtran_numbers() -> Mapping[str, Any]:
     try:
         content = resources.files("seaglint.air").joinpath("data", FILE).read_bytes()
         with np.load(BytesIO(content)) as archive:
-            held: dict[str, Any] = {name: archive[name] for name in archive.files}
+            arrays: dict[str, Any] = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
         raise DataError(f"the numbers of LOWTRAN7 {FILE} in the package are damaged ({error}); install seaglint again") from error
-    for name, array in held.items():
+    for name, array in arrays.items():
         if array.dtype == np.float32:
-            held[name] = array.astype(np.float64)
-        held[name].flags.writeable = False
-    return MappingProxyType(held | {"sha256": hashlib.sha256(content).hexdigest()})
+            arrays[name] = array.astype(np.float64)
+        arrays[name].flags.writeable = False
+    return MappingProxyType(arrays | {"sha256": hashlib.sha256(content).hexdigest()})
 
 
 def numbers_provenance() -> JsonObject:
     """Source of the file."""
-    held = lowtran_numbers()
-    recorded: JsonObject = json.loads(str(held["provenance"]))
-    return recorded | {"sha256": str(held["sha256"])}
+    numbers = lowtran_numbers()
+    recorded: JsonObject = json.loads(str(numbers["provenance"]))
+    return recorded | {"sha256": str(numbers["sha256"])}
 
 
 def channels_of(wavenumber_cm: FloatArray) -> FloatArray:
@@ -87,16 +121,6 @@ def channels_of(wavenumber_cm: FloatArray) -> FloatArray:
             f"({1e4 / grid[-1]:.2g}-{1e4 / grid[0]:.3g} um); choose a band inside"
         )
     return np.asarray(keep)
-
-
-#: Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft.
-OZONE_JOIN_M: Final = 5000.0
-
-LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
-
-BOLTZMANN: Final = 1.380649e-23  #: [J K-1].
-
-DOBSON: Final = 2.6867e20  #: Molecules of one Dobson unit [m-2].
 
 
 def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) -> FloatArray:
@@ -124,29 +148,7 @@ def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) ->
 def ozone_dobson(height: FloatArray, pressure: FloatArray, temperature: FloatArray, ozone: FloatArray) -> float:
     """Ozone above the lowest level [Dobson units] of levels [m], [hPa], [K], [1e-6 of the volume], exponential between them."""
     density = 1e-6 * ozone * 100.0 * pressure / (BOLTZMANN * temperature)
-    a, b = density[:-1], density[1:]
-    both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
-    ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
-    mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
-    return float(np.sum(mean * np.diff(height)) / DOBSON)
-
-
-MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)  #: Levels of LOWTRAN7's own models [m].
-
-ZERO_CELSIUS: Final = 273.15
-
-STANDARD_PRESSURE: Final = 1013.25  #: [hPa].
-
-#: Gases of the profiles, the first seven by model.
-GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
-
-_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3] in LOWTRAN7 (2.68675e19 where it computes number densities from humidities).
-
-_AIR_OF_HUMIDITY: Final = 2.68675e19
-
-_GRAM_OF_MOLECULES: Final = 2.989e-23  #: LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3.
-
-_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6  #: Molecules per cm3 of 1 g m-3 of water.
+    return sum_between(height, density) / DOBSON
 
 
 def saturation_density(temperature: ArrayLike) -> FloatArray:
@@ -204,10 +206,10 @@ class AirProfile:
 def sum_between(height: FloatArray, density: FloatArray) -> float:
     """Integral of a density over heights [m, (levels,)], exponential between levels: in its unit times m."""
     a, b = density[:-1], density[1:]
-    both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
+    exponential = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
     # the mean of an exponential is (a - b)/ln(a/b); equal or zero densities take the arithmetic mean
-    ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
-    mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
+    ratio = np.where(exponential, a, np.e) / np.where(exponential, b, 1.0)
+    mean = np.where(exponential, (a - b) / np.log(ratio), 0.5 * (a + b))
     return float(np.sum(mean * np.diff(height)))
 
 
@@ -235,11 +237,11 @@ def _cubic(height: FloatArray, tables: FloatArray) -> FloatArray:
 
 def model_levels(model: str, height: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Pressure [hPa], temperature [K], vapour [g m-3] and gases [1e-6, (12, n)] of a model atmosphere at heights [m, (n,)]."""
-    held, m = lowtran_numbers(), _model_index(model)
+    numbers, m = lowtran_numbers(), _model_index(model)
     z = np.asarray(height, dtype=np.float64)
-    pressure = np.exp(_cubic(z, np.log(held["model_pressure"][m])))
-    temperature = _cubic(z, held["model_temperature"][m])
-    gas = np.concatenate([_cubic(z, held["model_gas"][m]), _cubic(z, held["trace_gas"])])
+    pressure = np.exp(_cubic(z, np.log(numbers["model_pressure"][m])))
+    temperature = _cubic(z, numbers["model_temperature"][m])
+    gas = np.concatenate([_cubic(z, numbers["model_gas"][m]), _cubic(z, numbers["trace_gas"])])
     gas[-1] *= 1e3  # DEFALT: nitric acid in another unit
     vapour = _GRAM_OF_MOLECULES * gas[0] * air_molecules(pressure, temperature)
     return pressure, temperature, vapour, gas
@@ -311,16 +313,6 @@ def sounding_profile(
         ozone = GASES.index("O3")
         gas[ozone] = joined_ozone(z, gas[ozone], ozone_ppmv)
     return AirProfile(name, z, p, kelvin, vapour, gas, 6371.23e3, "spring")
-
-
-#: Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour.
-HUMIDITY_JOIN_M: Final = 2000.0
-
-
-TROPOSPHERE_HPA: Final = 200.0  #: Pressure down to which the relative humidity is the model's [hPa].
-
-#: Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated.
-STRATOSPHERE_HPA: Final = 100.0
 
 
 def continued_humidity(

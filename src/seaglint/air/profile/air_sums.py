@@ -33,6 +33,19 @@ from seaglint.optics.blackbody import planck_wavenumber
 
 MOST_BYTES: Final = 64 << 20  #: Largest size of the cached rays of a profile on some channels [bytes].
 
+AEROSOLS: Final = 4
+
+#: Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that it follows the humidity at every place.
+LOCAL_HUMIDITIES: Final = np.array([0.0, 50.0, 70.0, 75.0, 80.0, 84.0, 88.0, 91.0, 94.0, 96.0, 98.0, 99.0])
+
+_FIRST, _SECOND = 1.190956e-16 * 1e8, 1.43879  #: LOWTRAN7's radiation constants: [W m-2 sr-1 per (cm-1)^4], [K cm].
+
+CUTS: Final = 3  #: Parts of equal length of every piece for which the ray's slope is taken as even.
+
+LEVEL: Final = 1e-6  #: Rise below which a cut counts as level [m].
+
+PARTS: Final = 8  #: Pieces of a layer in LOWTRAN7's layers.
+
 
 @dataclass(frozen=True, eq=False)
 class GasRay:
@@ -55,7 +68,7 @@ class GasRay:
 class GasRays:
     """Cache of rays of one profile on some channels; beyond :data:`MOST_BYTES` the least recently used are dropped."""
 
-    _held: OrderedDict[Hashable, GasRay] = field(default_factory=OrderedDict)
+    _cached: OrderedDict[Hashable, GasRay] = field(default_factory=OrderedDict)
     _size: int = 0
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
@@ -65,39 +78,25 @@ class GasRays:
 
     def get_each(self, keys: Sequence[Hashable], make: Callable[[Sequence[int]], Sequence[GasRay]]) -> list[GasRay]:
         """Return the rays of keys; missing ones are computed together, by their positions among the keys."""
-        found: dict[Hashable, GasRay] = {}
+        rays: dict[Hashable, GasRay] = {}
         with self._lock:
             for key in keys:
-                held = self._held.get(key)
-                if held is not None:
-                    self._held.move_to_end(key)
-                    found[key] = held
-        missing = [k for k, key in enumerate(keys) if key not in found]
+                cached = self._cached.get(key)
+                if cached is not None:
+                    self._cached.move_to_end(key)
+                    rays[key] = cached
+        missing = [k for k, key in enumerate(keys) if key not in rays]
         if missing:
-            made = {keys[k]: ray for k, ray in zip(missing, make(missing), strict=True)}
-            found |= made
+            computed = {keys[k]: ray for k, ray in zip(missing, make(missing), strict=True)}
+            rays |= computed
             with self._lock:
-                for key, ray in made.items():
-                    if key not in self._held:
-                        self._held[key] = ray
+                for key, ray in computed.items():
+                    if key not in self._cached:
+                        self._cached[key] = ray
                         self._size += ray.size
-                while self._size > MOST_BYTES and len(self._held) > 1:
-                    self._size -= self._held.popitem(last=False)[1].size
-        return [found[key] for key in keys]
-
-
-AEROSOLS: Final = 4
-
-#: Humidities [%] between which extinction of a humid haze is linear in ``log(100 - RH)``, so that it follows the humidity at every place.
-LOCAL_HUMIDITIES: Final = np.array([0.0, 50.0, 70.0, 75.0, 80.0, 84.0, 88.0, 91.0, 94.0, 96.0, 98.0, 99.0])
-
-_FIRST, _SECOND = 1.190956e-16 * 1e8, 1.43879  #: LOWTRAN7's radiation constants: [W m-2 sr-1 per (cm-1)^4], [K cm].
-
-CUTS: Final = 3  #: Parts of equal length of every piece for which the ray's slope is taken as even.
-
-LEVEL: Final = 1e-6  #: Rise below which a cut counts as level [m].
-
-PARTS: Final = 8  #: Pieces of a layer in LOWTRAN7's layers.
+                while self._size > MOST_BYTES and len(self._cached) > 1:
+                    self._size -= self._cached.popitem(last=False)[1].size
+        return [rays[key] for key in keys]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +114,7 @@ class _Densities:
 
     height: FloatArray  #: Levels [km, (levels,)].
     density: FloatArray  #: Densities [(rows, levels)].
-    both: NDArray[np.bool_]  #: Whether a layer is exponential [(rows, levels - 1)].
+    exponential: NDArray[np.bool_]  #: Whether a layer is exponential [(rows, levels - 1)].
     growth: FloatArray  #: Logarithm of the ratio of densities across an exponential layer, 0 in others [1, (rows, levels - 1)].
     sums: FloatArray  #: Vertical sums up to the levels [(rows, levels)].
 
@@ -123,45 +122,51 @@ class _Densities:
     def of(cls, height: FloatArray, density: FloatArray, *, growing: bool = True) -> _Densities:
         """Densities at levels [km]; those that grow with height are linear between levels unless ``growing``."""
         a, b = density[:, :-1], density[:, 1:]
-        both = (a > 0.0) & (b > 0.0) & (growing | (b <= a))
-        growth = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0))
-        begun = cls(height, density, both, growth, np.zeros_like(density))
-        layers = begun._part(np.arange(height.size - 1), np.ones(height.size - 1))
-        return replace(begun, sums=np.concatenate([begun.sums[:, :1], np.cumsum(layers, axis=1)], axis=1))
+        exponential = (a > 0.0) & (b > 0.0) & (growing | (b <= a))
+        growth = np.log(np.where(exponential, b, 1.0) / np.where(exponential, a, 1.0))
+        without_sums = cls(height, density, exponential, growth, np.zeros_like(density))
+        layers = without_sums._layer_integral(np.arange(height.size - 1), np.ones(height.size - 1))
+        return replace(without_sums, sums=np.concatenate([without_sums.sums[:, :1], np.cumsum(layers, axis=1)], axis=1))
 
     def rows(self, first: int, end: int) -> _Densities:
         """Select the densities of some rows."""
-        some = slice(first, end)
-        return _Densities(self.height, self.density[some], self.both[some], self.growth[some], self.sums[some])
+        chosen = slice(first, end)
+        return _Densities(self.height, self.density[chosen], self.exponential[chosen], self.growth[chosen], self.sums[chosen])
 
     def up_to(self, z: FloatArray) -> FloatArray:
         """Vertical sums up to heights [km] [(places, rows)]."""
-        layer, part = self._layer(z)
-        return np.asarray((self.sums[:, layer] + self._part(layer, part)).T)
+        layer, fraction = self._layer(z)
+        return np.asarray((self.sums[:, layer] + self._layer_integral(layer, fraction)).T)
 
     def at(self, z: FloatArray) -> FloatArray:
         """Densities at heights [km] [(places, rows)], exponential between two levels that both have some."""
-        layer, part = self._layer(z)
+        layer, fraction = self._layer(z)
         a, b = self.density[:, layer], self.density[:, layer + 1]
-        both = (a > 0.0) & (b > 0.0)
-        return np.asarray(np.where(both, np.where(both, a, 1.0) ** (1.0 - part) * np.where(both, b, 1.0) ** part, a + (b - a) * part).T)
+        exponential = (a > 0.0) & (b > 0.0)
+        return np.asarray(
+            np.where(
+                exponential,
+                np.where(exponential, a, 1.0) ** (1.0 - fraction) * np.where(exponential, b, 1.0) ** fraction,
+                a + (b - a) * fraction,
+            ).T
+        )
 
     def _layer(self, z: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
         """Layers in which heights [km] are, and the part of the layer below each."""
         layer = np.clip(np.searchsorted(self.height, z, side="right") - 1, 0, self.height.size - 2)
         return layer, np.clip((z - self.height[layer]) / (self.height[layer + 1] - self.height[layer]), 0.0, 1.0)
 
-    def _part(self, layer: NDArray[np.intp], part: FloatArray) -> FloatArray:
+    def _layer_integral(self, layer: NDArray[np.intp], fraction: FloatArray) -> FloatArray:
         """Integral from the lower level of layers up to a part of their thickness [(rows, places)]."""
         a, b = self.density[:, layer], self.density[:, layer + 1]
-        growth = self.growth[:, layer] * part
+        growth = self.growth[:, layer] * fraction
         small = np.abs(growth) < 1e-6  # the series spares 0/0
         mean = np.where(small, 1.0 + 0.5 * growth, np.expm1(growth) / np.where(small, 1.0, growth))
-        thick = (self.height[layer + 1] - self.height[layer]) * part
-        return np.asarray(thick * np.where(self.both[:, layer], a * mean, a + 0.5 * (b - a) * part))
+        thick = (self.height[layer + 1] - self.height[layer]) * fraction
+        return np.asarray(thick * np.where(self.exponential[:, layer], a * mean, a + 0.5 * (b - a) * fraction))
 
 
-def laid_lines(lines: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
+def joined_lines(lines: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, FloatArray, NDArray[np.intp]]:
     """Join lines end to end: heights of their cuts [m], lengths of these [m], and the first piece of each line.
 
     Between two lines is an empty piece with parts of length 0. Summing all lines at once is much quicker.
@@ -213,8 +218,8 @@ class AirSums:
         self.profile, self.haze, self.spectroscopy = profile, haze, spectroscopy
         self._rays = GasRays() if rays is None else rays
         self.laws = BandLaws.of(np.asarray(wavenumber_cm, dtype=np.float64), spectroscopy)
-        middle = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
-        self.index = LayeredIndex(profile.height, refractivity(profile, middle), profile.earth_radius)
+        central_cm = 0.5 * float(wavenumber_cm[0] + wavenumber_cm[-1]) if refracted_cm is None else refracted_cm
+        self.index = LayeredIndex(profile.height, refractivity(profile, central_cm), profile.earth_radius)
         self.air = RefractingAir.of(profile.height, self.index.refractivity, profile.earth_radius)
         gases = absorber_densities(profile, self.laws.columns, self.laws.numbers.scaled)
         self._cold_row = self.laws.columns.index(9)
@@ -236,16 +241,16 @@ class AirSums:
 
     def _local_haze(self) -> tuple[FloatArray, FloatArray]:
         """Densities [(rows, levels)] and extinctions [(rows, n)] of the aerosols, a humid haze split by the humidity at the place."""
-        held = self._aerosol
+        aerosol = self._aerosol
         table = HUMID_TABLES.get(self.haze.haze)
         if table is None:
-            return held.density, held.extinction
+            return aerosol.density, aerosol.extinction
         x = -np.log(100.0 - np.minimum(self.profile.relative_humidity, 99.0))
         nodes = -np.log(100.0 - LOCAL_HUMIDITIES)
         # hat functions of the humidity: every node's extinction gets its share of the density at each level
         hats = np.array([np.interp(x, nodes, row) for row in np.eye(nodes.size)])
         spectra = [aerosols(self.profile, self.haze, self.laws.wavenumber_cm, float(h)).extinction[0] for h in LOCAL_HUMIDITIES]
-        return np.concatenate([held.density[0] * hats, held.density[1:]]), np.concatenate([spectra, held.extinction[1:]])
+        return np.concatenate([aerosol.density[0] * hats, aerosol.density[1:]]), np.concatenate([spectra, aerosol.extinction[1:]])
 
     def ray_amounts(self, ray: BentRay) -> tuple[FloatArray, FloatArray]:
         """Amounts of the gases in the pieces of a ray [(pieces, gases)] and mean temperatures of these [K, (pieces,)]."""
@@ -277,20 +282,20 @@ class AirSums:
 
     def along_each(self, height: float, zenith: Sequence[float], end: float | None = None) -> list[RaySpectra]:
         """Spectra along several rays, as :meth:`along`."""
-        ways = [self._rays.get(("along", height, z, end), partial(self._gas_ray, height, z, end)) for z in zenith]
-        hazes = self._hazes_of(ways)
-        return [RaySpectra(cast(BentRay, way.ray), *self._emitting(way, haze)) for way, haze in zip(ways, hazes, strict=True)]
+        paths = [self._rays.get(("along", height, z, end), partial(self._gas_ray, height, z, end)) for z in zenith]
+        hazes = self._hazes_of(paths)
+        return [RaySpectra(cast(BentRay, path.ray), *self._emitting(path, haze)) for path, haze in zip(paths, hazes, strict=True)]
 
     def _gas_ray(self, height: float, zenith: float, end: float | None) -> GasRay:
         ray = self.air.ray(height, zenith, end)
         amounts, mean = self.ray_amounts(ray)
-        return self._gas_way(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
+        return self._gas_path(ray, ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS), ray.height, amounts, mean)
 
-    def _hazes_of(self, ways: Sequence[GasRay]) -> list[FloatArray]:
+    def _hazes_of(self, paths: Sequence[GasRay]) -> list[FloatArray]:
         """Amounts of the aerosols in the pieces of each path [(pieces, aerosols)]."""
-        height, length, first = laid_lines([(way.height, way.length) for way in ways])
+        height, length, first = joined_lines([(path.height, path.length) for path in paths])
         every = self.haze_amounts(height, length)
-        return [every[at : at + way.length.size // CUTS] for way, at in zip(ways, first, strict=True)]
+        return [every[at : at + path.length.size // CUTS] for path, at in zip(paths, first, strict=True)]
 
     def passed(self, height: float, zenith: float) -> FloatArray:
         """Transmittance [1, (n,)] of the whole ray of :meth:`along`, at a fraction of its cost."""
@@ -298,9 +303,9 @@ class AirSums:
 
     def passed_each(self, height: float, zenith: Sequence[float]) -> FloatArray:
         """Transmittance [1, (rays, n)] of several whole rays, as :meth:`passed`."""
-        ways = [self._rays.get(("passed", height, z), partial(self._passed_ray, height, z)) for z in zenith]
-        hazes = self._hazes_of(ways)
-        return np.stack([np.exp(-way.depth - self.haze_depth(haze.sum(axis=0))) for way, haze in zip(ways, hazes, strict=True)])
+        paths = [self._rays.get(("passed", height, z), partial(self._passed_ray, height, z)) for z in zenith]
+        hazes = self._hazes_of(paths)
+        return np.stack([np.exp(-path.depth - self.haze_depth(haze.sum(axis=0))) for path, haze in zip(paths, hazes, strict=True)])
 
     def _passed_ray(self, height: float, zenith: float) -> GasRay:
         ray = self.air.ray(height, zenith)
@@ -335,18 +340,18 @@ class AirSums:
     def between_each(self, height: float, target: float, lengths: Sequence[float]) -> list[tuple[FloatArray, FloatArray]]:
         """Transmittance [1, (n,)] and emission [W m-2 sr-1 per cm-1, (n,)] of paths of some lengths [m], as :meth:`between`."""
 
-        def made(which: Sequence[int]) -> list[GasRay]:
+        def computed(which: Sequence[int]) -> list[GasRay]:
             lines = [self.cut_line(height, target, lengths[k]) for k in which]
-            z, step, first = laid_lines(lines)
+            z, step, first = joined_lines(lines)
             amounts, mean = self.line_amounts(z, step)
             pieces = [slice(at, at + part.size // CUTS) for at, (_, part) in zip(first, lines, strict=True)]
-            return [self._gas_way(None, *line, line[0][::CUTS], amounts[p], mean[p]) for line, p in zip(lines, pieces, strict=True)]
+            return [self._gas_path(None, *line, line[0][::CUTS], amounts[p], mean[p]) for line, p in zip(lines, pieces, strict=True)]
 
-        ways = self._rays.get_each([("between", height, target, length) for length in lengths], made)
-        spectra = [self._emitting(way, haze) for way, haze in zip(ways, self._hazes_of(ways), strict=True)]
+        paths = self._rays.get_each([("between", height, target, length) for length in lengths], computed)
+        spectra = [self._emitting(path, haze) for path, haze in zip(paths, self._hazes_of(paths), strict=True)]
         return [(passed[-1], emitted) for passed, emitted in spectra]
 
-    def _gas_way(
+    def _gas_path(
         self, ray: BentRay | None, cuts: FloatArray, length: FloatArray, node: FloatArray, amounts: FloatArray, mean: FloatArray
     ) -> GasRay:
         """Gases of a path cut at heights [m], from their amounts [(pieces, gases)] between its nodes [m] and the temperatures there [K]."""
@@ -386,8 +391,8 @@ class AirSums:
         vertical = np.diff(densities.up_to(1e-3 * z), axis=0)
         amounts = vertical * np.where(level, 0.0, length / np.where(level, 1.0, step))[:, None]
         if level.any():
-            middle = 0.5 * (z[1:] + z[:-1])[level]
-            amounts[level] = 1e-3 * length[level, None] * densities.at(1e-3 * middle)
+            mid_height = 0.5 * (z[1:] + z[:-1])[level]
+            amounts[level] = 1e-3 * length[level, None] * densities.at(1e-3 * mid_height)
         return np.asarray(amounts.reshape(-1, CUTS, amounts.shape[1]).sum(axis=1))
 
     def layer_humidity(self, height: float, zenith: float) -> float:
@@ -411,8 +416,8 @@ class AirSums:
         nu = self.laws.wavenumber_cm
         glow = _FIRST * nu**3 / np.expm1(_SECOND * nu / kelvin[:, None])
         emitted = np.sum(glow * np.maximum(passed[:-1] - passed[1:], 0.0), axis=0)
-        kept = BentRay(ray.height[edges], np.add.reduceat(ray.length, edges[:-1]), ray.zenith[edges], ray.arc[edges])
-        return RaySpectra(kept, passed, emitted)
+        at_levels = BentRay(ray.height[edges], np.add.reduceat(ray.length, edges[:-1]), ray.zenith[edges], ray.arc[edges])
+        return RaySpectra(at_levels, passed, emitted)
 
 
 def _path_humidity(amounts: FloatArray) -> float:

@@ -55,9 +55,21 @@ SELF_KELVIN: Final = 1800.0
 
 FIRST_COLUMN: Final = 101  #: Number of the first scaled amount of the file; LOWTRAN7's own are below.
 
-MORE_ROWS: Final = 2  #: Rows in addition to LOWTRAN7's: second terms of a gas, and LOWTRAN7's own terms in the join of both.
+EXTRA_ROWS: Final = 2  #: Rows in addition to LOWTRAN7's: second terms of a gas, and LOWTRAN7's own terms in the join of both.
 
-HIGHEST, JOINED = 3250.0, 3350.0  #: Wavenumbers [cm-1] up to which the file reaches, and from which on the numbers are LOWTRAN7's.
+FITTED_UP_TO, LOWTRAN_FROM = (
+    3250.0,
+    3350.0,
+)  #: Wavenumbers [cm-1] up to which the file reaches, and from which on the numbers are LOWTRAN7's.
+
+#: LOWTRAN7's numbers of all absorbers linear in the amount: the absorbers of scattered light, and O2.
+LINEAR: Final = (*CONTINUA, 63, 1, 2)
+
+TODAY_CO2_PPMV: Final = 425.0  #: Carbon dioxide of today [1e-6 of the volume of dry air]; LOWTRAN7's models have 330.
+
+_DOBSON: Final = 2.6867e16  #: Molecules per cm2 of 1 Dobson unit.
+
+GRAM_PER_HPA: Final = 216.68  #: Water vapour of 1 hPa at 1 K [g m-3].
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +91,7 @@ class BandNumbers:
 
     def cold_law(self, wavenumber_cm: FloatArray) -> float:
         """Return :attr:`cold_kelvin` for some channels [K]: LOWTRAN7's where all numbers are its own."""
-        return 0.0 if wavenumber_cm[0] >= JOINED else self.cold_kelvin
+        return 0.0 if wavenumber_cm[0] >= LOWTRAN_FROM else self.cold_kelvin
 
 
 @lru_cache(maxsize=2)
@@ -91,21 +103,21 @@ def band_numbers(spectroscopy: Spectroscopy) -> BandNumbers:
     DataError
         If a file in the package is missing or damaged.
     """
-    held = lowtran_numbers()
-    column, power = held["band_column"].astype(np.int64), held["band_power"]
-    own = BandNumbers(
-        held["continuum"],
+    numbers = lowtran_numbers()
+    column, power = numbers["band_column"].astype(np.int64), numbers["band_power"]
+    lowtran = BandNumbers(
+        numbers["continuum"],
         column,
         power,
-        np.log(10.0) * power * held["band_log10"],
+        np.log(10.0) * power * numbers["band_log10"],
         LOWTRAN_SCALED,
         0.0,
         {**numbers_provenance(), "spectroscopy": "lowtran7"},
     )
-    return own if spectroscopy == "lowtran7" else _refitted(own, held["wavenumber_cm"])
+    return lowtran if spectroscopy == "lowtran7" else _refitted(lowtran, numbers["wavenumber_cm"])
 
 
-def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
+def _refitted(lowtran: BandNumbers, nu: FloatArray) -> BandNumbers:
     """Replace LOWTRAN7's numbers by the numbers of the file."""
     try:
         content = resources.files("seaglint.air").joinpath("data", FILE).read_bytes()
@@ -113,43 +125,43 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
         rows = [(row["term"], int(row["from_cm"]), int(row["to_cm"]), row) for row in csv.DictReader(lines)]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(f"the band laws {FILE} in the package are damaged ({error}); install seaglint again") from error
-    continuum, scaled = own.continuum.copy(), dict(own.scaled)
+    continuum, scaled = lowtran.continuum.copy(), dict(lowtran.scaled)
     column, power, log = (
-        np.concatenate([a, np.zeros((MORE_ROWS, nu.size), a.dtype)]) for a in (own.column, own.power, own.log_coefficient)
+        np.concatenate([a, np.zeros((EXTRA_ROWS, nu.size), a.dtype)]) for a in (lowtran.column, lowtran.power, lowtran.log_coefficient)
     )
     lowest, highest = min(low for _, low, _, _ in rows), max(high for _, _, high, _ in rows)
     for term, low, high, row in rows:
         # the lowest numbers serve down to the first channel, the highest ones through the join
-        inside = (nu >= (low if low > lowest else 0.0)) & (nu < (high if high < highest else JOINED))
-        joined = np.clip((nu[inside] - HIGHEST) / (JOINED - HIGHEST), 0.0, 1.0)
+        inside = (nu >= (low if low > lowest else 0.0)) & (nu < (high if high < highest else LOWTRAN_FROM))
+        joined = np.clip((nu[inside] - FITTED_UP_TO) / (LOWTRAN_FROM - FITTED_UP_TO), 0.0, 1.0)
         factor = float(row["factor"])
         if term in CONTINUUM_TERMS:
             for linear in CONTINUUM_TERMS[term]:
                 continuum[linear, inside] *= factor * (1.0 - joined) + joined
             continue
         gas = BAND_GASES.index(term)
-        held = own.column[gas, inside] > 0
-        here, joined = np.flatnonzero(inside)[held], joined[held]
-        number = FIRST_COLUMN + len(scaled) - len(own.scaled)
+        has_band = lowtran.column[gas, inside] > 0
+        channels, joined = np.flatnonzero(inside)[has_band], joined[has_band]
+        number = FIRST_COLUMN + len(scaled) - len(lowtran.scaled)
         scaled[number] = (term, float(row["pressure_exponent"]), float(row["temperature_exponent"]))
         a, s = float(row["power"]), float(row["contrast"])
-        log_c = own.log_coefficient[gas, here] / own.power[gas, here]
-        band = (nu[here] >= low) & (nu[here] <= high)
+        log_c = lowtran.log_coefficient[gas, channels] / lowtran.power[gas, channels]
+        band = (nu[channels] >= low) & (nu[channels] <= high)
         mean = float(np.log(np.mean(np.exp(log_c[band]))))
         # overlapping bands of one gas: the second law takes one of the further rows
-        second = bool((column[gas, here] >= FIRST_COLUMN).any())
-        at = _free_row(column, own.column.shape[0], here) if second else gas
-        column[at, here], power[at, here] = number, a
-        log[at, here] = np.log(factor) + s * (log_c - mean) + a * mean + np.log(1.0 - joined)
-        over = here[joined > 0.0]  # both depths, weighted, so that nothing jumps in any air
-        if over.size:
-            at = _free_row(column, own.column.shape[0], over)
-            column[at, over], power[at, over] = own.column[gas, over], own.power[gas, over]
-            log[at, over] = own.log_coefficient[gas, over] + np.log(joined[joined > 0.0])
+        overlapping = bool((column[gas, channels] >= FIRST_COLUMN).any())
+        target = _free_row(column, lowtran.column.shape[0], channels) if overlapping else gas
+        column[target, channels], power[target, channels] = number, a
+        log[target, channels] = np.log(factor) + s * (log_c - mean) + a * mean + np.log(1.0 - joined)
+        join = channels[joined > 0.0]  # both depths, weighted, so that nothing jumps in any air
+        if join.size:
+            target = _free_row(column, lowtran.column.shape[0], join)
+            column[target, join], power[target, join] = lowtran.column[gas, join], lowtran.power[gas, join]
+            log[target, join] = lowtran.log_coefficient[gas, join] + np.log(joined[joined > 0.0])
     for array in (continuum, column, power, log):
         array.flags.writeable = False
     source: JsonObject = {
-        **own.provenance,
+        **lowtran.provenance,
         "spectroscopy": "lblrtm",
         "bands": "RRTMGP's long-wave k-distributions of LBLRTM (RTE+RRTMGP), fitted by tools/fit_lblrtm.py",
         "bands_sha256": hashlib.sha256(content).hexdigest(),
@@ -157,13 +169,9 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
     return BandNumbers(continuum, column, power, log, scaled, SELF_KELVIN, source)
 
 
-def _free_row(column: NDArray[np.int64], first: int, here: NDArray[np.intp]) -> int:
+def _free_row(column: NDArray[np.int64], first: int, channels: NDArray[np.intp]) -> int:
     """Return the first of the further rows that has no band on some channels."""
-    return next(row for row in range(first, column.shape[0]) if not column[row, here].any())
-
-
-#: LOWTRAN7's numbers of all absorbers linear in the amount: the absorbers of scattered light, and O2.
-LINEAR: Final = (*CONTINUA, 63, 1, 2)
+    return next(row for row in range(first, column.shape[0]) if not column[row, channels].any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,9 +193,9 @@ class BandLaws:
         DomainError
             Channels that the file does not hold.
         """
-        keep, held = channels_of(wavenumber_cm), band_numbers(spectroscopy)
-        gases = GasBands.of(held.column[:, keep], held.power[:, keep], held.log_coefficient[:, keep])
-        return cls(wavenumber_cm, held.continuum[:, keep], gases, lowtran_numbers()["source"][keep], held)
+        keep, numbers = channels_of(wavenumber_cm), band_numbers(spectroscopy)
+        gases = GasBands.of(numbers.column[:, keep], numbers.power[:, keep], numbers.log_coefficient[:, keep])
+        return cls(wavenumber_cm, numbers.continuum[:, keep], gases, lowtran_numbers()["source"][keep], numbers)
 
     @cached_property
     def cold_kelvin(self) -> float:
@@ -201,13 +209,13 @@ class BandLaws:
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:
         """Optical depth [1, (paths, n)] of amounts [(paths, columns)] in the order of :attr:`columns`."""
-        column, power, coefficient = self._grown
+        column, power, coefficient = self._saturating
         rows = amount[:, len(LINEAR) :]
         depth = amount[:, : len(LINEAR)] @ self.continuum + np.maximum(rows[:, column], 0.0) ** power @ coefficient
         return np.asarray(np.clip(depth, 0.0, DEEPEST))
 
     @cached_property
-    def _grown(self) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+    def _saturating(self) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
         """Columns and powers of the amounts that saturate, and their coefficients on all channels [(laws, n)].
 
         One matrix product over all channels, most of them 0, is faster than a sum over stretches of channels.
@@ -217,13 +225,6 @@ class BandLaws:
         for band in self.gases.bands:
             coefficient[laws.index((band.column, band.power)), band.where] += band.coefficient
         return np.array([law[0] for law in laws], np.int64), np.array([law[1] for law in laws]), coefficient
-
-
-TODAY_CO2_PPMV: Final = 425.0  #: Carbon dioxide of today [1e-6 of the volume of dry air]; LOWTRAN7's models have 330.
-
-_DOBSON: Final = 2.6867e16  #: Molecules per cm2 of 1 Dobson unit.
-
-GRAM_PER_HPA: Final = 216.68  #: Water vapour of 1 hPa at 1 K [g m-3].
 
 
 @dataclass(frozen=True)

@@ -55,9 +55,12 @@ class BentRay:
     def between(self, parts: int) -> FloatArray:
         """Heights that cut every piece into ``parts`` of equal length, the nodes among them [m, (parts (nodes - 1) + 1,)]."""
         share = np.arange(parts) / parts
-        here, there = np.cos(self.zenith[:-1, None]), np.cos(self.zenith[1:, None])
-        here, there = np.copysign(here, np.diff(self.height)[:, None]), np.copysign(there, np.diff(self.height)[:, None])
-        inside = self.height[:-1, None] + self.length[:, None] * share * (here + 0.5 * (there - here) * share)
+        start_cosine, end_cosine = np.cos(self.zenith[:-1, None]), np.cos(self.zenith[1:, None])
+        start_cosine, end_cosine = (
+            np.copysign(start_cosine, np.diff(self.height)[:, None]),
+            np.copysign(end_cosine, np.diff(self.height)[:, None]),
+        )
+        inside = self.height[:-1, None] + self.length[:, None] * share * (start_cosine + 0.5 * (end_cosine - start_cosine) * share)
         return np.concatenate([inside.ravel(), self.height[-1:]])
 
 
@@ -93,9 +96,9 @@ class RefractingAir:
 
     def cosine(self, height: ArrayLike, invariant: ArrayLike) -> FloatArray:
         """Size of the cosine of the zenith angle at heights [m] of a ray with an invariant, 0 below its lowest point."""
-        here = self.invariant(height)
+        level = self.invariant(height)
         # 1 - sin, from differences of invariants: near the horizontal the cosine keeps its digits
-        lack = np.clip((here - np.asarray(invariant, dtype=np.float64)) / (self.earth_radius + here), 0.0, 1.0)
+        lack = np.clip((level - np.asarray(invariant, dtype=np.float64)) / (self.earth_radius + level), 0.0, 1.0)
         return np.asarray(np.sqrt(lack * (2.0 - lack)))
 
     @cached_property
@@ -115,8 +118,10 @@ class RefractingAir:
 
     def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
         """Cosine of the zenith angle at the sea [1] of rays at depressions [rad] from heights [m]; NaN for rays that miss the sea."""
-        here, half = self.invariant(height), 0.5 * np.asarray(depression, dtype=np.float64)
-        lack = (self.sea_invariant - here + 2.0 * np.sin(half) ** 2 * (self.earth_radius + here)) / (self.earth_radius + self.sea_invariant)
+        level, half = self.invariant(height), 0.5 * np.asarray(depression, dtype=np.float64)
+        lack = (self.sea_invariant - level + 2.0 * np.sin(half) ** 2 * (self.earth_radius + level)) / (
+            self.earth_radius + self.sea_invariant
+        )
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sqrt(lack * (2.0 - lack)))
 
@@ -147,8 +152,8 @@ class RefractingAir:
             return 0.0
         low, high = 0.0, height
         for _ in range(60):  # bisection to the last bit
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if float(self.invariant(middle)) < invariant else (low, middle)
+            midpoint = 0.5 * (low + high)
+            low, high = (midpoint, high) if float(self.invariant(midpoint)) < invariant else (low, midpoint)
         return high
 
     def ray(self, height: float, zenith: float, end: float | None = None) -> BentRay:
@@ -177,7 +182,7 @@ class RefractingAir:
         share = np.unique(share)
         share = share[(share > 1e-9) & (share < 1.0 - 1e-6)]
         share = np.concatenate([[0.0], share, [1.0]])
-        part = np.concatenate([(share[:-1, None] + np.diff(share)[:, None] * np.arange(cuts) / cuts).ravel(), [1.0]])
+        cut_share = np.concatenate([(share[:-1, None] + np.diff(share)[:, None] * np.arange(cuts) / cuts).ravel(), [1.0]])
         sag = length * length / (8.0 * self.earth_radius)
         low = max(min(height, target) - sag, 0.0)
         high = max(height, target, low + 100.0)
@@ -185,41 +190,41 @@ class RefractingAir:
         radius = self.earth_radius / (1.0 - min(bend, STEEPEST))
         # r^2 = a^2 (1 - x) + b^2 x - x (1 - x) s^2 about that Earth
         a, b = height * (2.0 * radius + height), target * (2.0 * radius + target)
-        y = a * (1.0 - part) + b * part - part * (1.0 - part) * length * length
+        y = a * (1.0 - cut_share) + b * cut_share - cut_share * (1.0 - cut_share) * length * length
         z = y / (np.sqrt(radius * radius + y) + radius)
         # where the air bends more than on the average the path sags less: z'' = 1/R - bending(z), ends held
-        step = np.diff(part) * length
+        step = np.diff(cut_share) * length
         across = 1.0 - min(((target - height) / length) ** 2, 1.0)
         for _ in range(2):
-            here = np.maximum(z, 0.0)
-            local = (self.refractivity(np.maximum(here - 25.0, 0.0)) - self.refractivity(here + 25.0)) / (
-                here + 25.0 - np.maximum(here - 25.0, 0.0)
+            above_sea = np.maximum(z, 0.0)
+            local = (self.refractivity(np.maximum(above_sea - 25.0, 0.0)) - self.refractivity(above_sea + 25.0)) / (
+                above_sea + 25.0 - np.maximum(above_sea - 25.0, 0.0)
             )
             excess = across * (1.0 / radius - (1.0 / self.earth_radius - np.minimum(local, STEEPEST / self.earth_radius)))
             slope = np.concatenate([[0.0], np.cumsum(0.5 * step * (excess[1:] + excess[:-1]))])
             rise = np.concatenate([[0.0], np.cumsum(0.5 * step * (slope[1:] + slope[:-1]))])
-            z = y / (np.sqrt(radius * radius + y) + radius) - (rise - part * rise[-1])
+            z = y / (np.sqrt(radius * radius + y) + radius) - (rise - cut_share * rise[-1])
         return z, step
 
     def _followed(self, height: float, zenith: float, end: float | None, parts: int | None) -> BentRay:
         invariant = float(self.invariant(height, math.sin(zenith)))
         top = float(self.height[-1])
-        down, bottom, far = np.array([height]), height, 0.0
-        goes_on = True
+        down, bottom, descent = np.array([height]), height, 0.0
+        continues = True
         if zenith > 0.5 * math.pi + 1e-12:
             lowest = self.lowest(height, invariant)
-            goes_on = invariant > self.sea_invariant and (end is None or end >= height)
+            continues = invariant > self.sea_invariant and (end is None or end >= height)
             bottom = max(lowest, end) if end is not None and end < height else lowest
             if height - bottom > CLOSEST:
                 down = self._nodes(bottom, height, invariant, 0.0, parts, descending=True)[::-1]
                 cosine = self.cosine(down, invariant)
-                far = float(np.sum(2.0 * -np.diff(down) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)))
+                descent = float(np.sum(2.0 * -np.diff(down) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)))
             else:
                 bottom = height
         up = np.array([bottom])
-        if goes_on and (top if end is None else end) > bottom + CLOSEST:
+        if continues and (top if end is None else end) > bottom + CLOSEST:
             # LOWTRAN7's levels include the start's own height where the ray comes back to it
-            up = self._nodes(bottom, top if end is None else end, invariant, far, parts, extra=height)
+            up = self._nodes(bottom, top if end is None else end, invariant, descent, parts, extra=height)
         z = np.concatenate([down, up[1:]])
         cosine = self.cosine(z, invariant)
         length = 2.0 * np.abs(np.diff(z)) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)
@@ -279,11 +284,11 @@ def trapping_layers(height: FloatArray, refractivity: FloatArray, earth_radius: 
 
 def _ladder(levels: FloatArray, low: float, high: float) -> tuple[FloatArray, FloatArray]:
     """Levels that are nodes, and heights of even spacing between two heights [m]: finer spacing for profiles of too many levels."""
-    few = levels.size <= MOST_NODE_LEVELS
-    thickest = THICKEST if few else THICKEST_OF_MANY
+    all_levels = levels.size <= MOST_NODE_LEVELS
+    thickest = THICKEST if all_levels else THICKEST_OF_MANY
     ends = [*(start for start, _ in thickest[1:]), np.inf]
     steps = [
         np.arange(step * math.ceil(max(low, start) / step), min(high, stop), step)
         for (start, step), stop in zip(thickest, ends, strict=True)
     ]
-    return levels if few else levels[:0], np.concatenate(steps)
+    return levels if all_levels else levels[:0], np.concatenate(steps)

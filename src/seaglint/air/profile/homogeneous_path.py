@@ -9,7 +9,7 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, cold_share
 from seaglint.air.profile.air_profile import GASES, AirProfile, lowtran_numbers, saturation_density
-from seaglint.air.profile.band_laws import GRAM_PER_HPA, HIGHEST, BandLaws, Spectroscopy
+from seaglint.air.profile.band_laws import FITTED_UP_TO, GRAM_PER_HPA, BandLaws, Spectroscopy
 from seaglint.air.profile.hazes import NAMES, HazeWeather, aerosols
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
@@ -132,11 +132,11 @@ def homogeneous_spectrum(
             row = laws.columns.index(column)
             depth -= np.where(outside, amounts[row] * laws.continuum[row], 0.0)
     if haze.haze != "none":
-        held = aerosols(profile, haze, nu, float(profile.relative_humidity[0]))
-        depth = depth + length_km * held.density[:, 0] @ held.extinction
-    passed = np.exp(-depth)
+        aerosol = aerosols(profile, haze, nu, float(profile.relative_humidity[0]))
+        depth = depth + length_km * aerosol.density[:, 0] @ aerosol.extinction
+    transmittance = np.exp(-depth)
     weights = band.weights(nu) * planck_wavenumber(nu, temperature_k)
-    return PathSpectrum(nu, passed, float(weights @ passed / weights.sum()))
+    return PathSpectrum(nu, transmittance, float(weights @ transmittance / weights.sum()))
 
 
 def _report_unusual(kelvin: float, vapour_pressure: float, ppmv: dict[str, float]) -> None:
@@ -167,13 +167,13 @@ def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:
             value=(shortest, longest),
             allowed=PROFILE_BAND_UM,
         )
-    if spectroscopy == "lblrtm" and 1e4 / shortest > HIGHEST * (1.0 + 1e-9):
+    if spectroscopy == "lblrtm" and 1e4 / shortest > FITTED_UP_TO * (1.0 + 1e-9):
         REPORTS.warning(
             "band %g-%g um: wavelengths below %.4g um (%g cm-1) have LOWTRAN7's absorption, that of LBLRTM ends there",
             shortest,
             longest,
-            1e4 / HIGHEST,
-            HIGHEST,
+            1e4 / FITTED_UP_TO,
+            FITTED_UP_TO,
         )
     return Band.rectangular(shortest, longest)
 

@@ -81,14 +81,14 @@ class LayeredIndex:
     def levels(self) -> tuple[FloatArray, FloatArray]:
         """Heights over the flattened Earth [m] and ``log m`` there, (levels,)."""
         top = float(self.height[-1])
-        few = self.height.size <= MOST_LEVELS
-        steps = FINEST if few else DENSE
+        all_levels = self.height.size <= MOST_LEVELS
+        steps = FINEST if all_levels else DENSE
         ladder = [
             np.arange(low, min(high, top), step)
             for (low, step), high in zip(steps, [*(low for low, _ in steps[1:]), np.inf], strict=True)
             if low < top
         ]
-        z = np.unique(np.concatenate([self.height if few else self.height[[0, -1]], *ladder]))
+        z = np.unique(np.concatenate([self.height if all_levels else self.height[[0, -1]], *ladder]))
         z = z[np.concatenate([[True], np.diff(z) > 1e-3])]
         n = np.exp(np.interp(z, self.height, np.log(np.maximum(self.refractivity, 1e-20))))
         z, n = np.append(z, top + ABOVE), np.append(n, 0.0)
@@ -105,34 +105,34 @@ class LayeredIndex:
         first = int(np.clip(np.searchsorted(zeta, start, side="right") - 1, 0, zeta.size - 2))
         square = np.expm1(2.0 * log_m)  # m^2 - 1, which keeps its digits
         gradient = np.diff(square) / np.diff(zeta)
-        here = square[first] + gradient[first] * (start - zeta[first])
+        start_square = square[first] + gradient[first] * (start - zeta[first])
         e = np.asarray(elevation, dtype=np.float64)
-        curvature = gradient[:, None] / (2.0 * (1.0 + here) * np.cos(e) ** 2)
+        curvature = gradient[:, None] / (2.0 * (1.0 + start_square) * np.cos(e) ** 2)
         x, z, slope = np.zeros(e.size), np.full(e.size, start), np.tan(e)
-        layer, going = np.full(e.size, first), np.ones(e.size, bool)
+        layer, active = np.full(e.size, first), np.ones(e.size, bool)
         sea = np.zeros(e.size, bool)
         ray = np.arange(e.size)
         begin, heights, slopes, curves = [], [], [], []
         for _ in range(MOST_CROSSINGS):
             a = curvature[layer, ray]
-            begin.append(np.where(going, x, np.inf))
+            begin.append(np.where(active, x, np.inf))
             heights.append(z)
             slopes.append(slope)
             curves.append(a)
             up, down = _reach(zeta[layer + 1] - z, slope, a), _reach(z - zeta[layer], -slope, -a)
-            step = np.where(going, np.minimum(up, down), 0.0)
+            step = np.where(active, np.minimum(up, down), 0.0)
             rises = up < down
-            past = going & (x + step >= farthest)
-            step = np.where(past, 0.0, step)
-            crossed = going & ~past
+            at_end = active & (x + step >= farthest)
+            step = np.where(at_end, 0.0, step)
+            crossed = active & ~at_end
             slope = np.where(crossed, slope + a * step, slope)
-            x = np.where(past, farthest, x + step)
+            x = np.where(at_end, farthest, x + step)
             z = np.where(crossed, zeta[np.where(rises, layer + 1, layer)], z)
             layer = layer + np.where(crossed, np.where(rises, 1, -1), 0)
             sea |= crossed & (layer < 0)
-            going = crossed & (layer >= 0) & (layer < zeta.size - 1)
+            active = crossed & (layer >= 0) & (layer < zeta.size - 1)
             layer = np.clip(layer, 0, zeta.size - 2)
-            if not going.any():
+            if not active.any():
                 break
         return RayPaths(e, x, sea, self.earth_radius, np.array(begin), np.array(heights), np.array(slopes), np.array(curves))
 
@@ -142,20 +142,20 @@ class LayeredIndex:
         low, high = -min(depth, 0.5 * np.pi), max(depth, HIGHEST)
         # a sea warmer than the air bends rays upwards, so that its horizon may be below any guess; straight down is always sea
         below = -np.geomspace(0.5 * np.pi, -low, STEEPER, endpoint=False)
-        tried = np.concatenate([below, np.linspace(low, high, 65)])
+        elevations = np.concatenate([below, np.linspace(low, high, 65)])
         for _ in range(8):
-            met = np.flatnonzero(self.paths(height, tried, farthest).sea)
-            last = int(met[-1]) if met.size else 0
-            if last == tried.size - 1:
-                return float(tried[-1])
-            low, high = float(tried[last]), float(tried[last + 1])
-            tried = np.linspace(low, high, 33)
+            sea_hits = np.flatnonzero(self.paths(height, elevations, farthest).sea)
+            last = int(sea_hits[-1]) if sea_hits.size else 0
+            if last == elevations.size - 1:
+                return float(elevations[-1])
+            low, high = float(elevations[last]), float(elevations[last + 1])
+            elevations = np.linspace(low, high, 33)
         return float(high)
 
     def horizon(self, height: float, farthest: float) -> float:
         """Arc to the sea's horizon from a height [m], at most ``farthest``."""
-        seen = self.paths(height, np.array([self.lowest_sky(height, farthest) - 1e-9]), farthest)
-        return float(seen.end[0])
+        ray = self.paths(height, np.array([self.lowest_sky(height, farthest) - 1e-9]), farthest)
+        return float(ray.end[0])
 
 
 def _reach(distance: FloatArray, slope: FloatArray, curve: FloatArray) -> FloatArray:

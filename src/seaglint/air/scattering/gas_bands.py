@@ -45,8 +45,8 @@ class GasBand:
         low, high = max(self.where.start, first), min(self.where.stop, end)
         if low >= high:
             return None
-        part = self.coefficient[low - self.where.start : high - self.where.start]
-        return GasBand(self.column, slice(low - first, high - first), self.power, part)
+        coefficient = self.coefficient[low - self.where.start : high - self.where.start]
+        return GasBand(self.column, slice(low - first, high - first), self.power, coefficient)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class GasBands:
 
     def cut(self, first: int, end: int) -> GasBands:
         """Return the bands on consecutive channels; their columns stay."""
-        return GasBands(self.numbers, tuple(part for part in (band.cut(first, end) for band in self.bands) if part is not None))
+        return GasBands(self.numbers, tuple(cut_band for cut_band in (band.cut(first, end) for band in self.bands) if cut_band is not None))
 
 
 @njit
@@ -100,10 +100,10 @@ def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
         column, first, end = laws.segments[s]
         w = amount[column]
         if w > 1e-20:
-            grown = w ** laws.power[s]
+            saturated = w ** laws.power[s]
             band, coefficient = out[first:end], laws.coefficient[at : at + end - first]
             for i in range(band.size):
-                band[i] += grown * coefficient[i]
+                band[i] += saturated * coefficient[i]
         at += end - first
 
 

@@ -100,11 +100,11 @@ def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: floa
     x = (2.0 * zenith - table.first - table.last) / (table.last - table.first)
     for k in range(out.size):
         out[k] = 0.0
-    now, after = 1.0 / math.cos(zenith), x / math.cos(zenith)
+    polynomial, following = 1.0 / math.cos(zenith), x / math.cos(zenith)
     for m in range(table.coefficient.shape[1]):
         for k in range(out.size):
-            out[k] += now * table.coefficient[j, m, k]
-        now, after = after, 2.0 * x * after - now
+            out[k] += polynomial * table.coefficient[j, m, k]
+        polynomial, following = following, 2.0 * x * following - polynomial
     return 1.0
 
 
@@ -204,7 +204,7 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
     share = np.zeros((2, KINDS))
     depth, fall = np.zeros(channels), np.zeros(channels)
     for j in range(points):
-        here, before = j % 2, 1 - j % 2
+        this, previous = j % 2, 1 - j % 2
         up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         if up > 0.0:
             for k in range(columns):
@@ -214,18 +214,20 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
             scattered = 0.0
             for k in range(AEROSOLS):
                 scattered += laws.scattering[k, i] * line.amount[j, k]
-            haze[here, i] = math.exp(-scattered)
-            molecules[here, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
+            haze[this, i] = math.exp(-scattered)
+            molecules[this, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
             light = up * passed(depth[i]) if up > 0.0 else 0.0
-            by_haze[here, i] = light / haze[here, i] if haze[here, i] > 0.0 else 0.0
-            by_molecules[here, i] = light / molecules[here, i] if molecules[here, i] > 0.0 else 0.0
-        _kinds(laws, line.height[j], line.level[j], share[here])
+            by_haze[this, i] = light / haze[this, i] if haze[this, i] > 0.0 else 0.0
+            by_molecules[this, i] = light / molecules[this, i] if molecules[this, i] > 0.0 else 0.0
+        _kinds(laws, line.height[j], line.level[j], share[this])
         if j > 0:
             for i in range(channels):
-                fall[i] = 0.5 * (haze[before, i] - haze[here, i])
-                out[KINDS - 1, i] += 0.5 * (molecules[before, i] - molecules[here, i]) * (by_molecules[before, i] + by_molecules[here, i])
-            _add(out, fall, share[before], by_haze[before])
-            _add(out, fall, share[here], by_haze[here])
+                fall[i] = 0.5 * (haze[previous, i] - haze[this, i])
+                out[KINDS - 1, i] += (
+                    0.5 * (molecules[previous, i] - molecules[this, i]) * (by_molecules[previous, i] + by_molecules[this, i])
+                )
+            _add(out, fall, share[previous], by_haze[previous])
+            _add(out, fall, share[this], by_haze[this])
     return float(line.arc[points - 1])
 
 
@@ -253,23 +255,23 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
     light, depth, share = np.zeros((2, channels)), np.zeros((2, channels)), np.zeros(AEROSOLS)
     seen, up_before = np.zeros(channels), 0.0
     for j in range(points):
-        here, before = j % 2, 1 - j % 2
+        this, previous = j % 2, 1 - j % 2
         up = sun_by_table(laws, table, j, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         for i in range(channels):
-            light[here, i] = 0.0
+            light[this, i] = 0.0
         if up > 0.0:
             for k in range(columns):
                 whole[k] += line.amount[j, k]
-            optical_depths(laws, whole, depth[here])
+            optical_depths(laws, whole, depth[this])
             for i in range(channels):
-                light[here, i] = up * passed(depth[here, i])
+                light[this, i] = up * passed(depth[this, i])
         growth = math.log(up / up_before) if up > 0.0 and up_before > 0.0 else 0.0
         up_before = up
         if j == 0:
             continue
         _humid_shares(laws, 0.5 * (line.height[j - 1] + line.height[j]), share)
         for i in range(channels):
-            seen[i] = _log_mean(light[before, i], light[here, i], depth[before, i] - depth[here, i] + growth)
+            seen[i] = _log_mean(light[previous, i], light[this, i], depth[previous, i] - depth[this, i] + growth)
         for region in range(AEROSOLS):
             w = line.amount[j, region] - line.amount[j - 1, region]
             if w <= 0.0:
@@ -289,9 +291,9 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
 def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
     """Shares of the boundary layer's kinds at a height [km], by the humidity there."""
     i = layer_of(laws, z)
-    part = min(max((z - laws.height[i]) / (laws.height[i + 1] - laws.height[i]), 0.0), 1.0)
-    there = laws.humidity[i] + part * (laws.humidity[i + 1] - laws.humidity[i])  # NumPy's interp takes more than a second to compile
-    rh = min(max(there, HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
+    fraction = min(max((z - laws.height[i]) / (laws.height[i + 1] - laws.height[i]), 0.0), 1.0)
+    humidity = laws.humidity[i] + fraction * (laws.humidity[i + 1] - laws.humidity[i])  # NumPy's interp takes more than a second to compile
+    rh = min(max(humidity, HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
     for c in range(AEROSOLS):
         out[c] = 0.0
     upper = 1

@@ -48,7 +48,7 @@ NEARER: Final = 0.35
 _PER_MOLECULE: Final = 1e-20  #: Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2.
 
 
-_EVEN: Final[deque[tuple[FloatArray, FloatArray]]] = deque(maxlen=2)
+_EVEN_PHASES: Final[deque[tuple[FloatArray, FloatArray]]] = deque(maxlen=2)
 _LOCK: Final = threading.Lock()
 
 
@@ -214,10 +214,10 @@ class ScatteringAir:
         """Phase functions [sr-1, (..., KINDS, n)] at scattering angles [rad, (...)]."""
         theta, nodes = np.asarray(angle, dtype=np.float64), self._aerosol.angle
         left = np.clip(np.searchsorted(nodes, theta, side="right") - 1, 0, nodes.size - 2)
-        part = ((theta - nodes[left]) / (nodes[left + 1] - nodes[left]))[..., None, None]
+        fraction = ((theta - nodes[left]) / (nodes[left + 1] - nodes[left]))[..., None, None]
         log = np.moveaxis(self._aerosol.log_phase, -1, 0)
         out = np.empty((*theta.shape, KINDS, self.wavenumber_cm.size))
-        out[..., : KINDS - 1, :] = np.exp((1.0 - part) * log[left] + part * log[left + 1])
+        out[..., : KINDS - 1, :] = np.exp((1.0 - fraction) * log[left] + fraction * log[left + 1])
         out[..., KINDS - 1, :] = molecular_phase(theta)[..., None]
         return out
 
@@ -227,13 +227,13 @@ class ScatteringAir:
         Different winds share them: their haze scatters with the same phase functions, in other shares.
         """
         with _LOCK:
-            for log_phase, table in _EVEN:
+            for log_phase, table in _EVEN_PHASES:
                 if log_phase is self._aerosol.log_phase and len(table) == count:
                     return table
         table = self.phase(np.linspace(0.0, np.pi, count))
         table.flags.writeable = False
         with _LOCK:
-            _EVEN.appendleft((self._aerosol.log_phase, table))
+            _EVEN_PHASES.appendleft((self._aerosol.log_phase, table))
         return table
 
     def amplitudes(self, height: float, lines: FloatArray, *, tabulated: bool = False) -> tuple[FloatArray, FloatArray]:

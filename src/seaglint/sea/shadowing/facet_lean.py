@@ -36,6 +36,17 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 _WAVENUMBERS: Final = 96  #: Number of wavenumbers along a direction at which sums are taken.
 
+LEAN: Final = 0.93  #: Ratio of the excess at half of the variance by brute force to the excess by the law's bands.
+
+AZIMUTHS: Final = 36  #: Number of azimuths of a half circle at which gains are tabulated.
+
+_POWER: Final = 0.62  #: Power of x in the excess of the mean slope of the longer waves.
+
+_STEP: Final = 0.1
+_ROWS: Final = round(HIGHEST / _STEP) + 1
+_COLUMNS: Final = round(2.0 * REACH / _STEP) + 1
+_EDGE: Final = 0.02  #: Least distance, in rms slopes, from the slope that is viewed edge on: facets beyond it are not visible.
+
 
 class WavesAlong(NamedTuple):
     """Sums over the waves whose wavenumber along a direction is below a number, from none to all.
@@ -46,7 +57,7 @@ class WavesAlong(NamedTuple):
 
     wavenumber: FloatArray
     along: FloatArray
-    beside: FloatArray
+    covariance: FloatArray
 
 
 def waves_along(slopes: SlopeStatistics, turn: FloatArray, resolved: float = 0.0) -> WavesAlong:
@@ -58,11 +69,11 @@ def waves_along(slopes: SlopeStatistics, turn: FloatArray, resolved: float = 0.0
     growth = slopes.growth()
     length = growth[:, 1] + growth[:, 2]
     if resolved > 0.0:
-        first = np.array([np.interp(resolved, length, part) for part in growth.T])
+        first = np.array([np.interp(resolved, length, column) for column in growth.T])
         growth = np.concatenate([first[None], growth[length > resolved]])
     if growth.shape[0] < 2:
         return WavesAlong(np.ones(1), np.zeros((1, turn.size)), np.zeros((1, turn.size)))
-    up, cross, both = np.diff(growth[:, 1:], axis=0).T
+    up, cross, mixed = np.diff(growth[:, 1:], axis=0).T
     k = np.sqrt(growth[1:, 0] * growth[:-1, 0])
     # integrals over the directions of waves whose wavenumber along the view is below a number, of 1 and of both harmonics
     below = np.geomspace(1e-2 * k[0], k[-1], _WAVENUMBERS)
@@ -73,19 +84,19 @@ def waves_along(slopes: SlopeStatistics, turn: FloatArray, resolved: float = 0.0
         (span - 2.0 * twice - 0.5 * four) / (4.0 * np.pi),
         (span + 0.5 * four) / (4.0 * np.pi),
     )
-    whole, angle = up + cross, 0.5 * np.arctan2(2.0 * both, up - cross)
-    narrow = np.minimum(np.hypot(up - cross, 2.0 * both), whole)  # a2 times the variance
+    whole, angle = up + cross, 0.5 * np.arctan2(2.0 * mixed, up - cross)
+    narrow = np.minimum(np.hypot(up - cross, 2.0 * mixed), whole)  # a2 times the variance
     straight = np.maximum(2.0 * narrow - whole, 0.0)
     round_, narrow = whole - straight, narrow - straight
     off = angle[:, None] - turn
     along = (even @ round_)[:, None] + 2.0 * second @ (narrow[:, None] * np.cos(2.0 * off))
-    beside = 2.0 * odd @ (narrow[:, None] * np.sin(2.0 * off))
+    covariance = 2.0 * odd @ (narrow[:, None] * np.sin(2.0 * off))
     if straight.any():
         # waves in one direction have one wavenumber along the view: they enter the sums as a step
         reached = below[:, None, None] >= k[:, None] * np.abs(np.cos(off))
         along += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) ** 2)
-        beside += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) * np.sin(off))
-    return WavesAlong(below, np.maximum.accumulate(along), beside)
+        covariance += np.einsum("nka,ka->na", reached, straight[:, None] * np.cos(off) * np.sin(off))
+    return WavesAlong(below, np.maximum.accumulate(along), covariance)
 
 
 @lru_cache(maxsize=1024)
@@ -112,18 +123,6 @@ def bands_along(slopes: SlopeStatistics, azimuth: float) -> float:
     return bands_of_breadth(breadth(slopes, azimuth)) if slopes.nesting else bands_of(slopes.mss)
 
 
-LEAN: Final = 0.93  #: Ratio of the excess at half of the variance by brute force to the excess by the law's bands.
-
-AZIMUTHS: Final = 36  #: Number of azimuths of a half circle at which gains are tabulated.
-
-_POWER: Final = 0.62  #: Power of x in the excess of the mean slope of the longer waves.
-
-_STEP: Final = 0.1
-_ROWS: Final = round(HIGHEST / _STEP) + 1
-_COLUMNS: Final = round(2.0 * REACH / _STEP) + 1
-_EDGE: Final = 0.02  #: Least distance, in rms slopes, from the slope that is viewed edge on: facets beyond it are not visible.
-
-
 def _excess(bands: int, mu: float) -> FloatArray:
     """Excess of the mean slope of half the bands over the slopes of the table, for one view ``mu`` in rms slopes [1, (columns,)]."""
     slope = np.minimum(_STEP * np.arange(_COLUMNS) - REACH, mu - _EDGE)
@@ -144,9 +143,9 @@ def _lean_table(bands: int) -> FloatArray:
 def lean_table(bands: float) -> FloatArray:
     """Table of the excess at half of the variance, for :func:`lean_kernel` [(views, slopes)]; of zeros for one band."""
     whole = max(int(bands), 1)
-    more = max(bands, 1.0) - whole
+    remainder = max(bands, 1.0) - whole
     low = _lean_table(whole)
-    return low if more == 0.0 else np.asarray((1.0 - more) * low + more * _lean_table(whole + 1))
+    return low if remainder == 0.0 else np.asarray((1.0 - remainder) * low + remainder * _lean_table(whole + 1))
 
 
 @kernel
@@ -179,7 +178,7 @@ def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
         return np.zeros(AZIMUTHS)
     x = np.vstack([np.zeros(AZIMUTHS), np.minimum(waves.along / total, 1.0)])
     rise = np.diff(x, axis=0)
-    steps = np.where(rise > 1e-12, np.diff(waves.beside, axis=0, prepend=0.0) / total / np.maximum(rise, 1e-12), 0.0)
+    steps = np.where(rise > 1e-12, np.diff(waves.covariance, axis=0, prepend=0.0) / total / np.maximum(rise, 1e-12), 0.0)
     highest = (_POWER / (1.0 + _POWER)) ** _POWER / (1.0 + _POWER)
     return np.asarray(np.sum(steps * np.diff(x**_POWER * (1.0 - x), axis=0), axis=0) * LEAN / highest)
 

@@ -258,12 +258,12 @@ def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArra
     Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
     """
     whole = max(int(bands), 1)
-    more = max(bands, 1.0) - whole
-    if more == 0.0:
+    remainder = max(bands, 1.0) - whole
+    if remainder == 0.0:
         return table(whole)
     high = table(whole + 1)
     low = table(whole) if whole > 1 else np.zeros_like(high)
-    return np.asarray(np.logaddexp(low + math.log1p(-more), high + math.log(more)))
+    return np.asarray(np.logaddexp(low + math.log1p(-remainder), high + math.log(remainder)))
 
 
 @kernel
@@ -425,5 +425,5 @@ def nested_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeSt
     with np.errstate(divide="ignore"):
         x = np.cos(zenith) / (np.sin(zenith) * np.sqrt(variance))
     edge, third, fourth = _moments(bands)
-    more = skewness * np.interp(x, edge, third, right=0.0) + excess * np.interp(x, edge, fourth, right=0.0)
-    return np.asarray(area + projected_area(zenith, variance) * more)
+    correction = skewness * np.interp(x, edge, third, right=0.0) + excess * np.interp(x, edge, fourth, right=0.0)
+    return np.asarray(area + projected_area(zenith, variance) * correction)

@@ -135,10 +135,10 @@ def coupling_table(bands: float, deviation: float) -> FloatArray:
     if bands <= 1.0:
         return np.zeros((0, 0, 0))
     elevation = np.array([_pair_elevation(i) for i in range(_PAIR_NODES)])
-    many = coupled_bands(elevation[:, None], elevation, bands, deviation)[..., None]
+    coupled = coupled_bands(elevation[:, None], elevation, bands, deviation)[..., None]
     out = np.zeros((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
-    for whole in range(2, int(np.ceil(many.max())) + 1):
-        out += np.maximum(1.0 - np.abs(many - whole), 0.0) * _pair_table(whole)
+    for whole in range(2, int(np.ceil(coupled.max())) + 1):
+        out += np.maximum(1.0 - np.abs(coupled - whole), 0.0) * _pair_table(whole)
     return out
 
 

@@ -223,9 +223,9 @@ def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[f
     step = 0.04
     axis = np.arange(-_REACH + 0.5 * step, _REACH, step)
     xi, eta = np.meshgrid(axis, axis)
-    part = np.exp(-0.5 * (xi * xi + eta * eta)) / (2.0 * np.pi) * np.maximum(-gram_charlier(xi, eta, coefficients), 0.0) * step * step
-    keep = (part > 0.0) & (xi * xi + eta * eta < _REACH**2)
-    xi, eta, part = xi[keep], eta[keep], part[keep]
+    negative = np.exp(-0.5 * (xi * xi + eta * eta)) / (2.0 * np.pi) * np.maximum(-gram_charlier(xi, eta, coefficients), 0.0) * step * step
+    inside = (negative > 0.0) & (xi * xi + eta * eta < _REACH**2)
+    xi, eta, negative = xi[inside], eta[inside], negative[inside]
     count = round(2.0 * _REACH / _X_STEP) + 3  # a node to spare on each side
     table = np.empty((_TURNS, count))
     for row, psi in enumerate(np.linspace(0.0, np.pi, _TURNS)):
@@ -233,11 +233,11 @@ def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[f
         cell = np.floor(place).astype(np.intp)
         beyond = place - cell
         # split between two nodes, which keeps mass and mean; the two sums integrate twice
-        density = np.bincount(cell, part * (1.0 - beyond), count) + np.bincount(cell + 1, part * beyond, count)[:count]
+        density = np.bincount(cell, negative * (1.0 - beyond), count) + np.bincount(cell + 1, negative * beyond, count)[:count]
         table[row, 0] = 0.0
         table[row, 1:] = _X_STEP * np.cumsum(np.cumsum(density))[:-1]
     table.setflags(write=False)
-    return float(part.sum()), float((part * eta).sum()), table
+    return float(negative.sum()), float((negative * eta).sum()), table
 
 
 @kernel

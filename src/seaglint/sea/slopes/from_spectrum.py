@@ -84,9 +84,11 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
     directed = 1.0 if slopes.directed is None else slopes.directed
     grown = _grown(slopes, spectrum)
     if directed < 1.0:
-        still = _grown(slopes, calm)
-        k = np.unique(np.concatenate([grown[:, 0], still[:, 0]]))
-        both = [np.stack([np.interp(np.log(k), np.log(part[:, 0]), column) for column in part.T[1:]], axis=1) for part in (grown, still)]
+        calm_grown = _grown(slopes, calm)
+        k = np.unique(np.concatenate([grown[:, 0], calm_grown[:, 0]]))
+        both = [
+            np.stack([np.interp(np.log(k), np.log(table[:, 0]), column) for column in table.T[1:]], axis=1) for table in (grown, calm_grown)
+        ]
         grown = np.column_stack([k, directed * both[0] + (1.0 - directed) * both[1]])
     rows = ((float(k), float(up), float(cross), float(both)) for k, up, cross, both in grown)
     return replace(slopes, nesting=tuple(rows))
@@ -115,20 +117,20 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
     )
     grown, shorter = np.zeros((edges.size, 3)), np.zeros(edges.size)
     for i, (least, most) in enumerate(pairwise(edges), start=1):
-        along, beside = spectrum.mss(float(most), float(least))
+        along, across = spectrum.mss(float(most), float(least))
         mixed = spectrum.slope_covariance(float(most), float(least))
         parts = (
-            along * c * c - 2.0 * mixed * c * s + beside * s * s,
-            along * s * s + 2.0 * mixed * c * s + beside * c * c,
-            (along - beside) * c * s + mixed * (c * c - s * s),
+            along * c * c - 2.0 * mixed * c * s + across * s * s,
+            along * s * s + 2.0 * mixed * c * s + across * c * c,
+            (along - across) * c * s + mixed * (c * c - s * s),
         )
         longer = most <= limit * (1.0 + 1e-9)
         grown[i] = grown[i - 1] + (parts if longer else 0.0)
-        shorter[i] = shorter[i - 1] + (0.0 if longer else along + beside)
-    left = np.array([slopes.mss_up, slopes.mss_cross, 0.0]) - grown[-1]
-    needed = max(float(left[0] + left[1]), 1e-300)
-    given = min(float(shorter[-1]) / needed, 1.0)
+        shorter[i] = shorter[i - 1] + (0.0 if longer else along + across)
+    missing = np.array([slopes.mss_up, slopes.mss_cross, 0.0]) - grown[-1]
+    needed = max(float(missing[0] + missing[1]), 1e-300)
+    supplied = min(float(shorter[-1]) / needed, 1.0)
     even = np.clip(1.0 + np.log(edges / top) / width, 0.0, 1.0)
-    ripples = given * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - given) * even
-    grown += np.outer(ripples, left)
+    ripples = supplied * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - supplied) * even
+    grown += np.outer(ripples, missing)
     return np.column_stack([edges, grown])

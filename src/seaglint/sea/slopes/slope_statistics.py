@@ -33,6 +33,11 @@ from seaglint.base.errors import DomainError
 
 SHORTEST: Final = 2.0 * np.pi / 0.01  #: Wavenumber of the shortest waves that carry slopes [rad/m].
 
+RESIDUAL: Final = 0.003  #: Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s.
+
+#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind.
+LIGHTEST: Final = 0.5
+
 
 @dataclass(frozen=True)
 class SlopeStatistics:
@@ -229,20 +234,14 @@ def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth:
     if covariance == 0.0:
         return SlopeStatistics(up, cross, wind_to_azimuth)
     # principal axes of the 2 x 2 covariance: its mean plus and minus the radius of Mohr's circle
-    middle, half = 0.5 * (up + cross), 0.5 * (up - cross)
-    away = float(np.hypot(half, covariance))
-    return SlopeStatistics(middle + away, middle - away, wind_to_azimuth + 0.5 * float(np.arctan2(covariance, half)))
+    mean, half = 0.5 * (up + cross), 0.5 * (up - cross)
+    radius = float(np.hypot(half, covariance))
+    return SlopeStatistics(mean + radius, mean - radius, wind_to_azimuth + 0.5 * float(np.arctan2(covariance, half)))
 
 
 def flat() -> SlopeStatistics:
     """Slope statistics of a flat sea, a mirror."""
     return SlopeStatistics(0.0, 0.0)
-
-
-RESIDUAL: Final = 0.003  #: Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s.
-
-#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind.
-LIGHTEST: Final = 0.5
 
 
 def joined_in_calm(

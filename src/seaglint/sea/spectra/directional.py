@@ -26,9 +26,16 @@ from scipy.special import gammaln
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: Wavenumber at which spectra of gravity waves end [rad/m], 1.7 cm: beyond it surface tension dominates, and the slope variance of ``k^-3``
+#: would grow without limit.
+GRAVITY_WAVES_END: Final = 370.0
+
 _PANELS_PER_DECADE: Final = 16
 _ORDER: Final = 8  # smooth spectra are integrated to 1e-9, tabulated ones exactly to their break points
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(_ORDER)
+
+#: Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction.
+WIDTHS: Final = (float(np.radians(1.0)), float(np.radians(80.0)))
 
 
 class DirectionalSpectrum(ABC):
@@ -127,10 +134,6 @@ def downwind(angle: ArrayLike) -> FloatArray:
     """Weight [1] of the half plane around the wind's direction: 1 inside, 0 behind, 1/2 on its edge (k and -k share that energy)."""
     c = np.cos(np.asarray(angle, dtype=np.float64))
     return np.asarray(np.where(np.abs(c) < 1e-9, 0.5, (c > 0.0).astype(np.float64)))
-
-
-#: Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction.
-WIDTHS: Final = (float(np.radians(1.0)), float(np.radians(80.0)))
 
 
 def power_of_width(width: ArrayLike) -> FloatArray:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.sea.spectra.directional import DirectionalSpectrum, cosine_power, power_of_width, second_moment
+from seaglint.sea.spectra.directional import GRAVITY_WAVES_END, DirectionalSpectrum, cosine_power, power_of_width, second_moment
 
 HEIGHTS: Final = (0.01, 30.0)  #: Allowed significant heights [m].
 
@@ -24,7 +24,6 @@ PEAK_FACTORS: Final = (1.0, 20.0)
 STEEPEST: Final = 0.07  #: Largest allowed ratio of significant height to the peak's wavelength [1]; young seas in a gale reach 0.06.
 
 _SIDES: Final = (0.07, 0.09)  # width of the peak below and above its frequency
-_K_MAX: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     @property
     def wavenumber_range(self) -> tuple[float, float]:
         """Range from a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
-        return self.peak_wavenumber / 6.0, _K_MAX
+        return self.peak_wavenumber / 6.0, GRAVITY_WAVES_END
 
     def breakpoints(self) -> FloatArray:
         """Peak wavenumber, where the peak width changes, and the sides of the narrow peak [rad m⁻¹]."""

@@ -24,12 +24,11 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
-from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.spectra.directional import GRAVITY_WAVES_END, DirectionalSpectrum
 
 ComplexArray = NDArray[np.complex128]
 
 TAIL_BANDS: Final = 5  # the last band alone is one or two units of the last printed digit
-_TAIL_END: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
 _SHARPEST: Final = 0.95  # of the largest second moment compatible with the first: a distribution at the limit is a pair of spikes
 
 
@@ -94,7 +93,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
     @property
     def wavenumber_range(self) -> tuple[float, float]:
         """Range from the first frequency to 370 rad/m, where surface tension dominates [rad m⁻¹]."""
-        return float(self._k[0]), _TAIL_END
+        return float(self._k[0]), GRAVITY_WAVES_END
 
     def breakpoints(self) -> FloatArray:
         """The measured frequencies as wavenumbers [rad/m]: energy is linear between them."""
