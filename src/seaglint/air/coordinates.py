@@ -130,4 +130,5 @@ def decode_optical_depth(q: FloatArray) -> FloatArray:
     share = np.exp(q)
     share -= OPTICAL_DEPTH_FLOOR
     np.maximum(share, 0.0, out=share)
+    # the floor limits the depth to about 60
     return np.asarray(share / np.maximum(1.0 - share / OPTICAL_DEPTH_CEILING, 0.09))

@@ -97,6 +97,7 @@ class Stencil:
         step = nodes[left + 1] - nodes[left]
         t = np.minimum((x - nodes[left]) / step, 1.0)
         beyond = np.maximum(x - nodes[-1], 0.0)
+        # Hermite's basis on a step: both values, then both slopes; beyond the last node its slope alone counts
         weight = (
             (1.0 + 2.0 * t) * (1.0 - t) ** 2,
             t * t * (3.0 - 2.0 * t),
@@ -114,6 +115,7 @@ class Stencil:
     def of(self, values: FloatArray) -> FloatArray:
         """Weighted sums (cases, ...) over node values [(size, ...)]."""
         cases, width = self.index.shape
+        # one sparse product for all components: rows are cases, each with as many weights
         matrix = csr_array((self.weight.ravel(), self.index.ravel(), np.arange(0, cases * width + 1, width)), shape=(cases, self.size))
         return np.asarray(matrix @ values.reshape(self.size, -1)).reshape(cases, *values.shape[1:])
 
@@ -158,6 +160,7 @@ def read_table(model: str, region: str) -> Mapping[str, Any]:
             table |= _decoded(table, name)
     except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
         raise DataError(f"the atmosphere table {name} in the package is damaged ({error}); install seaglint again") from error
+    # the horizontal is a node of both, of the sky above it and of the sky below it
     sky, up = table["sky_temperature_scores"], int(table["sky_nodes"])
     table["sky_temperature_scores"], table["sky_dip_scores"] = sky[:, :, :up], np.concatenate([sky[:, :, :1], sky[:, :, up:]], axis=2)
     for array in table.values():
@@ -168,6 +171,7 @@ def read_table(model: str, region: str) -> Mapping[str, Any]:
 def _decoded(table: Mapping[str, Any], name: str) -> dict[str, FloatArray]:
     """Components and scores of a quantity from their integers: 16-bit components; scores as byte planes of differences in wind."""
     planes = table[f"{name}_scores"]
+    # the planes are the bytes of little-endian 32-bit integers: plane i holds byte i of all of them
     differences = np.ascontiguousarray(planes.reshape(4, -1).T).view("<i4").reshape(planes.shape[1:])
     scores = np.cumsum(np.moveaxis(differences, 0, -1), axis=0) * float(table[f"{name}_step"])
     return {
@@ -443,6 +447,7 @@ class BatchAtmosphere:
         lowest, share = self.height_range[0], np.ones_like(x)
         low = height < lowest
         if low.any():
+            # the path coordinate x is logarithmic: length h^(1 - x) s_horizon^x
             excess = np.exp(self._table.horizon_excess[0])
             length = height[low] ** (1.0 - x[low]) * (straight_slant(height[low], 0.0) * excess) ** x[low]
             x = x.copy()

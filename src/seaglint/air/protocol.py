@@ -183,6 +183,7 @@ def wavenumber_grid(min_um: float, max_um: float, step_cm: float = GRID_STEP_CM)
             value=(min_um, max_um),
             allowed="0 < min_um < max_um",
         )
+    # the tolerance keeps an edge on a multiple of the step on that multiple, whatever its rounding
     first = np.floor(1e4 / max_um / step_cm + 1e-9)
     last = np.ceil(1e4 / min_um / step_cm - 1e-9)
     return np.asarray(step_cm * np.arange(first, last + 1.0))
@@ -193,6 +194,7 @@ def slant_range(height: ArrayLike, range_m: ArrayLike, target_height: ArrayLike 
 
     ``s^2 = (h - z)^2 + 4 (R' + z) (R' + h) sin^2(arc / 2R')``; at the sensor's foot it is the difference of the heights.
     """
+    # by the sine of half the arc, which keeps the digits of short ranges
     half = np.asarray(range_m, dtype=np.float64) / (2.0 * EFFECTIVE_EARTH_RADIUS)
     h, z = (np.asarray(end, dtype=np.float64) for end in (height, target_height))
     across = 4.0 * (EFFECTIVE_EARTH_RADIUS + z) * (EFFECTIVE_EARTH_RADIUS + h) * np.sin(half) ** 2

@@ -259,6 +259,7 @@ class SampledAtmosphere(ClearAir):
         if not np.any(slant < inside):
             return np.ones((1,))
         shortest = float(slant_range(self.height, self._ranges[0]))
+        # the power of the length, from the depths of the shortest sample and of a path 1.3 times as long
         ends = path_coordinate(shortest * np.array([1.0, 1.3]), self.height, self._longest)
         near, farther = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
         return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(farther / near) / np.log(1.3), *GROWTH))
@@ -290,6 +291,7 @@ class SampledAtmosphere(ClearAir):
     def _equal_amount(self, arc: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Transmittance and radiance [(cases, n)] of the paths from the sea with the same absorber amount as those to points."""
         slant = slant_range(self.height, arc, target)
+        # mean densities along both lines of equal length turn the line into a sea path of equal amount
         slant = np.where(target == 0.0, slant, slant * _mean_density(self.height, target, slant) / _mean_density(self.height, 0.0, slant))
         shortest = float(slant_range(self.height, self._ranges[0]))
         inside = np.maximum(slant, shortest)

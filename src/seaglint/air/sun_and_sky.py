@@ -109,6 +109,7 @@ class Sky:
         """Sky from splines through samples."""
         e = np.asarray(samples.elevation, dtype=np.float64)
         temperature = brightness_temperature(wavenumber_cm, samples.radiance)
+        # corners are nodes, so every piece of the spline has its own smooth part of the sky
         edges = [e[0], *(k for k in sorted(samples.kinks) if e[0] < k < e[-1]), e[-1]]
         pieces = []
         for low, high in itertools.pairwise(edges):

@@ -121,6 +121,7 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     path[sea, 0] = air.path(np.log(slant))
     emission[sea, 0] = air.boundary(np.log(slant)) - path[sea, 0]
     share, zenith = visible_sun(view.solar_zenith)
+    # a Sun below the horizon at the sensor's foot is mirrored nowhere
     if share > 0.0:
         turn, towards = turn_at(arc)[:, None], columns[sea]
         mirrored = glint(theta[sea][:, None], towards + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER, turn)

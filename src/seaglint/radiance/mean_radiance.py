@@ -114,6 +114,7 @@ class SeaLines:
         gamma = _sea_elevation(view.sensor_height, rows)
         sea = np.isfinite(gamma)
         azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
+        # for a few columns a sum at each costs less than the harmonics of the wind azimuth
         if columns.size < azimuths.size:
             azimuths, weights = columns + np.pi, np.eye(columns.size)
         thermal = None if np.count_nonzero(sea) > NODES else ThermalRows.of(view, gamma[sea], azimuths, surface)
@@ -167,6 +168,7 @@ class MeanModel:
         DomainError
             As :func:`mean_radiance`.
         """
+        # even steps of arsinh(gamma/scale) are fine near the horizon and coarse overhead
         scale = horizon_depression(view.sensor_height)
         if not view.slopes.is_flat:
             scale = min(scale, max(np.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross)), _FINEST))
@@ -221,6 +223,7 @@ class MeanModel:
     @cached_property
     def _sky(self) -> tuple[FloatArray, FloatArray]:
         """Elevations from the horizon to the zenith [rad], and the thermal sky there [W m-2 sr-1, (azimuths, elevations)]."""
+        # the sky changes fastest at the horizon, where the square root crowds the nodes
         dip = horizon_depression(self.view.sensor_height)
         elevation = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_NODES) ** 2 - dip
         return elevation, thermal_sky(self.view, elevation)

@@ -107,6 +107,7 @@ def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:
     12.0
     """
     mean, p = np.broadcast_arrays(np.asarray(sun_mean, dtype=np.float64), np.asarray(chance, dtype=np.float64))
+    # radiance that the mirrored Sun adds at a mirroring point, L_g - L_b
     mirrored = np.divide(mean, p, out=np.zeros(mean.shape), where=p > 0.0)
     # P of a flat sea is 1 within rounding.
     return np.asarray(mirrored * mean * np.clip(1.0 - p, 0.0, 1.0))
@@ -147,6 +148,7 @@ def patches(
     DomainError
         A solid angle or a correlation length that is not above 0.
     """
+    # facets mirror the visible part of a cut disc
     _, zenith = visible_sun(solar_zenith)
     tilt = np.maximum(np.cos(np.asarray(view_zenith, dtype=np.float64)) + np.cos(zenith), 0.0)
     return patches_of_tilt(cos_incidence, tilt, slant_range, solid_angle, correlation_length)

@@ -315,6 +315,7 @@ def _excess(tile: Tile, waves: _Lattice, reading: Reading, coarser: int = 1) -> 
     """Height variance that readers get at lattice points minus the variance of the waves [m²], on the tile or one of ``coarser`` points."""
     turns = [coarser * turn for turn in _turns(tile)]
     energy = (waves.variance + waves.opposite) * (np.hypot(waves.k_east, waves.k_north) < tile.k_max / coarser)
+    # a cubic B-spline has (2 + cos a)/3 of the amplitude at lattice points, per axis
     at_points = 1.0 if reading == "linear" else np.outer(*((2.0 + np.cos(turn)) / 3.0 for turn in turns)) ** 2
     return float(np.sum(energy * (at_points / np.outer(*(read_share(turn, reading) for turn in turns)) - 1.0)))
 
@@ -356,6 +357,7 @@ def _variances(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: Floa
     steps = np.hypot(p, q)
     low, high = tile.k_min / tile.step, tile.k_max / tile.step
     in_band = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
+    # 0.75 exceeds half the diagonal of a cell, so that every cell cut by an edge of the band is integrated
     near = steps <= _NEAR
     edge = (np.abs(steps - low) < 0.75) | (np.abs(steps - high) < 0.75)
     along, against = np.zeros(p.shape), np.zeros(p.shape)
@@ -401,6 +403,7 @@ def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
     backward = 0.5 * np.sqrt(lattice.opposite) * (draws[2] + 1j * draws[3])
     # In the column u = 0 the lower half holds the same waves as the upper one, with k and -k exchanged.
     top = lattice.variance.shape[1] - 1
+    # each wave must have one amplitude, whichever of the two entries is read
     forward[:top:-1, 0], backward[:top:-1, 0] = backward[1 : top + 1, 0], forward[1 : top + 1, 0]
     return _Amplitudes(forward.astype(np.complex64), backward.astype(np.complex64))
 
@@ -425,6 +428,7 @@ def _evolve(forward: ComplexArray, backward: ComplexArray, frequency: FloatArray
     for j in range(forward.shape[0]):
         for i in range(forward.shape[1]):
             phase = frequency[j, i] * time
+            # the sum of a wave and its opposite's conjugate makes the transform real
             turn = complex(np.cos(phase), -np.sin(phase))
             heights[j, i] = forward[j, i] * turn + np.conj(backward[j, i] * turn)
 
@@ -476,6 +480,7 @@ class Detail:
                 chain.append(len(parts))
                 parts.append(version)
                 carried = version.tiles[0]
+                # a halved tile must keep waves, and a multiple of 4 points
                 if 0.5 * carried.k_max < least or carried.n // 2 < SMALLEST or (carried.n // 2) % 4:
                     break
                 version = version.halved()

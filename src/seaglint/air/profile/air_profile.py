@@ -141,6 +141,7 @@ def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) ->
         return of_model
     last = int(known[-1])
     ratio = np.clip(given[last] / of_model[last], 1.0 / LARGEST_RATIO, LARGEST_RATIO)
+    # the power falls from 1 to 0, which takes the ratio to 1 evenly in its logarithm
     above = of_model[last + 1 :] * ratio ** np.exp(-(height[last + 1 :] - height[last]) / OZONE_JOIN_M)
     return np.concatenate([np.interp(height[: last + 1], height[known], given[known]), above])
 
@@ -198,6 +199,7 @@ class AirProfile:
             first = int(np.searchsorted(z, height, side="right"))
             low, high = vapour[first - 1 : first + 1] if first < z.size else (0.0, 0.0)
             share = (height - z[first - 1]) / (z[first] - z[first - 1]) if first < z.size else 0.0
+            # density at the height itself: exponential in the layer, linear next to a zero
             at = low ** (1.0 - share) * high**share if min(low, high) > 0.0 else (1.0 - share) * low + share * high
             z, vapour = np.append(height, z[first:]), np.append(at, vapour[first:])
         return 1e-3 * sum_between(z, vapour)
@@ -224,6 +226,7 @@ def _cubic(height: FloatArray, tables: FloatArray) -> FloatArray:
     """Lagrange's cubic through the four levels of the models around heights [m], as in DEFALT: (..., heights)."""
     nodes = 1e3 * lowtran_numbers()["model_height"]
     upper = np.clip(np.searchsorted(nodes, height - 1e-9), 1, nodes.size - 1)
+    # two levels on each side; at the ends of the models the four nearest
     first = np.clip(upper - 2, 0, nodes.size - 4)
     four = first[:, None] + np.arange(4)
     z = nodes[four]
@@ -307,6 +310,7 @@ def sounding_profile(
     p, kelvin, vapour, gas = model_levels(model, z)
     n = height.size
     p[:n], kelvin[:n] = pressure, temperature
+    # LOWTRAN7 converts humidities with a slightly different number of molecules of air than mixing ratios
     molecules = saturation_density(temperature) * _MOLECULES_OF_GRAM * relative_humidity / 100.0
     vapour[:n] = _GRAM_OF_MOLECULES * molecules / (_AIR_OF_HUMIDITY / _AIR) * 1e6
     if ozone_ppmv is not None:
@@ -341,6 +345,7 @@ def continued_humidity(
     # the model's mixing ratio in this air: densities are as the pressures over the temperatures
     of_ratio = 100.0 * vapour * (p / model_p) * (model_kelvin / kelvin) / saturation_density(kelvin)
     share = np.clip(np.log(TROPOSPHERE_HPA / p) / np.log(TROPOSPHERE_HPA / STRATOSPHERE_HPA), 0.0, 1.0)
+    # from the model's relative humidity to its mixing ratio over the logarithm of pressure
     law = np.exp((1.0 - share) * np.log(of_model) + share * np.log(of_ratio))
     start = np.clip(relative_humidity[last] / law[0], 1.0 / LARGEST_RATIO, LARGEST_RATIO)
     joined = law * start ** np.exp(-(z - z[0]) / HUMIDITY_JOIN_M)

@@ -85,6 +85,7 @@ class GasRays:
                 if cached is not None:
                     self._cached.move_to_end(key)
                     rays[key] = cached
+        # computed outside the lock, so that threads do not wait for each other; of two equal rays one is stored
         missing = [k for k, key in enumerate(keys) if key not in rays]
         if missing:
             computed = {keys[k]: ray for k, ray in zip(missing, make(missing), strict=True)}
@@ -94,6 +95,7 @@ class GasRays:
                     if key not in self._cached:
                         self._cached[key] = ray
                         self._size += ray.size
+                # the newest ray stays, whatever its size
                 while self._size > MOST_BYTES and len(self._cached) > 1:
                     self._size -= self._cached.popitem(last=False)[1].size
         return [rays[key] for key in keys]
@@ -171,6 +173,7 @@ def joined_lines(lines: Sequence[tuple[FloatArray, FloatArray]]) -> tuple[FloatA
 
     Between two lines is an empty piece with parts of length 0. Summing all lines at once is much quicker.
     """
+    # CUTS parts of length 0 are one piece, so that pieces of all lines stay aligned
     gap = CUTS - 1
     height = np.concatenate([np.append(z, np.full(gap, z[-1])) for z, _ in lines])[: -gap or None]
     length = np.concatenate([np.append(part, np.zeros(CUTS)) for _, part in lines])[:-CUTS]
@@ -255,6 +258,7 @@ class AirSums:
     def ray_amounts(self, ray: BentRay) -> tuple[FloatArray, FloatArray]:
         """Amounts of the gases in the pieces of a ray [(pieces, gases)] and mean temperatures of these [K, (pieces,)]."""
         z = ray.between(CUTS)
+        # length over rise of every part turns vertical sums into sums along the ray
         slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
         vertical = np.diff(self._gases.up_to(1e-3 * z), axis=0)
         heat = np.diff(_heat_to(self.profile, self._heat, ray.height))
@@ -272,6 +276,7 @@ class AirSums:
         at = np.searchsorted(levels, new)
         filled = np.insert(self._densities.density, at, self._densities.at(new).T, axis=1)
         z = ray.between(CUTS)
+        # length over rise of every part turns vertical sums into sums along the ray
         slope = np.repeat(ray.length / CUTS, CUTS) / np.diff(z)
         vertical = np.diff(_Densities.of(np.insert(levels, at, new), filled, growing=False).up_to(1e-3 * z), axis=0)
         return np.asarray((vertical * slope[:, None]).reshape(-1, CUTS, vertical.shape[1]).sum(axis=1))
@@ -367,6 +372,7 @@ class AirSums:
         """Transmittance to the nodes [1, (nodes, n)] and emission [W m-2 sr-1 per cm-1, (n,)] with a haze [(pieces, aerosols)]."""
         assert gases.glow is not None
         depth = gases.depth + np.cumsum(haze, axis=0) @ self._extinction
+        # a piece emits its Planck radiance times the fall of transmittance across it
         passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
         return passed, np.sum(gases.glow * (passed[:-1] - passed[1:]), axis=0)
 
@@ -403,6 +409,7 @@ class AirSums:
         """Spectra along the same ray as LOWTRAN7 sums them: layers between levels have one temperature, its humid hazes one humidity."""
         ray, edges = self.air.layered_ray(height, zenith, end, PARTS)
         amounts = np.add.reduceat(self._layer_amounts(ray), edges[:-1], axis=0)
+        # integrals of pressure and of pressure over temperature: the mean weighted with the density of air
         kelvin = amounts[:, -4] / amounts[:, -3]
         gases = amounts[:, self._aerosol_rows : -4]
         gases[:, self._cold_row] = gases[:, self._self_row] * cold_share(kelvin, self.laws.cold_kelvin)
@@ -412,6 +419,7 @@ class AirSums:
             extinction = aerosols(self.profile, self.haze, self.laws.wavenumber_cm, _path_humidity(amounts)).extinction
             haze = np.concatenate([amounts[:, -1:], haze[:, 1 - AEROSOLS :]], axis=1)
         depth += np.cumsum(haze, axis=0) @ extinction
+        # a piece emits its Planck radiance times the fall of transmittance across it
         passed = np.concatenate([np.ones((1, depth.shape[1])), np.exp(-depth)])
         nu = self.laws.wavenumber_cm
         glow = _FIRST * nu**3 / np.expm1(_SECOND * nu / kelvin[:, None])
@@ -432,4 +440,5 @@ def _heat_to(profile: AirProfile, heat: FloatArray, z: FloatArray) -> FloatArray
     layer = np.clip(np.searchsorted(h, z, side="right") - 1, 0, h.size - 2)
     rise = z - h[layer]
     slope = (kelvin[layer + 1] - kelvin[layer]) / (h[layer + 1] - h[layer])
+    # the temperature is linear in a layer, its integral quadratic
     return np.asarray(heat[layer] + rise * (kelvin[layer] + 0.5 * slope * rise))

@@ -145,6 +145,7 @@ def _refitted(lowtran: BandNumbers, nu: FloatArray) -> BandNumbers:
         number = FIRST_COLUMN + len(scaled) - len(lowtran.scaled)
         scaled[number] = (term, float(row["pressure_exponent"]), float(row["temperature_exponent"]))
         a, s = float(row["power"]), float(row["contrast"])
+        # logarithm of the coefficient itself; the record holds it times its power
         log_c = lowtran.log_coefficient[gas, channels] / lowtran.power[gas, channels]
         band = (nu[channels] >= low) & (nu[channels] <= high)
         mean = float(np.log(np.mean(np.exp(log_c[band]))))

@@ -80,6 +80,7 @@ class RefractingAir:
     def of(cls, height: FloatArray, refractivity: FloatArray, earth_radius: float) -> RefractingAir:
         """Air that traps no ray: steeper gradients are reduced to :data:`STEEPEST` of the critical one, from the top down."""
         n = np.maximum(refractivity, 1e-20).copy()
+        # from the top down, as the limit at a level follows from the level above
         for i in range(n.size - 2, -1, -1):
             n[i] = min(n[i], n[i + 1] + STEEPEST * (height[i + 1] - height[i]) / earth_radius)
         return cls(height, np.log(n), earth_radius)
@@ -135,6 +136,7 @@ class RefractingAir:
         edges = np.interp(np.arange(ARC_PARTS * (edges.size - 1) + 1) / ARC_PARTS, np.arange(edges.size), edges)
         node, weight = np.polynomial.legendre.leggauss(ARC_ORDER)
         half = 0.5 * np.diff(edges)[:, None]
+        # dz/cos(zenith) diverges as 1/sqrt(z) for a ray that grazes the sea; over the root of z it is smooth
         root = (edges[:-1, None] + half * (1.0 + node)).ravel()
         z = root * root
         cosine = np.maximum(self.cosine(z, self._from_sea(sea_cosine)[..., None]), 1e-12)
@@ -183,6 +185,7 @@ class RefractingAir:
         share = share[(share > 1e-9) & (share < 1.0 - 1e-6)]
         share = np.concatenate([[0.0], share, [1.0]])
         cut_share = np.concatenate([(share[:-1, None] + np.diff(share)[:, None] * np.arange(cuts) / cuts).ravel(), [1.0]])
+        # air that the path passes, its sag between the ends included
         sag = length * length / (8.0 * self.earth_radius)
         low = max(min(height, target) - sag, 0.0)
         high = max(height, target, low + 100.0)
@@ -232,6 +235,7 @@ class RefractingAir:
         sine = np.minimum((self.earth_radius + invariant) / ((1.0 + self.refractivity(z)) * r), 1.0)
         arc = np.concatenate([[0.0], np.cumsum(0.5 * length * (sine[1:] / r[1:] + sine[:-1] / r[:-1]))])
         angle = np.arctan2(sine, cosine)
+        # the sign marks the descending part, which has zenith angles beyond pi/2
         angle[: down.size if up.size == 1 else down.size - 1] *= -1.0
         angle = np.where(angle < 0.0, np.pi + angle, angle) if down.size > 1 else np.abs(angle)
         return BentRay(z, length, angle, arc)
@@ -249,6 +253,7 @@ class RefractingAir:
             first = edges[0] + (edges[1] - edges[0]) * share**2  # the ray may run level in its lowest layer
             rest = (edges[1:-1, None] + np.diff(edges)[1:, None] * share).ravel()
             return np.concatenate([first, rest, [high]])
+        # heights along the ray by a parabola over the effective Earth: only the spacing of the nodes depends on it
         radius = self.earth_radius * 7.0 / 6.0
         farthest = 4.0 * math.sqrt(2.0 * radius * high) + high
         if descending:

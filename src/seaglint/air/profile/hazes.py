@@ -156,6 +156,7 @@ def _boundary_layer(weather: HazeWeather, surface_humidity: float, humidity: flo
 def _humid(table: str, humidity: float) -> FloatArray:
     """Coefficients [(3, 47)] of an aerosol at a relative humidity [%], logarithms linear in ``log(100 - RH)``."""
     values = lowtran_numbers()[f"aerosol_{table}"]
+    # LOWTRAN7's tables end at 99 %, and the logarithm of 100 - RH at 100 %
     x, at = np.log(100.0 - min(humidity, 99.0)), np.log(100.0 - HUMIDITIES)
     i = min(int(np.searchsorted(HUMIDITIES, humidity, side="right")), 3) - 1
     fraction = (x - at[i]) / (at[i + 1] - at[i])
@@ -170,11 +171,13 @@ def _navy(weather: HazeWeather, humidity: float, visibility: float) -> tuple[Flo
     # Gathman's growth of the radius of droplets with humidity
     f = ((2.0 - rh / 100.0) / (6.0 * (1.0 - rh / 100.0))) ** 0.33333
     wind, daily_wind = max(min(weather.wind, 20.0), 1e-3), max(min(weather.wind_24h, 20.0), 1e-3)
+    # numbers of the three sizes of droplets: by air mass, by the mean wind of the day, by the wind
     numbers = np.array([2000.0 * weather.air_mass**2, max(5.866 * (daily_wind - 2.2), 0.5), 10.0 ** (0.06 * wind - 2.8)])
     nodes = tables["navy_humidity"]
     j = max(int(np.searchsorted(nodes, rh)), 1)
     fraction = (rh - nodes[j - 1]) / (nodes[j] - nodes[j - 1])
     logs = (1.0 - fraction) * tables["navy"][:, j - 1] + fraction * tables["navy"][:, j]
+    # column 3 is 0.55 um, to which coefficients are relative
     green = 10.0 ** logs[:3, 3] @ numbers
     spectra = np.zeros((3, tables["haze_um"].size))
     spectra[0, :40] = numbers @ 10.0 ** logs[:3] / green
@@ -203,5 +206,6 @@ def wind_kinks(profile: AirProfile) -> tuple[float, ...]:
         return _navy(HazeWeather(wind=wind, wind_24h=wind), surface, 0.0)[1] - visibility
 
     low, high = DROPLET_KINK, 20.0
+    # more wind, less visibility: a table is crossed once, if its visibility lies between the ends
     crossed = [v for v in VISIBILITIES[1:] if excess(low, v) > 0.0 > excess(high, v)]
     return (DROPLET_KINK, *sorted(float(brentq(excess, low, high, args=(v,))) for v in crossed))

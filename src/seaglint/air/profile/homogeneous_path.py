@@ -119,6 +119,7 @@ def homogeneous_spectrum(
     _report_unusual(temperature_k, vapour_pressure_hpa, ppmv)
     nu = lowtran_numbers()["wavenumber_cm"]
     low, high = 1e4 / band.max_um, 1e4 / band.min_um
+    # one channel beyond each edge, as the band's weights need a grid that covers it
     nu = nu[(nu > low - 5.0 - 1e-6) & (nu < high + 5.0 + 1e-6)]
     laws = BandLaws.of(nu, spectroscopy)
     profile = even_air(temperature_k, pressure_hpa, vapour_pressure_hpa, ppmv)

@@ -233,6 +233,7 @@ class ProfileAtmosphere(ClearAir):
             x, values = nodes.place, nodes.value
         else:
             cosine = np.clip(straight_sea_cosine(height, height * (horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)), 1e-5, 1.0)
+            # straight down exactly, whatever the rounding of the first length
             cosine[0] = 1.0
             depression = self.sums.air.depression(height, cosine)
             rays = [self.sums.in_layers(height, 0.5 * np.pi + float(d)) for d in depression]
@@ -325,6 +326,7 @@ class ProfileAtmosphere(ClearAir):
         """Heights [m] whose rays are used for a height, and their shares."""
         if not self._moving or height <= PROFILE_HEIGHTS[0]:
             return ((height, 1.0),)
+        # heights of one ladder for all sensors, so that a track reuses their rays; weights linear in log height
         x = np.log(height) / np.log(HEIGHT_RATIO)
         low = float(np.floor(x))
         ends = HEIGHT_RATIO ** np.array([low, low + 1.0])
@@ -334,6 +336,7 @@ class ProfileAtmosphere(ClearAir):
         share = np.log(np.maximum(slant / height, 1.0)) / np.log(straight_slant(height, 0.0) / height)
         blended = np.zeros((*slant.shape, 2, self.wavenumber_cm.size))
         for node, weight in self._around(height):
+            # at the other height the path with the same path coordinate
             at = slant if node == height else node * (straight_slant(node, 0.0) / node) ** share
             blended += weight * self._sea_paths(node)(at)
         return self._decoded(blended)

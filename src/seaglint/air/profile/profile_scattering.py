@@ -202,6 +202,7 @@ def thinned(profile: AirProfile, most: int) -> AirProfile:
     chosen = [0, z.size - 1]
     while len(chosen) < most:
         order = np.sort(chosen)
+        # one level at a time: each new level changes which one is interpolated worst
         guess = np.array([np.interp(z, z[order], row[order]) for row in scaled])
         chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=0))))
     i = np.sort(chosen)

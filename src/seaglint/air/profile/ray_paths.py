@@ -53,6 +53,7 @@ class RayPaths:
 
         With ``into_sea`` they continue below it, as into the trough of a wave.
         """
+        # pieces that a ray no longer has begin at infinity
         piece = np.maximum((self._begin <= arc).sum(axis=0) - 1, 0)
         ray = np.arange(piece.size)
         x = arc - self._begin[piece, ray]
@@ -91,6 +92,7 @@ class LayeredIndex:
         z = np.unique(np.concatenate([self.height if all_levels else self.height[[0, -1]], *ladder]))
         z = z[np.concatenate([[True], np.diff(z) > 1e-3])]
         n = np.exp(np.interp(z, self.height, np.log(np.maximum(self.refractivity, 1e-20))))
+        # one layer without air, so that rays end above the profile
         z, n = np.append(z, top + ABOVE), np.append(n, 0.0)
         round_earth = np.log1p(z / self.earth_radius)
         return self.earth_radius * round_earth, np.log1p(n) + round_earth
@@ -119,6 +121,7 @@ class LayeredIndex:
             heights.append(z)
             slopes.append(slope)
             curves.append(a)
+            # arcs along the parabola to the upper and the lower level of the layer
             up, down = _reach(zeta[layer + 1] - z, slope, a), _reach(z - zeta[layer], -slope, -a)
             step = np.where(active, np.minimum(up, down), 0.0)
             rises = up < down
@@ -148,6 +151,7 @@ class LayeredIndex:
             last = int(sea_hits[-1]) if sea_hits.size else 0
             if last == elevations.size - 1:
                 return float(elevations[-1])
+            # between the highest ray that meets the sea and the next one
             low, high = float(elevations[last]), float(elevations[last + 1])
             elevations = np.linspace(low, high, 33)
         return float(high)

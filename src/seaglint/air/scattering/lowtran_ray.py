@@ -188,6 +188,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     thick = laws.height[layer + 1] - laws.height[layer]
     _between_levels(laws, layer, ((z1 - laws.height[layer]) / thick, (z2 - laws.height[layer]) / thick), low, high, work[3])
     n_low, n_high = laws.refractivity[layer] + 1e-20, laws.refractivity[layer + 1] + 1e-20
+    # refractivity falls exponentially across a layer
     fall = math.log(n_low / n_high) / thick
     n1 = n_low * math.exp(-fall * (z1 - laws.height[layer]))
     n2 = n_low * math.exp(-fall * (z2 - laws.height[layer]))
@@ -209,6 +210,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
         n = n1 * math.exp(-fall * (z - z1))
         sine = invariant / ((1.0 + n) * (re + z))
         cosine = math.sqrt(max((1.0 - sine) * (1.0 + sine), 1e-300))
+        # dz/ds of the parabola over the cosine of the real ray corrects the parabola's length
         weight = _WEIGHTS[g] * length * (cos1 + curved * s) / cosine
         fraction = (z - z1) / dz
         bending += weight * sine * fall * n / (1.0 + n)
@@ -218,6 +220,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
                 sums[k] += weight * a * math.exp(fraction * work[3, k])
             else:
                 sums[k] += weight * (a + (b - a) * fraction)
+    # Snell: the zenith angle changes by the angle at the Earth's centre less the bending
     turn = math.asin(sine1) - math.asin(sine2) + bending
     if columns == 0:
         return turn, bending
@@ -245,6 +248,7 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
             bending += angles[1]
             continue
         for g in range(nodes):
+            # far from level: only the secant depends on the ray, all else was summed once
             sine = invariant / grid.invariant[layer, g]
             secant = 1.0 / math.sqrt((1.0 - sine) * (1.0 + sine))
             turn += grid.turn[layer, g] * sine * secant
@@ -399,6 +403,7 @@ def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray
     fall = np.log(n[:-1] / n[1:]) / thick
     at_node = n[:-1, None] * np.exp(-fall[:, None] * (z - height[:-1, None]))
     amount = layer_amounts(thick, density)
+    # every layer has one temperature, so its cold share is one factor
     amount[:, :, SELF_COLD] = amount[:, :, SELF] * cold[:, None]
     return LayerGrid(
         (1.0 + n) * (earth_radius + height),

@@ -226,6 +226,7 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
                 out[KINDS - 1, i] += (
                     0.5 * (molecules[previous, i] - molecules[this, i]) * (by_molecules[previous, i] + by_molecules[this, i])
                 )
+            # trapezoid: half of the fall of transmittance for the point before, half for this one
             _add(out, fall, share[previous], by_haze[previous])
             _add(out, fall, share[this], by_haze[this])
     return float(line.arc[points - 1])
@@ -265,6 +266,7 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
             optical_depths(laws, whole, depth[this])
             for i in range(channels):
                 light[this, i] = up * passed(depth[this, i])
+        # a disc that sets along the line dims the light too
         growth = math.log(up / up_before) if up > 0.0 and up_before > 0.0 else 0.0
         up_before = up
         if j == 0:
@@ -274,6 +276,7 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
             seen[i] = _log_mean(light[previous, i], light[this, i], depth[previous, i] - depth[this, i] + growth)
         for region in range(AEROSOLS):
             w = line.amount[j, region] - line.amount[j - 1, region]
+            # regions that the piece does not touch
             if w <= 0.0:
                 continue
             for c in range(AEROSOLS if region == 0 else 1):

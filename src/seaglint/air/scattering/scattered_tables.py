@@ -157,6 +157,7 @@ class SampledLight:
         return np.maximum(elevation_of_coordinate(np.linspace(0.0, 1.0, ROWS), 0.0), 0.0)
 
     def _sky_from(self, height: float) -> ScatteredSky | None:
+        # heights within 1 % count as equal
         matches = [sky for sky in self.samples.skies if abs(sky.height - height) <= 0.01 * max(height, 1.0)]
         return matches[0] if matches else None
 
@@ -189,6 +190,7 @@ class SampledLight:
         """Function of the scattering angle that contains the aureole, from the line of sight nearest to the Sun."""
         row = int(np.argmin(angle.min(axis=1)))
         floor = 1e-6 * max(float(size.max()), 1e-30)
+        # two azimuths may have one scattering angle; the spline needs distinct ones
         known, first = np.unique(np.round(angle[row], 6), return_index=True)
         log = np.log(np.maximum(size[row][first], floor))
         if known.size < 3:
@@ -411,6 +413,7 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
 def _grazed(air: ScatteringAir, height: float) -> FloatArray:
     """Elevations, up to the horizontal, of the rays that touch the sea or a level [rad], at which the sky has corners."""
     level = invariant_of(air.laws, 1e-3 * height, 1.0)
+    # levels closer than 10 m below the sensor are left to the horizontal's piece
     levels = air.laws.height[(air.laws.height > 0.0) & (1e3 * air.laws.height < height - 10.0)]
     touching = [-math.acos(min(invariant_of(air.laws, float(z), 1.0) / level, 1.0)) for z in levels]
     horizon = (0.5 * math.pi - horizon_zenith(air.laws, 1e-3 * height)) * (1.0 - 1e-3)
@@ -442,6 +445,7 @@ def _table(
 
 def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
     """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle."""
+    # spectra of lines at some scattering angles, from the aureole to backscatter, span those at all angles
     phase = air.phase(np.radians((1.0, 10.0, 30.0, 90.0, 150.0)))
     spectra = np.einsum("acn,lcn->aln", phase, amplitudes).reshape(-1, amplitudes.shape[-1])
     size = np.linalg.norm(spectra, axis=1, keepdims=True)
@@ -482,6 +486,7 @@ def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArra
     columns = np.linspace(0.0, 1.0, COLUMNS)
     nodes = np.sin(0.5 * azimuths) ** 2
     order = azimuths.size - 1
+    # polynomials in the cosine of the azimuth: the azimuth nodes are their Chebyshev extrema
     to_columns = chebyshev.chebvander(1.0 - 2.0 * columns, order) @ np.linalg.inv(chebyshev.chebvander(1.0 - 2.0 * nodes, order))
     encoded = np.moveaxis(np.tensordot(to_columns, encoded, axes=(1, 2)), 0, 2)
     encoded = rows(encoded)

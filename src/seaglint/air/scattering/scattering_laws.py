@@ -217,6 +217,7 @@ class ScatteringAir:
         fraction = ((theta - nodes[left]) / (nodes[left + 1] - nodes[left]))[..., None, None]
         log = np.moveaxis(self._aerosol.log_phase, -1, 0)
         out = np.empty((*theta.shape, KINDS, self.wavenumber_cm.size))
+        # logarithms are linear between the angles of the table, as in LOWTRAN7
         out[..., : KINDS - 1, :] = np.exp((1.0 - fraction) * log[left] + fraction * log[left + 1])
         out[..., KINDS - 1, :] = molecular_phase(theta)[..., None]
         return out
@@ -228,6 +229,7 @@ class ScatteringAir:
         """
         with _LOCK:
             for log_phase, table in _EVEN_PHASES:
+                # the same array, not an equal one: hazes of other winds share it
                 if log_phase is self._aerosol.log_phase and len(table) == count:
                     return table
         table = self.phase(np.linspace(0.0, np.pi, count))
@@ -261,6 +263,7 @@ class ScatteringAir:
 
     def _suns(self, z: float, lines: FloatArray) -> SunwardTable:
         """Table of the amounts towards the Sun at the points of the lines from a height [km]; empty for a Sun that is too low."""
+        # the line nearest to the horizontal reaches farthest, and sets the range of Suns
         grazing = lines[np.argmin(np.abs(lines[:, 0] - 0.5 * np.pi)), 0]
         heights, arcs = line_points(self.laws, z, float(grazing))
         reach = float(arcs.max())

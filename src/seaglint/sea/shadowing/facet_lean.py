@@ -127,6 +127,7 @@ def _excess(bands: int, mu: float) -> FloatArray:
     """Excess of the mean slope of half the bands over the slopes of the table, for one view ``mu`` in rms slopes [1, (columns,)]."""
     slope = np.minimum(_STEP * np.arange(_COLUMNS) - REACH, mu - _EDGE)
     means = nested_chain(slope, max(mu, _EDGE), bands)  # of the slopes of the longest bands together
+    # for an odd number of bands the mean of the two numbers around half
     return np.asarray(0.5 * (means[bands // 2 - 1] + means[(bands + 1) // 2 - 1] - slope))
 
 
@@ -179,6 +180,7 @@ def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
     x = np.vstack([np.zeros(AZIMUTHS), np.minimum(waves.along / total, 1.0)])
     rise = np.diff(x, axis=0)
     steps = np.where(rise > 1e-12, np.diff(waves.covariance, axis=0, prepend=0.0) / total / np.maximum(rise, 1e-12), 0.0)
+    # maximum of h(x) = x^p (1 - x), at x = p/(1 + p)
     highest = (_POWER / (1.0 + _POWER)) ** _POWER / (1.0 + _POWER)
     return np.asarray(np.sum(steps * np.diff(x**_POWER * (1.0 - x), axis=0), axis=0) * LEAN / highest)
 
@@ -187,6 +189,7 @@ def lean_gains(slopes: SlopeStatistics, resolved: float = 0.0) -> FloatArray:
 def gain_at(gains: FloatArray, turn: float) -> float:
     """Gain at an azimuth ``turn`` from the wind's [rad], linear between the azimuths of :func:`lean_gains`."""
     x = turn / math.pi * gains.shape[0]
+    # a direction and its opposite have one gain
     x -= math.floor(x / gains.shape[0]) * gains.shape[0]
     i = min(int(x), gains.shape[0] - 1)
     j, f = (i + 1) % gains.shape[0], x - i

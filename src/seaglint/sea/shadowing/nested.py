@@ -92,6 +92,7 @@ class _Quadrature(NamedTuple):
 
 def _quadrature(mu: float, bands: int) -> _Quadrature:
     """Return the quadrature of a view ``mu`` rms slopes high."""
+    # slopes above the one viewed edge on are hidden
     high = min(mu, REACH + 0.5)
     half = 0.5 * (high + REACH + 0.5)
     slope, weight = high - half * (1.0 - _GAUSS_X), half * _GAUSS_W
@@ -110,6 +111,7 @@ def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
     seen = rule.seen
     for _ in range(bands - 2):
         seen = (rule.step @ seen) * rule.projection
+    # the projected area of the last slope cancels against Smith's visible density, so that any slope has a ratio
     last = (_density((t[:, None] - rule.slope) / rule.width) / rule.width * rule.onward) @ seen
     # far beyond the edge, where no facet is visible, many narrow bands give 0
     return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
@@ -386,6 +388,7 @@ def _moments(bands: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     t: FloatArray = np.asarray(_STEP * (np.arange(_COLUMNS) - 1.0) - REACH, dtype=np.float64)
     edge: FloatArray = np.asarray(_STEP * (np.arange(_ROWS) - 1.0), dtype=np.float64)
     weight = ratio * np.maximum(edge[:, None] - t, 0.0) * _density(t) * _STEP / _area(edge)[:, None]
+    # Hermite polynomials of the series: He3/6 for skewness, He4/24 for excess
     return edge, weight @ ((t**3 - 3.0 * t) / 6.0), weight @ ((t**4 - 6.0 * t * t + 3.0) / 24.0)
 
 

@@ -49,6 +49,7 @@ def _pair_elevation(node: int) -> float:
 def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArray, slopes: FloatArray, out: FloatArray) -> None:
     """Logarithms of the joint density over Smith's at ``slopes``, for viewer and Sun ``view`` and ``sun`` rms slopes high, oppositely."""
     width = 1.0 / math.sqrt(bands)
+    # slopes from the one that hides the Sun to the one that hides the viewer
     low, high = -min(sun, REACH), min(view, REACH)
     half = 0.5 * (high - low)
     n = x.size
@@ -90,6 +91,7 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
                 slopes[k] = (view + sun) * k / (shares - 1) - sun
             _pair_ratios(view, sun, bands, x, w, slopes, out[i, j])
             for k in range(shares):
+                # the ratios of either leg alone are divided out; the Sun is opposite, so its slope has the other sign
                 out[i, j, k] -= math.log(nested_ratio_kernel(slopes[k], view, 1.0, alone))
                 out[i, j, k] -= math.log(nested_ratio_kernel(-slopes[k], sun, 1.0, alone))
 
@@ -154,6 +156,7 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
         return 0.0
     a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
     x, y = (_PAIR_NODES - 1) * math.sqrt(a / _PAIR_TOP), (_PAIR_NODES - 1) * math.sqrt(b / _PAIR_TOP)
+    # position of the slope between the Sun's edge (0) and the viewer's (1)
     z = min(max((slope + b) / max(a + b, 2e-3), 0.0), 1.0) * (_PAIR_SHARES - 1)
     i, j = np.uint64(min(int(x), _PAIR_NODES - 2)), np.uint64(min(int(y), _PAIR_NODES - 2))
     k = np.uint64(min(int(z), _PAIR_SHARES - 2))

@@ -229,6 +229,7 @@ def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[f
     count = round(2.0 * _REACH / _X_STEP) + 3  # a node to spare on each side
     table = np.empty((_TURNS, count))
     for row, psi in enumerate(np.linspace(0.0, np.pi, _TURNS)):
+        # slopes of the negative part along the view, as cells of the table
         place = (xi * np.sin(psi) - eta * np.cos(psi) + _REACH) / _X_STEP + 1.0
         cell = np.floor(place).astype(np.intp)
         beyond = place - cell

@@ -104,6 +104,7 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
     if slopes.directed is not None:
         # all waves of a vanishing wind sea are below the limit: without this, its residual variance would be in ripples above 1e4 rad/m
         limit = min(limit, SHORTEST)
+    # covariances are turned from the spectrum's axes to the axes of the slopes
     turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
     c, s = float(np.cos(turn)), float(np.sin(turn))
     top = max(SHORTEST, 2.0 * limit)
@@ -124,6 +125,7 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
             along * s * s + 2.0 * mixed * c * s + across * c * c,
             (along - across) * c * s + mixed * (c * c - s * s),
         )
+        # waves above the limit only give the ripples their shape
         longer = most <= limit * (1.0 + 1e-9)
         grown[i] = grown[i - 1] + (parts if longer else 0.0)
         shorter[i] = shorter[i - 1] + (0.0 if longer else along + across)

@@ -274,6 +274,7 @@ def joined_in_calm(
     if wind >= join:
         return SlopeStatistics(*variances, wind_to_azimuth, *coefficients)
     up, cross = variances
+    # waves are never steeper across the wind than along it
     if cross > up:
         up = cross = 0.5 * (up + cross)
     c21, c03, c40, c22, c04 = (wind / join * coefficient for coefficient in coefficients)

@@ -39,6 +39,7 @@ class BinnedSpectrum(MeasuredSpectrum):
         rows = self._k.size
         lower = np.clip(np.searchsorted(self._k, k, side="right") - 1, 0, rows - 2)
         step = np.clip((k - self._k[lower]) / (self._k[lower + 1] - self._k[lower]), 0.0, 1.0)
+        # the last row is the tail's distribution
         shares = np.vstack([self.share, self._tail_share()])
         tail = k >= self.tail_wavenumber
         low, high = np.where(tail, rows, lower), np.where(tail, rows, lower + 1)
@@ -153,6 +154,7 @@ def _sorted_directions(azimuth: FloatArray) -> tuple[FloatArray, float]:
 
 def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
     """Directions of a sector completed to the full circle, or with an empty bin at each end."""
+    # the sector starts after the widest gap
     beginning = int(np.argmax(np.diff(azimuth, append=azimuth[0] + 2.0 * np.pi))) + 1
     azimuth, values = np.roll(azimuth, -beginning), np.roll(values, -beginning, axis=1)
     azimuth = azimuth[0] + (azimuth - azimuth[0]) % (2.0 * np.pi)
@@ -170,6 +172,7 @@ def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tu
 def _refined(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray, float]:
     """Directions dense enough for linear interpolation, the densities there, and their step [rad]."""
     parts = int(np.ceil(step / _FINE))
+    # two neighbours beyond each end make the cubic periodic
     around = np.concatenate([azimuth[-2:] - 2.0 * np.pi, azimuth, azimuth[:2] + 2.0 * np.pi])
     periodic = np.hstack([values[:, -2:], values, values[:, :2]])
     turn = azimuth.size * step > 2.0 * np.pi - 0.5 * step

@@ -131,6 +131,7 @@ class CombinedSpectrum(DirectionalSpectrum):
     def _mean(self, wavenumber: ArrayLike, of: Callable[[DirectionalSpectrum], FloatArray]) -> FloatArray:
         """Mean of a property of the systems, weighted with their energy; unweighted where there is no energy."""
         energy = np.array([system.omnidirectional(wavenumber) for system in self.systems])
+        # equal weights where no system has energy, instead of 0/0
         energy = np.where(energy.sum(axis=0) > 0.0, energy, 1.0)
         values = np.array([of(system) for system in self.systems])
         weights = energy.reshape(energy.shape[:1] + (1,) * (values.ndim - energy.ndim) + energy.shape[1:])

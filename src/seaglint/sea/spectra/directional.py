@@ -98,6 +98,7 @@ class DirectionalSpectrum(ABC):
         if low >= high:
             return 0.0
         panels = int(np.ceil(_PANELS_PER_DECADE * np.log10(high / low))) + 1
+        # a panel never crosses a kink, so that every one integrates a smooth function
         breaks = self.breakpoints()
         breaks = breaks[(breaks > low) & (breaks < high)]
         edges = np.unique(np.concatenate([np.linspace(np.log(low), np.log(high), panels + 1), np.log(breaks)]))

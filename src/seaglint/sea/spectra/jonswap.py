@@ -98,6 +98,7 @@ class JonswapSpectrum(DirectionalSpectrum):
 
     def breakpoints(self) -> FloatArray:
         """Peak wavenumber, where the peak width changes, and the sides of the narrow peak [rad m⁻¹]."""
+        # the width jumps at the peak; the other points keep panels short across it
         low, high = _SIDES
         return np.asarray(self.peak_wavenumber * np.array([1 - 3 * low, 1 - low, 1.0, 1 + high, 1 + 3 * high]) ** 2)
 

@@ -121,6 +121,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
         """Maximum-entropy distribution of the two moments [rad⁻¹] (Lygre and Krogstad 1986, Eqs. 13-14)."""
         first, second = self._moments(wavenumber)
         turn = np.exp(-1j * np.asarray(azimuth, dtype=np.float64))
+        # coefficients of an autoregressive model with these two moments, phi_1 and phi_2 of the reference
         a = (first - second * np.conj(first)) / (1.0 - np.abs(first) ** 2)
         b = second - first * a
         level = (1.0 - a * np.conj(first) - b * np.conj(second)).real
@@ -156,6 +157,7 @@ def possible_moments(first: ComplexArray, second: ComplexArray) -> tuple[Complex
     these limits are moved to 95 %.
     """
     size = np.abs(first)
+    # moments keep their direction; only their size is reduced
     first = first * np.minimum(1.0, 0.99 / np.maximum(size, 0.99))
     room = _SHARPEST * (1.0 - np.abs(first) ** 2)
     offset = second - first**2
