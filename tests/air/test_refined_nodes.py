@@ -28,7 +28,7 @@ def test_nodes_gather_at_a_corner(corner):
     x = np.linspace(0.0, 1.0, 4001)
     splined = CubicSpline(found.place, found.value, axis=0)(x)
     assert np.max(absolute(splined, 8.0 * np.abs(x - corner)[:, np.newaxis])) < 1.5 * LIMIT
-    assert found.left == 0.0
+    assert found.residual == 0.0
     assert found.place.size < 60
 
 
@@ -42,7 +42,7 @@ def test_what_cannot_be_splined_is_told_and_bounded():
     first = np.linspace(0.0, 1.0, 31)
     noise = np.random.default_rng(3)
     found = refined_nodes(first, lambda x: noise.standard_normal((x.size, 1)), absolute)
-    assert found.left > 0.5
+    assert found.residual > 0.5
     assert found.place.size <= MOST_TIMES * 31
 
 

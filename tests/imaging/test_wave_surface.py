@@ -10,7 +10,7 @@ from seaglint.base.errors import DomainError
 from seaglint.imaging import wave_surface as surface_module
 from seaglint.imaging.launch import surface_of
 from seaglint.sea.tiles import Tile, Wander
-from seaglint.sea.wave_field import Detail, kept_share
+from seaglint.sea.wave_field import Detail, read_share
 
 SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
 
@@ -221,7 +221,7 @@ def test_smooth_lattices_are_read_at_some_samples(step, bits, worst):
 def test_strips_keep_the_variance_of_the_shortest_waves():
     """Four cells long, along the line and read as seldom as it may be: cubic between readings keeps what is promised."""
     n = 64
-    wave = np.cos(0.5 * np.pi * np.arange(n)) / float(kept_share(np.array(0.5 * np.pi), "cubic")) ** 0.5
+    wave = np.cos(0.5 * np.pi * np.arange(n)) / float(read_share(np.array(0.5 * np.pi), "cubic")) ** 0.5
     sea = surface_of((np.ascontiguousarray(np.tile(wave, (n, 1))[..., None].astype(np.float32)),), np.ones(1), np.zeros(1))
     line = surface_module.course(sea, 0, 1.0, 0.0, (0.0, 0.0))
     strip, count = surface_module.new_strip(), surface_module.STRIP

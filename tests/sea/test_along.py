@@ -31,7 +31,7 @@ def test_all_waves_have_the_covariance_of_the_slopes(turn_deg):
     east_east, east_north, north_north = slopes.covariance()
     s, c = math.sin(turn + 0.7), math.cos(turn + 0.7)
     assert waves.along[-1, 0] == pytest.approx(east_east * s * s + 2.0 * east_north * s * c + north_north * c * c, rel=1e-6)
-    assert waves.beside[-1, 0] == pytest.approx((east_east - north_north) * s * c + east_north * (c * c - s * s), abs=1e-8)
+    assert waves.covariance[-1, 0] == pytest.approx((east_east - north_north) * s * c + east_north * (c * c - s * s), abs=1e-8)
     assert np.all(np.diff(waves.along[:, 0]) >= 0.0)
 
 

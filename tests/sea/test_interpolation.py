@@ -7,7 +7,7 @@ from render_scenes import CUBIC, SLOPE, spline
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 from seaglint.sea.spectra import CombinedSpectrum, ElfouhailySpectrum, JonswapSpectrum
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
-from seaglint.sea.wave_field import WaveField, _turns, gain, kept_share
+from seaglint.sea.wave_field import WaveField, _turns, gain, read_share
 
 SEA = ElfouhailySpectrum(10.0, np.radians(60.0))
 
@@ -18,8 +18,8 @@ def test_kept_share_is_the_variance_of_a_wave_that_is_read_at_random(reading):
     points = np.arange(-2, 4)
     basis = CUBIC(np.clip(place - points, -2.0, 2.0)) if reading == "cubic" else np.maximum(1.0 - np.abs(place - points), 0.0)
     read = np.abs(basis @ np.exp(1j * points[:, None] * turn)) ** 2
-    assert read.mean(axis=0) == pytest.approx(kept_share(turn, reading), abs=1e-5)
-    assert gain(turn, reading) ** 2 * kept_share(turn, reading) == pytest.approx(np.ones(9), rel=1e-12)
+    assert read.mean(axis=0) == pytest.approx(read_share(turn, reading), abs=1e-5)
+    assert gain(turn, reading) ** 2 * read_share(turn, reading) == pytest.approx(np.ones(9), rel=1e-12)
 
 
 def _systems():

@@ -55,7 +55,7 @@ def test_the_peak_is_enhanced_as_the_experiment_has_it() -> None:
         ({"peak_period": 40.0}, "peak_period = 40 s is outside 0.5-30 s"),
         ({"gamma": 0.5}, "gamma = 0.5 is outside 1-20"),
         ({"width": 0.001}, "spreading = .* is outside 1-80 deg"),
-        ({"height": 10.0, "peak_period": 5.0}, r"steeper than waves stand; allowed: up to 2\.73 m"),
+        ({"height": 10.0, "peak_period": 5.0}, r"steeper than waves can be; allowed: up to 2\.73 m"),
         ({"to_azimuth": np.nan}, "finite"),
     ],
 )

@@ -1,4 +1,4 @@
-"""Isothermal air in a closed cavity of its own temperature: the white furnace, an exact test scene."""
+"""Isothermal air in a closed cavity of equal temperature: the white furnace, an exact test scene."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class IsothermalAtmosphere(ClearAir):
 
     @property
     def provenance(self) -> Mapping[str, Any]:
-        """Name of the class: there is no table."""
+        """Name of the class, in place of a table."""
         return {"table": type(self).__name__}
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:

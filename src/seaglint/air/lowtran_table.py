@@ -1,23 +1,19 @@
-"""Splines as weighted sums over node values, for many points at once.
+"""Atmosphere tables of LOWTRAN7's model atmospheres: reader, cut to a band, and spectra for many cases at once.
 
-A not-a-knot spline in wind and height is a sum over the nodes between two kinks; along the path two values and two slopes suffice.
-
-Files of the atmosphere tables: their list, their reader, and one of them cut to a band.
-
-Built by ``tools/build_atmosphere.py``; each file holds, for one model atmosphere and one spectral region,
+The files, built by ``tools/build_atmosphere.py``, hold for one model atmosphere and one spectral region
 
 - encoded optical depth and effective air temperature ``T_e`` of the path from the sea to a sensor, against wind, height and
   normalised path length: ``L_path = (1 - tau) B(T_e)``;
 - encoded optical depth of the path to the Sun against wind and zenith angle;
 - brightness temperature of the thermal sky against wind, height and elevation, above and below the horizontal,
 
-each as spectral principal components whose scores are interpolated by cubic splines. These quantities vary slowly where
-transmittance and radiance vary by orders of magnitude, and splines of them show no bands in an image.
+each as spectral principal components with scores that are interpolated by cubic splines. These quantities vary slowly where
+transmittance and radiance vary by orders of magnitude, and their splines show no bands in an image.
 
-Table atmosphere for many cases at once, each with its own wind, height and angles, as spreadsheets have them.
-
-Splines over wind, height and the path are taken at every case's own (:mod:`seaglint.air.lowtran_table`): 20 us a case, where sums along its
-ray (:mod:`seaglint.air.profile.air_sums`) take a millisecond.
+:class:`BatchAtmosphere` evaluates cases that each have a wind, a height and angles, as in spreadsheets. Splines over wind, height and the
+path are weighted sums over node values (:class:`Stencil`): a not-a-knot spline in wind and height sums over the nodes between two kinks,
+along the path two values and two slopes suffice. A case takes 20 us; sums along its ray (:mod:`seaglint.air.profile.air_sums`) take a
+millisecond.
 """
 
 from __future__ import annotations
@@ -49,11 +45,19 @@ from seaglint.air.coordinates import (
     straight_slant,
 )
 from seaglint.air.profile.bent_ray import RefractingAir
-from seaglint.air.protocol import require_solar_zenith, wavenumber_grid
+from seaglint.air.protocol import ANGLE_SLACK, require_solar_zenith, wavenumber_grid
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.optics.blackbody import planck_wavenumber
+
+_DATA = resources.files("seaglint.air").joinpath("data")
+
+Region = Literal["mwir", "lwir"]
+
+_REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
+
+_QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +75,12 @@ class Stencil:
         Between two kinks it is not-a-knot (three nodes: a parabola, two: a line).
         """
         edges = np.array(sorted({float(nodes[0]), *kinks, float(nodes[-1])}))
-        part = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
+        interval = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
         inside = [np.flatnonzero((nodes >= edges[j - 1]) & (nodes <= edges[j])) for j in range(1, edges.size)]
         widest = max(piece.size for piece in inside)
         index, weight = np.zeros((x.size, widest), dtype=np.intp), np.zeros((x.size, widest))
         for j, piece in enumerate(inside, start=1):
-            cases = np.flatnonzero(part == j)
+            cases = np.flatnonzero(interval == j)
             if cases.size:
                 index[cases, : piece.size] = piece
                 weight[cases, : piece.size] = CubicSpline(nodes[piece], np.eye(piece.size))(x[cases])
@@ -93,6 +97,7 @@ class Stencil:
         step = nodes[left + 1] - nodes[left]
         t = np.minimum((x - nodes[left]) / step, 1.0)
         beyond = np.maximum(x - nodes[-1], 0.0)
+        # Hermite's basis on a step: both values, then both slopes; beyond the last node its slope alone counts
         weight = (
             (1.0 + 2.0 * t) * (1.0 - t) ** 2,
             t * t * (3.0 - 2.0 * t),
@@ -110,6 +115,7 @@ class Stencil:
     def of(self, values: FloatArray) -> FloatArray:
         """Weighted sums (cases, ...) over node values [(size, ...)]."""
         cases, width = self.index.shape
+        # one sparse product for all components: rows are cases, each with as many weights
         matrix = csr_array((self.weight.ravel(), self.index.ravel(), np.arange(0, cases * width + 1, width)), shape=(cases, self.size))
         return np.asarray(matrix @ values.reshape(self.size, -1)).reshape(cases, *values.shape[1:])
 
@@ -118,17 +124,6 @@ def with_slopes(nodes: FloatArray, values: FloatArray) -> FloatArray:
     """Node values [(..., nodes, k)] followed by the slopes of their cubic spline: (..., 2 nodes, k)."""
     slope = np.asarray(CubicSpline(nodes, np.eye(nodes.size))(nodes, 1))
     return np.concatenate([values, slope @ values], axis=-2)
-
-
-_DATA = resources.files("seaglint.air").joinpath("data")
-
-Region = Literal["mwir", "lwir"]
-
-_REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
-
-_QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
-
-ANGLE_SLACK = 1e-6  #: Tolerance within which angles below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad].
 
 
 def models(region: str = "mwir") -> tuple[str, ...]:
@@ -165,6 +160,7 @@ def read_table(model: str, region: str) -> Mapping[str, Any]:
             table |= _decoded(table, name)
     except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
         raise DataError(f"the atmosphere table {name} in the package is damaged ({error}); install seaglint again") from error
+    # the horizontal is a node of both, of the sky above it and of the sky below it
     sky, up = table["sky_temperature_scores"], int(table["sky_nodes"])
     table["sky_temperature_scores"], table["sky_dip_scores"] = sky[:, :, :up], np.concatenate([sky[:, :, :1], sky[:, :, up:]], axis=2)
     for array in table.values():
@@ -175,6 +171,7 @@ def read_table(model: str, region: str) -> Mapping[str, Any]:
 def _decoded(table: Mapping[str, Any], name: str) -> dict[str, FloatArray]:
     """Components and scores of a quantity from their integers: 16-bit components; scores as byte planes of differences in wind."""
     planes = table[f"{name}_scores"]
+    # the planes are the bytes of little-endian 32-bit integers: plane i holds byte i of all of them
     differences = np.ascontiguousarray(planes.reshape(4, -1).T).view("<i4").reshape(planes.shape[1:])
     scores = np.cumsum(np.moveaxis(differences, 0, -1), axis=0) * float(table[f"{name}_step"])
     return {
@@ -214,9 +211,9 @@ class BandTable:
     sky_heights: FloatArray  #: See ``winds``.
     levels: tuple[float, ...]
     height_kinks: tuple[float, ...]
-    refraction: RefractingAir  #: LOWTRAN7's own.
+    refraction: RefractingAir  #: LOWTRAN7's refraction.
     #: ``horizon_excess``, ``ray``: Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate
-    #: of LOWTRAN7's rays against that of straight ones [1, (heights, nodes)].
+    #: of LOWTRAN7's rays against the coordinate of straight ones [1, (heights, nodes)].
     horizon_excess: FloatArray
     ray: FloatArray
     #: ``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``, ``sky_dip``: Spectra that :func:`read_table` describes.
@@ -314,7 +311,7 @@ class BandTable:
         return elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
 
     def sunlight(self, solar_zenith: ArrayLike, encoded: FloatArray) -> FloatArray:
-        """Direct sunlight at the sea [W m-2 per cm-1, (..., n)] from the encoded depth of the way to the Sun; 0 below the horizon."""
+        """Direct sunlight at the sea [W m-2 per cm-1, (..., n)] from the encoded depth of the path to the Sun; 0 below the horizon."""
         up = (np.asarray(solar_zenith, dtype=np.float64) <= 0.5 * np.pi + ANGLE_SLACK)[..., np.newaxis]
         return np.asarray(np.where(up, self.solar * np.exp(-decode_optical_depth(encoded)), 0.0))
 
@@ -325,14 +322,14 @@ def _covered(grid: FloatArray) -> str:
 
 @dataclass(frozen=True, eq=False)
 class BatchAtmosphere:
-    """LOWTRAN7 model atmosphere over one band for cases with their own winds. Make it with :meth:`load`.
+    """LOWTRAN7 model atmosphere over one band for cases of different winds. Make it with :meth:`load`.
 
     Notes
     -----
     LOWTRAN7's Navy maritime aerosol at winds (U10, also the 24-hour mean) of 0 to 20 m/s, heights of 2 m to 10 km, paths to the sea named
     by the depression of LOWTRAN7's own refracted ray at the sensor, in its layers and at its 20 cm-1, sampled every 5. Radiance is thermal.
     Against LOWTRAN7 runs off the nodes (3-5 um) the 95th percentile of the error is 0.15 % of band transmittance, 0.1 % of path radiance
-    and sunlight, 0.05 % of the sky seen from the sea, and 1.5 % (largest 5 %) of the sky from a height within four dips of the horizon.
+    and sunlight, 0.05 % of the sky above the sea, and 1.5 % (largest 5 %) of the sky from a height within four dips of the horizon.
 
     References
     ----------
@@ -352,22 +349,22 @@ class BatchAtmosphere:
     #: ``wind_range``, ``height_range``: Ranges of the table [m s-1], [m].
     wind_range: tuple[float, float]
     height_range: tuple[float, float]
-    extrapolate: bool  #: Whether winds and heights beyond that are taken.
+    extrapolate: bool  #: Whether winds and heights beyond the ranges are accepted.
     _table: BandTable
     _ray: FloatArray
     #: Scores of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)].
     _path_scores: FloatArray
     _sun_scores: FloatArray
-    _sky_scores: FloatArray  #: Scores of the sky seen from the sea against elevation, values and slopes [(winds, 2 nodes, components)].
+    _sky_scores: FloatArray  #: Scores of the sky above the sea against elevation, values and slopes [(winds, 2 nodes, components)].
 
     @classmethod
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
         """Read the table of ``model`` over a band [um].
 
-        With ``extrapolate`` winds above the table see the air of its highest wind, as in LOWTRAN7 itself. Below the table's lowest height a
-        path is one of equal length from there: the air is the same (transmittance within 0.02 %, path radiance 0.1 %, 0.5 m). The path to
-        a sensor above it ends where the ray passes the highest one and lacks the air above: at 15 km and 30 deg down 1-3 % of
-        transmittance and 3-9 % of path radiance, more towards the horizon. Outside winds and heights are refused otherwise.
+        With ``extrapolate`` winds above the table take the air of its highest wind, as in LOWTRAN7 itself. Below the table's lowest height
+        a path is one of equal length from there: the air is the same (transmittance within 0.02 %, path radiance 0.1 %, 0.5 m). The path to
+        a sensor above it ends where the ray passes the highest one and lacks the air above: at 15 km and 30 deg down 1-3 % of transmittance
+        and 3-9 % of path radiance, more towards the horizon. Outside winds and heights are refused otherwise.
 
         Raises
         ------
@@ -435,7 +432,7 @@ class BatchAtmosphere:
         h = np.minimum(h, self.height_range[1])
         straight = path_coordinate(straight_slant(h, cosine), h, straight_slant(h, 0.0))
         nodes = np.linspace(0.0, 1.0, self._ray.shape[-1] // 2)
-        # The ray's spline says how far along LOWTRAN7's own path the sea lies: the coordinate of the path nodes.
+        # The ray's spline converts the coordinate of the straight path to the coordinate of LOWTRAN7's own ray, on which the nodes are.
         x = np.maximum(at_height.times(Stencil.hermite(nodes, straight)).of(self._ray.reshape(-1)), 0.0)
         x, share = self._of_length(h, x)
         path_nodes = np.linspace(0.0, 1.0, self._path_scores.shape[2] // 2)
@@ -450,6 +447,7 @@ class BatchAtmosphere:
         lowest, share = self.height_range[0], np.ones_like(x)
         low = height < lowest
         if low.any():
+            # the path coordinate x is logarithmic: length h^(1 - x) s_horizon^x
             excess = np.exp(self._table.horizon_excess[0])
             length = height[low] ** (1.0 - x[low]) * (straight_slant(height[low], 0.0) * excess) ** x[low]
             x = x.copy()
@@ -465,7 +463,7 @@ class BatchAtmosphere:
     def sky_radiance(self, wind_speed: ArrayLike, zenith: ArrayLike, height: ArrayLike | None = None) -> FloatArray:
         """Thermal radiance of the clear sky [W m-2 sr-1 per cm-1, (cases, n)] at zenith angles [rad, (cases,)].
 
-        Seen from the sea, or from heights [m, (cases,)]; from there down to the horizon of LOWTRAN7's own rays (:meth:`dip`).
+        The sky above the sea, or at heights [m, (cases,)], there down to the horizon of LOWTRAN7's own rays (:meth:`dip`).
         """
         angle = np.asarray(zenith, dtype=np.float64)
         if height is not None:
@@ -488,8 +486,10 @@ class BatchAtmosphere:
         below = elevation < 0.0
         if below.any():
             x = np.minimum(dip_coordinate(-elevation[below], dip[below]), 1.0)
-            part = Stencil(where.index[below], where.weight[below], where.size).times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x))
-            scores[below] = part.of(low.reshape(-1, low.shape[-1]))
+            dip_stencil = Stencil(where.index[below], where.weight[below], where.size).times(
+                Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x)
+            )
+            scores[below] = dip_stencil.of(low.reshape(-1, low.shape[-1]))
         return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(scores))
 
     @cached_property

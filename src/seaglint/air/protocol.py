@@ -1,14 +1,14 @@
-"""Samples of sunlight scattered by the air, for one Sun: radiance of paths and sky over azimuth from the Sun.
-
-Interface of all atmospheres: spectra along a line of sight and of the sky in a direction, for a table, a cavity or vacuum.
+"""Interface of all atmospheres: spectra along a line of sight and of the sky in a direction, for a table, a cavity or vacuum.
 
 All spectra are sampled on ``wavenumber_cm`` (ascending). Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1.
-Paths are named by sensor height, ``range_m``, the arc along the sea from the sensor's foot to that of the point looked at
-(:mod:`seaglint.base.conventions`), and the height of that point, because refraction makes angles a poor key near the horizon.
+Paths are named by sensor height, by ``range_m``, the arc along the sea from the sensor's foot to the foot of the point looked at
+(:mod:`seaglint.base.conventions`), and by the height of that point, because refraction makes angles a poor key near the horizon.
 
-A point above the sea may lie below, at or above the sensor's height, in front of sea or sky. Whether the sea hides it is the caller's
-business: the straight line over the effective Earth is taken as it is, air below the mean sea like that at it, down to
-:data:`DEEPEST_LINE` below the mean sea; deeper lines are refused. Paths to the sea itself (height 0) go on beyond the horizon.
+A point above the sea may be below, at or above the sensor's height, in front of sea or sky. Whether the sea hides it is decided by the
+caller: the straight line over the effective Earth is followed down to :data:`DEEPEST_LINE` below the mean sea, with air below the mean sea
+as at the mean sea; deeper lines are refused. Paths to the sea itself (height 0) continue beyond the horizon.
+
+An atmosphere from a file may contain sunlight scattered by the air, sampled for one Sun (:class:`ScatteredSamples`).
 """
 
 from __future__ import annotations
@@ -32,10 +32,17 @@ if TYPE_CHECKING:
 #: Tolerance within which two zenith angles of the Sun are equal [rad]; at 85 deg scattered light changes by 1 % over it.
 SAME_SUN = np.radians(0.1)
 
+#: Tolerance within which angles outside a range count as on its edge [rad]: rounding of degrees, 2e-4 of the solar radius.
+ANGLE_SLACK = 1e-6
+
+DEEPEST_LINE = 100.0  #: Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides.
+
+GRID_STEP_CM = 5.0  #: Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it.
+
 
 @dataclass(frozen=True, eq=False)
 class ScatteredSky:
-    """Scattered sky seen from ``height`` [m] at ascending zenith angles [rad, (k,)]: radiance (k, a, n) [W m-2 sr-1 per cm-1]."""
+    """Scattered sky at ``height`` [m] at ascending zenith angles [rad, (k,)]: radiance (k, a, n) [W m-2 sr-1 per cm-1]."""
 
     height: float
     zenith: FloatArray
@@ -50,7 +57,7 @@ class ScatteredSamples:
     azimuth: FloatArray  #: Azimuths of the line of sight from the Sun, ascending within 0 to pi [rad]; the other side is the mirror image.
     range_m: FloatArray  #: Arcs of the paths from the sea to the sensor, ascending [m].
     path: FloatArray | None  #: Radiance of the paths [W m-2 sr-1 per cm-1].
-    skies: tuple[ScatteredSky, ...] = ()  #: Seen from the sea (height 0) and from the sensor, those that are known.
+    skies: tuple[ScatteredSky, ...] = ()  #: Skies at the sea (height 0) and at the sensor, as far as known.
 
     def require_sun(self, solar_zenith: float, name: str) -> None:
         """Refuse a Sun other than the one of the samples; one below the horizontal scatters nothing and is allowed.
@@ -58,12 +65,12 @@ class ScatteredSamples:
         Raises
         ------
         DomainError
-            Naming both.
+            The message names both zenith angles.
         """
         if solar_zenith <= 0.5 * np.pi and abs(solar_zenith - self.solar_zenith) > SAME_SUN:
-            given, held = np.degrees(solar_zenith), np.degrees(self.solar_zenith)
+            given, sampled = np.degrees(solar_zenith), np.degrees(self.solar_zenith)
             raise DomainError(
-                f"solar zenith = {given:.4g} deg: {name} holds scattered sunlight of a Sun at {held:.4g} deg only (within 0.1 deg); "
+                f"solar zenith = {given:.4g} deg: {name} holds scattered sunlight of a Sun at {sampled:.4g} deg only (within 0.1 deg); "
                 "set sun.zenith_deg to that, or make the file for this Sun, or leave path_scattered and sky_scattered out of it",
                 name="solar_zenith",
                 value=solar_zenith,
@@ -71,16 +78,11 @@ class ScatteredSamples:
             )
 
 
-DEEPEST_LINE = 100.0  #: Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides.
-
-GRID_STEP_CM = 5.0  #: Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it.
-
-
 @runtime_checkable
 class Atmosphere(Protocol):
     """Spectral transmittance, thermal path radiance, sunlight and sky between the sea and a sensor above it.
 
-    Of :class:`ClearAir` an atmosphere inherits the members that it need not have.
+    An atmosphere inherits from :class:`ClearAir` the members that it does not define.
     """
 
     @property
@@ -90,7 +92,7 @@ class Atmosphere(Protocol):
 
     @property
     def provenance(self) -> Mapping[str, Any]:
-        """Names and digests of what its spectra are made of, for results; ``table`` is always there."""
+        """Names and digests of the sources of its spectra, for results; ``table`` is always present."""
         ...
 
     @property
@@ -100,11 +102,11 @@ class Atmosphere(Protocol):
 
     @property
     def scattered(self) -> ScatteredSamples | None:
-        """Sunlight scattered by the air as its source gives it; None where it gives none."""
+        """Sunlight scattered by the air, sampled by the atmosphere's source; None without such samples."""
         ...
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the spectral samples, of which scattered sunlight is computed; None where there are none."""
+        """Scatterers on part of the spectral samples, for computing scattered sunlight; None for air without scatterers."""
         ...
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
@@ -130,7 +132,7 @@ class Atmosphere(Protocol):
         ...
 
     def sunlight_at(self, height: float, solar_zenith: float) -> FloatArray | None:
-        """Direct sunlight at a height [W m-2 per cm-1, (n,)] by the apparent zenith angle there [rad]; None where it is not known."""
+        """Direct sunlight at a height [W m-2 per cm-1, (n,)] by the apparent zenith angle there [rad]; None if it is not known."""
         ...
 
     def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
@@ -164,10 +166,7 @@ class ClearAir:
         return None
 
     def sunlight_at(self, height: float, solar_zenith: float) -> FloatArray | None:
-        """None where direct sunlight is known at the sea only; else that at a height [m] by apparent zenith angle there [rad].
-
-        In W m-2 per cm-1, (n,).
-        """
+        """Direct sunlight at a height [W m-2 per cm-1, (n,)] by the apparent zenith angle there [rad]; None if known at the sea only."""
         return None
 
 
@@ -184,6 +183,7 @@ def wavenumber_grid(min_um: float, max_um: float, step_cm: float = GRID_STEP_CM)
             value=(min_um, max_um),
             allowed="0 < min_um < max_um",
         )
+    # the tolerance keeps an edge on a multiple of the step on that multiple, whatever its rounding
     first = np.floor(1e4 / max_um / step_cm + 1e-9)
     last = np.ceil(1e4 / min_um / step_cm - 1e-9)
     return np.asarray(step_cm * np.arange(first, last + 1.0))
@@ -194,6 +194,7 @@ def slant_range(height: ArrayLike, range_m: ArrayLike, target_height: ArrayLike 
 
     ``s^2 = (h - z)^2 + 4 (R' + z) (R' + h) sin^2(arc / 2R')``; at the sensor's foot it is the difference of the heights.
     """
+    # by the sine of half the arc, which keeps the digits of short ranges
     half = np.asarray(range_m, dtype=np.float64) / (2.0 * EFFECTIVE_EARTH_RADIUS)
     h, z = (np.asarray(end, dtype=np.float64) for end in (height, target_height))
     across = 4.0 * (EFFECTIVE_EARTH_RADIUS + z) * (EFFECTIVE_EARTH_RADIUS + h) * np.sin(half) ** 2

@@ -21,7 +21,7 @@ from seaglint.air.coordinates import (
     heights_along,
     path_coordinate,
 )
-from seaglint.air.protocol import ClearAir, ScatteredSamples, require_line, require_range, require_solar_zenith, slant_range
+from seaglint.air.protocol import ANGLE_SLACK, ClearAir, ScatteredSamples, require_line, require_range, require_solar_zenith, slant_range
 from seaglint.air.sun_and_sky import Sky, SkySamples, brightness_temperature, radiance_of
 from seaglint.air.vacuum import exoatmospheric_irradiance
 from seaglint.base.conventions import FloatArray, horizon_depression
@@ -35,14 +35,12 @@ OPAQUE = 25.0  #: Largest optical depth: transmittance 1e-11.
 
 CLEAR = 1e-6  #: Smallest optical depth whose emission is evaluated.
 
-ANGLE_SLACK = 1e-6  #: Tolerance within which angles outside the range count as on the edge: rounding of degrees [rad].
-
 HEIGHT_SLACK = 1e-3  #: Tolerance within which two heights are equal [m].
 
 FILE_SUN = 1.02  #: Ratio of assumed extraterrestrial sunlight to the largest value given, where no solar spectrum is known.
 
 
-#: Scale height of the absorber [m], that of water vapour: paths to points above the sea are matched by equal amounts of it.
+#: Scale height of the absorber [m], equal to water vapour's: paths to points above the sea are matched by equal amounts of it.
 SCALE_HEIGHT = 2000.0
 
 #: Least and largest power of the path length with which optical depth grows; strong lines grow by the root, continua linearly.
@@ -65,7 +63,7 @@ class LiveLine(Protocol):
 class PathSamples:
     """Paths from the sea to the sensor at ascending arcs ``range_m`` [m, (k,)]: transmittance [1], thermal radiance, both (k, n).
 
-    ``beyond`` says that the last one touches the sea horizon, so that longer ones (to wave crests) go on along the tangent.
+    ``beyond`` is true if the last one touches the sea horizon, so that longer ones (to wave crests) continue along the tangent.
     """
 
     range_m: FloatArray
@@ -90,8 +88,8 @@ class SampledAtmosphere(ClearAir):
     Notes
     -----
     Other sensor heights, arcs beyond the samples (unless they reach the horizon), and angles outside them are refused with the range
-    covered. Of the sky from a height, the part between the horizontal and the horizon of the calculation is stretched onto that of
-    :mod:`seaglint.base.conventions`. Accuracy is that of the nodes: with those of
+    covered. The sky from a height between the horizontal and the horizon of the calculation is stretched to the horizon of
+    :mod:`seaglint.base.conventions`. The accuracy depends on the nodes: with the nodes of
     :mod:`seaglint.formats.lowtran.lowtran_sample`, band quantities are within 0.03 % of LOWTRAN7 runs between them.
 
     Examples
@@ -124,7 +122,7 @@ class SampledAtmosphere(ClearAir):
     _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
     _scattering: Callable[[], ScatteringAir] | None = None
-    _free: tuple[bool, bool] = (False, False)
+    _unbounded: tuple[bool, bool] = (False, False)
     scattered: ScatteredSamples | None = None  #: Sunlight scattered by the air, where the calculation contains it.
 
     @classmethod
@@ -151,7 +149,7 @@ class SampledAtmosphere(ClearAir):
         height : float
             Sensor height of ``path`` [m], above 0.
         path, sun, skies
-            The samples; one sky must be that seen from the sea (height 0).
+            The samples; one sky must be the sky at the sea (height 0).
         line : LiveLine, optional
             The calculation itself, for paths to points above the sea.
         scattered : ScatteredSamples, optional
@@ -189,7 +187,7 @@ class SampledAtmosphere(ClearAir):
         x = path_coordinate(slant_range(height, path.range_m), height, longest)
         keep = np.concatenate([[True], np.diff(x) > 1e-9])  # arcs much shorter than the height are all straight down
         source = _solar_source(nu, sun)
-        toward = np.clip(-np.log(np.maximum(sun.irradiance, 1e-300) / source), 0.0, OPAQUE)
+        sun_depth = np.clip(-np.log(np.maximum(sun.irradiance, 1e-300) / source), 0.0, OPAQUE)
         elevation = np.maximum(0.5 * np.pi - np.asarray(sun.zenith)[::-1], 0.0)
         return cls(
             wavenumber_cm=nu,
@@ -203,7 +201,7 @@ class SampledAtmosphere(ClearAir):
             _source=source,
             _depth=CubicSpline(x[keep], encode_optical_depth(depth[keep]), axis=0),
             _temperature=CubicSpline(x[keep], temperature[keep], axis=0),
-            _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
+            _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(sun_depth[::-1]), axis=0),
             _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
             scattered=scattered,
@@ -221,8 +219,8 @@ class SampledAtmosphere(ClearAir):
             )
         first, last = self._ranges
         # Straight down is one path, however the arcs are rounded there.
-        nearest = 0.0 if self._free[0] or first <= 0.05 * self.height else first * (1.0 - 1e-6)
-        farthest = np.inf if self._free[1] or self._beyond else last * (1.0 + 1e-6)
+        nearest = 0.0 if self._unbounded[0] or first <= 0.05 * self.height else first * (1.0 - 1e-6)
+        farthest = np.inf if self._unbounded[1] or self._beyond else last * (1.0 + 1e-6)
         outside = (arc < nearest) | (arc > farthest)
         if outside.any():
             wrong = arc[outside].ravel()[0]
@@ -235,12 +233,12 @@ class SampledAtmosphere(ClearAir):
         return path_coordinate(slant_range(height, arc), height, self._longest)
 
     def seen_between(self, nearest: float, farthest: float | None) -> SampledAtmosphere:
-        """Return the same air for a picture that sees the sea between two arcs only [m]; None means up to the horizon.
+        """Return the same air for a picture with sea between two arcs only [m]; None means up to the horizon.
 
         The samples must cover these arcs.
 
-        Models tabulate a view in all directions, whatever part of it they draw: what their tables take from outside the picture is the
-        samples' continuation (by the power of the length below them, along their tangent above) and reaches no pixel.
+        Models tabulate a view in all directions, whatever part of it they draw: outside the picture their tables take the samples'
+        continuation (by the power of the length below them, along their tangent above), which reaches no pixel.
 
         Raises
         ------
@@ -248,7 +246,7 @@ class SampledAtmosphere(ClearAir):
             The samples do not hold an end of the picture.
         """
         self._coordinate(self.height, [nearest] if farthest is None else [nearest, farthest])
-        return replace(self, _free=(True, farthest is not None))
+        return replace(self, _unbounded=(True, farthest is not None))
 
     def _sea_depth(self, x: FloatArray, arc: FloatArray) -> FloatArray:
         """Optical depth [1, (..., n)] of paths from the sea at coordinates ``x`` that belong to arcs [m]."""
@@ -257,21 +255,22 @@ class SampledAtmosphere(ClearAir):
         return depth * self._shortened(slant, np.maximum(slant, shortest)) if np.any(slant < shortest) else depth
 
     def _shortened(self, slant: FloatArray, inside: FloatArray) -> FloatArray:
-        """Ratio [1, (..., n)] of the optical depth of shorter paths [m, (...)] to that of paths ``inside`` the samples."""
+        """Ratio [1, (..., n)] of the optical depth of shorter paths [m, (...)] to the optical depth of paths ``inside`` the samples."""
         if not np.any(slant < inside):
             return np.ones((1,))
         shortest = float(slant_range(self.height, self._ranges[0]))
+        # the power of the length, from the depths of the shortest sample and of a path 1.3 times as long
         ends = path_coordinate(shortest * np.array([1.0, 1.3]), self.height, self._longest)
-        near, next_to_it = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
-        return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(next_to_it / near) / np.log(1.3), *GROWTH))
+        near, farther = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
+        return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(farther / near) / np.log(1.3), *GROWTH))
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
 
-        ``target_height`` [m], broadcast with ``range_m``, is that of the point looked at. To a point above the sea the calculation behind
-        the samples is asked where there is one. Otherwise the path is that from the sea, of such a length that it holds the same amount
-        of an absorber with the scale height :data:`SCALE_HEIGHT`; shorter than the shortest sample, its optical depth falls with the
-        power of the length that the shortest ones have.
+        ``target_height`` [m], broadcast with ``range_m``, belongs to the point looked at. Paths to a point above the sea are computed by
+        the calculation behind the samples, if available. Otherwise a path from the sea is used, of such a length that it holds the same
+        amount of an absorber with the scale height :data:`SCALE_HEIGHT`; below the length of the shortest sample, its optical depth falls
+        with the power of the length by which the shortest samples differ.
         """
         arc, target = require_line(height, range_m, target_height)
         if not target.any():
@@ -292,6 +291,7 @@ class SampledAtmosphere(ClearAir):
     def _equal_amount(self, arc: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Transmittance and radiance [(cases, n)] of the paths from the sea with the same absorber amount as those to points."""
         slant = slant_range(self.height, arc, target)
+        # mean densities along both lines of equal length turn the line into a sea path of equal amount
         slant = np.where(target == 0.0, slant, slant * _mean_density(self.height, target, slant) / _mean_density(self.height, 0.0, slant))
         shortest = float(slant_range(self.height, self._ranges[0]))
         inside = np.maximum(slant, shortest)
@@ -315,7 +315,7 @@ class SampledAtmosphere(ClearAir):
         return self.path(height, range_m, target_height)[1]
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the spectral samples; None where none are known. They are computed at every call."""
+        """Scatterers on part of the spectral samples; None if not known. They are computed at every call."""
         return self._scattering().cut(grid) if self._scattering is not None else None
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
@@ -337,7 +337,7 @@ class SampledAtmosphere(ClearAir):
         return np.asarray(np.where(up[..., np.newaxis], sunlight, 0.0))
 
     def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky in directions [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+        """Thermal radiance of the clear sky in directions [rad, (...)] from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
 
         ``height`` is 0 or the sensor's; from there the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``.
         """
@@ -370,9 +370,9 @@ class SampledAtmosphere(ClearAir):
         outside = (elevation < sky.lowest - max(0.01 * sky.dip, 1e-4)) | (elevation > sky.highest + max(ANGLE_SLACK, 1e-4))
         if outside.any():
             covered = f"{90.0 - np.degrees(sky.highest):g}-{90.0 - np.degrees(sky.lowest):g} deg of {self.name}"
-            whose, end = (f"sensor at {height:g} m", f"the sea horizon at {horizon}") if dip > 0.0 else ("sea", "90 deg")
+            viewpoint, end = (f"sensor at {height:g} m", f"the sea horizon at {horizon}") if dip > 0.0 else ("sea", "90 deg")
             raise DomainError(
-                f"sky seen from the {whose}: zenith angles outside {covered} are needed; add the sky there, down to {end}",
+                f"sky seen from the {viewpoint}: zenith angles outside {covered} are needed; add the sky there, down to {end}",
                 name="zenith",
                 value=float(0.5 * np.pi - np.asarray(elevation)[outside].ravel()[0]),
                 allowed=(0.5 * np.pi - sky.highest, 0.5 * np.pi - sky.lowest),
@@ -381,7 +381,7 @@ class SampledAtmosphere(ClearAir):
 
 
 def _mean_density(height: float, target: ArrayLike, slant: FloatArray) -> FloatArray:
-    """Mean of ``exp(-z / SCALE_HEIGHT)`` along lines from the sensor to points, over that at the sea [1, (cases,)]."""
+    """Mean of ``exp(-z / SCALE_HEIGHT)`` along lines from the sensor to points, over the value at the sea [1, (cases,)]."""
     node, weight = np.polynomial.legendre.leggauss(8)
     z = heights_along(height, np.asarray(target, dtype=np.float64)[..., np.newaxis], slant[..., np.newaxis], 0.5 * (1.0 + node))
     return np.asarray(np.exp(-np.maximum(z, 0.0) / SCALE_HEIGHT) @ (0.5 * weight))
@@ -397,6 +397,7 @@ def _along(spline: CubicSpline[np.float64], x: FloatArray) -> FloatArray:
 
 def _solar_source(nu: FloatArray, sun: SunSamples) -> FloatArray:
     """Sunlight outside the atmosphere, nowhere below the sunlight at the sea."""
+    # sunlight at the sea below the source keeps every optical depth above 0
     largest = FILE_SUN * np.max(sun.irradiance, axis=0)
     if sun.source is not None:
         return np.maximum(np.asarray(sun.source, dtype=np.float64), 1e-300)

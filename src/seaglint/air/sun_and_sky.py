@@ -1,6 +1,6 @@
-"""Visible part of a Sun that the horizon cuts.
+"""Visible part of a Sun that the horizon cuts, and the sky of a sampled atmosphere.
 
-Sky of a sampled atmosphere: brightness temperature splined over elevation, in pieces between corners.
+The sky's brightness temperature is splined over elevation, in pieces between corners.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.jit import kernel
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION, planck_wavenumber
 
+COLDEST, HOTTEST = 1.0, 1e5  #: Limits of brightness temperatures [K]; splines overshoot where radiance falls to zero.
+
 
 @kernel
 def visible_part_kernel(elevation: float) -> tuple[float, float]:
@@ -31,19 +33,17 @@ def visible_part_kernel(elevation: float) -> tuple[float, float]:
         return 1.0, 0.0
     if height <= -1.0:
         return 0.0, 0.0
-    rest = math.sqrt(1.0 - height * height)
-    area = math.acos(-height) + height * rest
-    return area / math.pi, SOLAR_ANGULAR_RADIUS * 2.0 / 3.0 * rest * rest * rest / area
-
-
-COLDEST, HOTTEST = 1.0, 1e5  #: Limits of brightness temperatures [K]; splines overshoot where radiance falls to zero.
+    # circular segment of a disc of radius 1: area acos(-h) + h sqrt(1 - h^2), first moment 2/3 (1 - h^2)^1.5
+    half_chord = math.sqrt(1.0 - height * height)
+    area = math.acos(-height) + height * half_chord
+    return area / math.pi, SOLAR_ANGULAR_RADIUS * 2.0 / 3.0 * half_chord * half_chord * half_chord / area
 
 
 @dataclass(frozen=True, eq=False)
 class SkySamples:
-    """Thermal sky (k, n) seen from ``height`` [m] at ascending elevations above the horizontal [rad, (k,)].
+    """Thermal sky (k, n) at ``height`` [m] at ascending elevations above the horizontal [rad, (k,)].
 
-    ``dip`` is the depression of the horizon in the calculation that made them [rad]. ``kinks`` are node elevations at or below the
+    ``dip`` is the depression of the horizon in the underlying calculation [rad]. ``kinks`` are node elevations at or below the
     horizontal where the sky may have corners: a ray that grazes a level of the atmosphere.
     """
 
@@ -65,9 +65,9 @@ def radiance_of(wavenumber_cm: FloatArray, temperature: FloatArray) -> FloatArra
     return planck_wavenumber(wavenumber_cm, np.clip(temperature, COLDEST, HOTTEST))
 
 
-def grazing_coordinate(part: ArrayLike) -> FloatArray:
+def grazing_coordinate(share: ArrayLike) -> FloatArray:
     """Coordinate 0...1 of a share [1] of an interval between kinks that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
-    return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(part, dtype=np.float64), -1.0, 1.0)) / np.pi)
+    return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(share, dtype=np.float64), -1.0, 1.0)) / np.pi)
 
 
 def grazing_share(coordinate: ArrayLike) -> FloatArray:
@@ -109,6 +109,7 @@ class Sky:
         """Sky from splines through samples."""
         e = np.asarray(samples.elevation, dtype=np.float64)
         temperature = brightness_temperature(wavenumber_cm, samples.radiance)
+        # corners are nodes, so every piece of the spline has its own smooth part of the sky
         edges = [e[0], *(k for k in sorted(samples.kinks) if e[0] < k < e[-1]), e[-1]]
         pieces = []
         for low, high in itertools.pairwise(edges):
@@ -124,10 +125,10 @@ class Sky:
         which = np.clip(np.searchsorted([piece.low for piece in self.pieces], flat, side="right") - 1, 0, len(self.pieces) - 1)
         out: FloatArray | None = None
         for index in np.unique(which):
-            mine = which == index
-            values = self.pieces[int(index)](flat[mine])
+            in_piece = which == index
+            values = self.pieces[int(index)](flat[in_piece])
             if out is None:
                 out = np.empty((flat.size, values.shape[-1]))
-            out[mine] = values
+            out[in_piece] = values
         assert out is not None  # callers pass at least one elevation
         return out.reshape(*elevation.shape, -1)

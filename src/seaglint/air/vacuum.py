@@ -1,4 +1,4 @@
-"""Vacuum: the sea under a black sky and the Sun as it is outside the atmosphere."""
+"""Vacuum: the sea under a black sky and the Sun outside the atmosphere."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class VacuumAtmosphere(ClearAir):
 
     @property
     def provenance(self) -> Mapping[str, Any]:
-        """Name of the class: there is no table."""
+        """Name of the class, in place of a table."""
         return {"table": type(self).__name__}
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:

@@ -6,7 +6,7 @@ With ``v`` the unit vector to the viewer, a facet of slope ``s`` takes the share
 
 of the visible projected area (:func:`seaglint.sea.shadowing.smith.projected_area`). It mirrors the ray that arrives from
 ``r = 2 (n.v) n - v``; where ``r`` points below the horizontal the ray comes from the sea again. Slopes for which it does lie outside
-a circle of the slope plane, so the quadrature is split on that circle and sees smooth functions only. A Gram-Charlier density is its
+a circle of the slope plane, so the quadrature is split on that circle and integrates smooth functions only. A Gram-Charlier density is its
 Gaussian times a polynomial, taken at the nodes of the Gaussian's rule.
 
 References
@@ -32,7 +32,7 @@ from seaglint.sea.shadowing.nested import nested_ratio
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 # Against a rule with six times the nodes in each direction the emissivity is within 5e-7, winds 0.5-20 m/s, zenith 0-90.5 deg,
-# isotropic and directional: far below what the slope models are worth, and cheap.
+# isotropic and directional: far below the errors of the slope models, and cheap.
 _ACROSS: Final = 8
 _UP: Final = 16
 _DOWN: Final = 8
@@ -88,14 +88,14 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
     view_azimuth : float
         Azimuth of the direction from the sea to the viewer [rad]; matters for a directional sea only.
     nested_bands : float
-        Bands of nested shadowing (:mod:`seaglint.sea.shadowing.nested`), for views to the horizon; 1 is Smith's law. The ratio is that of
-        Gaussian slopes of the same variances; the weights add up to 1 over any density.
+        Bands of nested shadowing (:mod:`seaglint.sea.shadowing.nested`), for views to the horizon; 1 is Smith's law. The ratio of
+        Gaussian slopes with the same variances is used; the weights add up to 1 over any density.
 
     Returns
     -------
     FacetNodes
-        192 nodes per view, 384 where the two sides of the view differ: a directional sea seen obliquely to the wind, a skewed one
-        from anywhere but up or down the wind.
+        192 nodes per view, 384 where the two sides of the view differ: a directional sea viewed obliquely to the wind, a skewed
+        sea viewed from anywhere but up or down the wind.
 
     Raises
     ------
@@ -126,6 +126,7 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
     area = weight.sum(axis=-1, keepdims=True)
     if np.any(area <= 1e-300):
         raise DomainError("no facet of this sea is visible from past its horizon; give a view zenith below 90 deg or a rougher sea")
+    # square of the normal's upward component; the mirrored ray rises by r_z = 2 (n.v) n_z - v_z
     vertical = 1.0 / (1.0 + along * along + across * across)
     rise = 2.0 * projection * vertical - cosine
     reflected_zenith = np.arccos(np.clip(rise, -1.0, 1.0))
@@ -138,7 +139,7 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
 
 
 def _slopes_across_only(cosine: FloatArray, across_var: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Slopes and probabilities of a sea without slopes along the view (flat, or a crest line seen end on)."""
+    """Slopes and probabilities of a sea without slopes along the view (flat, or a crest line viewed end on)."""
     if across_var <= 0.0:
         zero = np.zeros_like(cosine)
         return zero, zero, np.ones_like(cosine)
@@ -160,10 +161,11 @@ def _slopes_both(
     mean = covariance / across_var * across if across_var > 0.0 else np.zeros_like(across)
     sigma = np.sqrt(max(along_var - (covariance**2 / across_var if across_var > 0.0 else 0.0), 1e-12 * along_var))
     with np.errstate(divide="ignore"):
-        horizon = cosine / sine  # slope of facets seen edge on; infinite at nadir
+        horizon = cosine / sine  # slope of facets viewed edge on; infinite at nadir
     low = np.minimum(mean - _CUT * sigma, horizon - 2.0 * sigma)
     high = np.maximum(np.minimum(mean + _CUT * sigma, horizon), low)
     turn = np.clip(_turning_slope(cosine, sine, across), low, high)
+    # steeper slopes mirror the sea: the integrand may jump at the turning slope, so each side has its own rule
     parts = []
     for order, start, stop in ((_UP, low, turn), (_DOWN, turn, high)):
         x, w = np.polynomial.legendre.leggauss(order)

@@ -8,7 +8,7 @@ with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet'
 high Sun). ``q`` is convolved with the solar disc (:mod:`seaglint.facet.solar_disc`).
 Where the sensor is low the unresolved waves hide each other: ``q`` is weighted by the law of nested bands
 (:mod:`seaglint.sea.shadowing.nested`) about the facet's tilt, with the bands and the shelter that brute force leaves to
-facets of their share of the slope variance; with a low Sun, by that of facets both seen and lit.
+facets of their share of the slope variance; with a low Sun, by the law of facets that are both visible and lit.
 
 Averages over slope statistics are in :mod:`seaglint.facet.legs`; each quadrature is the other's check.
 """
@@ -60,8 +60,8 @@ class FacetLevels(NamedTuple):
     """Facets of every level of detail, in arrays.
 
     ``roughness[l] = (ee, en, nn, towards the Sun, shelter, gain of the Sun's leg, wind)``, the shelter of three numbers;
-    ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith`` is set; ``lean[l]`` and ``gains[l]`` those of
-    the lean, empty where none leans; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
+    ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith`` is set; ``lean[l]`` and ``gains[l]`` the tables of
+    the lean, empty if no facets lean; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu,
     nchi, na, nc)`` and ``axes[l]``; ``sun`` as in :class:`FacetTables`.
     """
 
@@ -123,6 +123,7 @@ def sun_factor(
     cosine = math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
     if rough.east_east + rough.north_north <= 0.0:
         return mirror_factor(sun, ve, vn, vz, slope_east, slope_north), cosine
+    # slope that mirrors the Sun's centre, s* = -(v + l)_h/(v + l)_z
     per_mz = 1.0 / mz
     se, sn = -(ve + sun.east) * per_mz, -(vn + sun.north) * per_mz
     covariance = (0.0, 0.0, 0.0)
@@ -131,6 +132,7 @@ def sun_factor(
     else:
         disc, covariance = disc_of(sun, rough, mz, se, sn)
     de, dn = se + disc.east - slope_east, sn + disc.north - slope_north
+    # test before the costly share: most facets of a sea are far from the slope that mirrors the Sun
     exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
     if exponent > NEGLIGIBLE_EXPONENT:
         return 0.0, 0.0
@@ -160,7 +162,7 @@ def facet_share(
 ) -> tuple[float, float, float]:
     """Share :func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun, and its lean, east and north.
 
-    ``grazing`` as in :func:`sun_factor`; the lean is the shift of the mean of the unresolved slopes that are seen and lit.
+    ``grazing`` as in :func:`sun_factor`; the lean is the shift of the mean of the unresolved slopes that are visible and lit.
     """
     vz, horizontal = grazing
     tilt = sight.east * slope[0] + sight.north * slope[1]
@@ -192,10 +194,10 @@ def merged_share(
 ) -> tuple[float, float, float]:
     """Mean of :func:`facet_share` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean.
 
-    The shift, east and north, is that of the mean weighted with the share, and the mean lean.
+    The shift, east and north, adds the shift of the mean slope weighted with the share and the mean lean.
 
     ``<q h> = <h> q(s* - s - V g)``, with g the logarithmic gradient of the share h, to second order in the slopes. The share changes along
-    the line of sight, where it is taken at one deviation to either side; across it next to nothing.
+    the line of sight, where it is evaluated one deviation to either side; across the line of sight it hardly changes.
     """
     ve, vn = spread[0] * sight.east + spread[1] * sight.north, spread[1] * sight.east + spread[2] * sight.north
     step = math.sqrt(max(ve * sight.east + vn * sight.north, 1e-12))
@@ -213,16 +215,16 @@ def merged_share(
 def seen_and_lit(
     rough: Roughness, passage: float, mirroring: tuple[float, float], above: tuple[float, float], deviation: tuple[float, float]
 ) -> float:
-    """Seen and lit share of a facet's mirroring slopes over its visible area: ``S (1 + Lambda_v)/A+``; 0 where nothing is.
+    """Return the visible and lit share of a facet's mirroring slopes over its visible area, ``S (1 + Lambda_v)/A+``; 0 for hidden facets.
 
     ``mirroring``: slope that mirrors the Sun from the facet's tilt, towards the viewer and towards the Sun, in deviations. ``above``: mean
-    over the facet's slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread. The law is that of
-    :func:`seaglint.facet.legs.seen_and_lit_kernel`, about the tilt.
+    over the facet's slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread. The law of
+    :func:`seaglint.facet.legs.seen_and_lit_kernel` is applied about the tilt.
     """
     view, sun = above
     area = quick_visible_area_kernel(view, deviation[0])
     shaded = deviation[1] >= 0.0
-    # part of the disc is above a facet that its centre is just below; geometry says how much of it
+    # the disc may be partly above a facet whose horizon its centre is just below; geometry determines how much of it
     if area <= 0.0 or (shaded and sun <= -SOLAR_ANGULAR_RADIUS):
         return 0.0
     many = rough.nested.shape[0] > 0
@@ -234,6 +236,7 @@ def seen_and_lit(
     shelter = rough.shelter
     sun = max(counted_kernel(max(sun, 0.0) / deviation[1], shelter) * deviation[1], 1e-9)
     hidden = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
+    # below, 1/P is interpolated over the azimuth between legs on one side and opposite legs, as in Smith's law for two legs
     upright, lit, both = max(view, 0.0) / area, 1.0, seen
     if many:
         sun_edge = sun / deviation[1]

@@ -1,6 +1,6 @@
 """Tables of the light of facets for a scene: one assembly for the sweep and for walked rays.
 
-Emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path that they are multiplied with.
+The tables hold emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path by which they are multiplied.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics, gaussian_slope
 class PathTerms(NamedTuple):
     """Path at the places of a basis: coefficients and radiances.
 
-    The coefficients are those of the thermal, solar and emitted terms [1, (m, k)]; the radiances its own thermal one [W m-2 sr-1, (m,)] and
-    the scattered sunlight.
+    The coefficients belong to the thermal, solar and emitted terms [1, (m, k)]; the radiances are the path's thermal radiance
+    [W m-2 sr-1, (m,)] and its scattered sunlight.
     """
 
     thermal: np.ndarray
@@ -120,24 +120,26 @@ def facet_tables(
     at_sun = None if hazy is None else (0.5 * np.pi - view.solar_zenith, view.solar_azimuth)
     axes_of = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
 
-    def together(light: ThermalSources, haze: tuple[HazyFacets, FloatArray] | None) -> FloatArray:
-        parts: list[NDArray[Any]] = []
+    def assembled(light: ThermalSources, haze: tuple[HazyFacets, FloatArray] | None) -> FloatArray:
+        tables: list[NDArray[Any]] = []
         for domain, rough, (axes, shape) in zip(domains, roughs, axes_of, strict=True):
-            part: NDArray[Any]
+            table: NDArray[Any]
             if hazy is None:
-                part = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
+                table = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
             else:
-                part = _on_axes(light, domain, rough, azimuths, (axes, shape))
+                table = _on_axes(light, domain, rough, azimuths, (axes, shape))
             if haze is not None:
-                part = part + haze_table(haze[0], rough, _lines(view.sensor_height, axes, shape)) @ haze[1]
-            parts.append(part.reshape(-1, part.shape[-1]))
-        return np.concatenate(parts)
+                table = table + haze_table(haze[0], rough, _lines(view.sensor_height, axes, shape)) @ haze[1]
+            tables.append(table.reshape(-1, table.shape[-1]))
+        return np.concatenate(tables)
 
-    thermal, thermal_path = fewest_terms(together(sources, hazy), basis.coefficients, TOGETHER)
+    thermal, thermal_path = fewest_terms(assembled(sources, hazy), basis.coefficients, TOGETHER)
     reflected, sun_path = fewest_terms(reflected_sun, basis.coefficients)
-    alone, alone_path = np.zeros((thermal.shape[0], 0)), np.zeros((basis.coefficients.shape[0], 0))
+    emission, emission_path = np.zeros((thermal.shape[0], 0)), np.zeros((basis.coefficients.shape[0], 0))
     if emitted:
-        alone, alone_path = fewest_terms(together(sources._replace(sky=np.zeros_like(sources.sky)), None), basis.coefficients, TOGETHER)
+        emission, emission_path = fewest_terms(
+            assembled(sources._replace(sky=np.zeros_like(sources.sky)), None), basis.coefficients, TOGETHER
+        )
     shapes = np.array([shape for _, shape in axes_of])
     first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
     levels = FacetLevels(
@@ -147,16 +149,16 @@ def facet_tables(
         all(rough.nested.size == 0 for rough in roughs),
         *_leans(roughs),
         thermal.astype(np.float32),
-        alone.astype(np.float32),
+        emission.astype(np.float32),
         np.concatenate([first[:, None], shapes], axis=1),
         np.stack([nodes for nodes, _ in axes_of]),
         np.ascontiguousarray(reflected),
     )
-    return sun, levels, PathTerms(thermal_path, sun_path, alone_path, basis.path_radiance, sunlit_path(view, arcs))
+    return sun, levels, PathTerms(thermal_path, sun_path, emission_path, basis.path_radiance, sunlit_path(view, arcs))
 
 
 def _leans(roughs: list[Roughness]) -> tuple[NDArray[np.float32], FloatArray]:
-    """Tables and gains of the lean of every level; zeros where a level's facets do not lean, empty where none do."""
+    """Tables and gains of the lean of every level; zeros where a level's facets do not lean, empty if no level's facets lean."""
     shapes = [(rough.lean.shape, rough.gains.shape) for rough in roughs if rough.gains.size]
     lean, gains = shapes[0] if shapes else ((0, 0), (0,))
     tables = [rough.lean if rough.gains.size else np.zeros(lean, np.float32) for rough in roughs]
@@ -171,7 +173,7 @@ def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
 
 
 def _lines(height: float, axes: FloatArray, shape: tuple[int, int, int, int]) -> Lines:
-    """Lines of sight and slopes at a table's nodes, seen from ``height`` [m]."""
+    """Lines of sight and slopes at a table's nodes, viewed from ``height`` [m]."""
     sine, at, along, across = (first + np.arange(n) / per_step for (first, per_step), n in zip(axes[:4], shape, strict=True))
     azimuth = np.array([azimuth_of(axes, float(x)) for x in at])
     return Lines(sine, turns_of(height, sine), azimuth, along, across)
@@ -186,12 +188,12 @@ def _on_axes(
 ) -> NDArray[np.float32]:
     """Thermal table on the axes of the mirrored aureole, from one on the fewer azimuths and slopes of thermal light."""
     axes, shape = target
-    plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
-    table = thermal_table(light, rough, plain, few, light.black.shape[0])
+    plain, plain_shape = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
+    table = thermal_table(light, rough, plain, plain_shape, light.black.shape[0])
     at = _lines(1.0, axes, shape)
     for axis, places in ((1, at.azimuth), (3, at.across)):
-        where = np.clip((places - plain[axis, 0]) * plain[axis, 1], 0.0, few[axis] - 1.0)
-        lower = np.minimum(where.astype(int), few[axis] - 2)
+        where = np.clip((places - plain[axis, 0]) * plain[axis, 1], 0.0, plain_shape[axis] - 1.0)
+        lower = np.minimum(where.astype(int), plain_shape[axis] - 2)
         share = (where - lower).astype(np.float32).reshape(-1, *(1,) * (4 - axis))
         near = np.take(table, lower, axis)
         table = near + share * (np.take(table, lower + 1, axis) - near)

@@ -1,10 +1,6 @@
-r"""Scalar kernels of the mirrored Sun: the chance of :mod:`seaglint.facet.glint` for one view of one sea under one Sun.
+r"""Glint: the share of the viewed sea that mirrors the Sun, with the Sun a disc, and the kernels that compute it.
 
-Facets of synthesised waves are in :mod:`seaglint.facet.solar_disc`; each quadrature is the other's check.
-
-Share of the viewed sea that mirrors the Sun, with the Sun a disc.
-
-A point of the sea shows the Sun or it does not. Seen from the direction **v**, facets that mirror the direction **l** have the slope
+A point of the sea shows the Sun or it does not. Viewed from the direction **v**, facets that mirror the direction **l** have the slope
 
 .. math:: s = -\frac{v_h + l_h}{v_z + l_z}
 
@@ -14,8 +10,10 @@ and the share of the visible projected area that mirrors the solar disc is
 
 A mirroring point shows :math:`\rho E / (\pi \epsilon^2)`. For a density much wider than the disc's image this is Eq. 8 of the source
 article, ``rho p S E / (4 cos^4(beta) cos(theta_v))``; for a calm sea, where that formula exceeds any possible value, P is the
-integral of the visible density over the disc and never above 1. The Sun is taken against the vertical of the place that is looked at
-(:mod:`seaglint.facet.sunlight`).
+integral of the visible density over the disc and never above 1. The Sun's direction is taken relative to the vertical of the place that is
+looked at (:mod:`seaglint.facet.sunlight`).
+
+Facets of synthesised waves are in :mod:`seaglint.facet.solar_disc`; each quadrature is the other's check.
 """
 
 from __future__ import annotations
@@ -81,7 +79,7 @@ class SunDisc(NamedTuple):
 
 
 class SunPlace(NamedTuple):
-    """Place that a pixel sees: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
+    """Place that a pixel looks at: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
 
     The Sun: its centre, visible share and the middle of that part (east, north, up).
     """
@@ -143,7 +141,7 @@ def place_kernel(away: tuple[float, float], turn: tuple[float, float], disc: Sun
     foot = disc.points[0]
     centre = turned_kernel(foot[0], foot[1], foot[2], away, turn)
     share, lift = visible_part_kernel(centre[2])
-    # it stands on the horizon where a part is seen: raised by so little, its horizontal part keeps its length within 1e-5
+    # a Sun that is partly visible is near the horizon: raised by so little, its horizontal part keeps its length within 1e-5
     middle = (centre[0] * (1.0 - lift * centre[2]), centre[1] * (1.0 - lift * centre[2]), centre[2] + lift)
     return SunPlace(away, turn, centre, share, middle)
 
@@ -221,7 +219,7 @@ def chance_kernel(
 ) -> tuple[float, float, float]:
     """Chance, cosine of incidence and strength of sunlight for one view, given by sine and cosine of its zenith, then of its azimuth.
 
-    A negative ``area`` asks for the A+ of a Gaussian sea.
+    A negative ``area`` requests the A+ of a Gaussian sea.
     """
     sine, cosine, azimuth_sine, azimuth_cosine = view
     east, north = sine * azimuth_sine, sine * azimuth_cosine
@@ -257,7 +255,7 @@ def chance_kernel(
     return share / area, cos_incidence, strength_kernel(SunTable(disc.first, disc.per_step, disc.strength), sun[2])
 
 
-#: Least rms slope of the quadrature [1]: a mirror's edge is blurred by 0.2 % of the Sun's radius and needs no formula of its own.
+#: Least rms slope of the quadrature [1]: a mirror's edge is blurred by 0.2 % of the Sun's radius and needs no separate formula.
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
 
 #: Least ratio of the two rms slopes: at the roughest slopes without wind, 0.055, half of the Sun's radius in slopes.
@@ -318,7 +316,7 @@ class GlintModel:
         """
         sea = floored(slopes)
         share, centroid = visible_sun(solar_zenith)
-        if share == 0.0:  # it may be up at places towards it
+        if share == 0.0:  # below the horizon at the foot, the Sun may be up at places towards it
             centroid = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
         s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
@@ -333,10 +331,10 @@ class GlintModel:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
 
-        ``view_azimuth`` is (columns,) or of each row its own (rows, columns). ``turn`` (rows,) is that of the vertical [rad],
+        ``view_azimuth`` is (columns,), or (rows, columns) with azimuths of every row. ``turn`` (rows,) is the turn of the vertical [rad],
         :func:`~seaglint.facet.sunlight.turn_at` the row's arc. ``terms`` (rows, j) are Chebyshev coefficients in the cosine of
         incidence of what a mirroring point shows, as :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their
-        sum times the chance, the chance, and the cosine of incidence. The same bytes for any number of threads.
+        sum times the chance, the chance, and the cosine of incidence. The bytes do not depend on the number of threads.
         """
         azimuth = np.atleast_2d(view_azimuth)
         out = np.zeros((3, view_zenith.size, azimuth.shape[1]))
@@ -385,7 +383,7 @@ def glint(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2; broadcast against ``view_azimuth``.
     view_azimuth : array_like
-        Azimuth of the direction from the sea to the sensor [rad]: that of the line of sight plus pi.
+        Azimuth of the direction from the sea to the sensor [rad]: the azimuth of the line of sight plus pi.
     solar_zenith, solar_azimuth : float
         Direction from the sea to the Sun's centre where ``turn`` is 0 [rad]; below the horizon is valid: no glint.
     slopes : SlopeStatistics
@@ -394,7 +392,7 @@ def glint(
         Legs that are shadowed, and how.
     turn : array_like
         Turn of the vertical between the sensor's foot, where the Sun's angles hold, and the place [rad], broadcast;
-        :func:`~seaglint.facet.sunlight.turn_at` gives that of an arc. 0 takes the Sun's angles as those at the place.
+        :func:`~seaglint.facet.sunlight.turn_at` computes it from an arc. With 0 the Sun's angles hold at the place itself.
 
     Returns
     -------
@@ -411,8 +409,8 @@ def glint(
     Where the disc's image in the slope plane is small against the rms slope, seven points on the disc; elsewhere, and for a Sun cut by
     the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing is taken at the middle of
     the visible part of the disc. With the viewer's leg alone energy is conserved over all positions of the Sun; with both legs the
-    chance is reciprocal in viewer and Sun, within 1 % where the number of bands changes with the Sun's azimuth. The nested law is that of
-    Gaussian slopes: its ratio multiplies other densities of the same variances, with the area that their own visible density adds up to.
+    chance is reciprocal in viewer and Sun, within 1 % where the number of bands changes with the Sun's azimuth. The nested law holds for
+    Gaussian slopes: its ratio multiplies other densities of the same variances, with the area that their visible density adds up to.
 
     References
     ----------
@@ -440,7 +438,7 @@ def _fill_grid(
     out: FloatArray,
     part: tuple[int, int],
 ) -> None:
-    # One row of azimuths serves all rows, or each row has its own: then those of this part.
+    # One row of azimuths serves all rows, or each row has separate ones: then only the rows of this part are needed.
     first, end = part if azimuth.shape[0] > 1 else (0, 1)
     sines, cosines = np.sin(azimuth[first:end]), np.cos(azimuth[first:end])
     for row in range(part[0], part[1]):

@@ -38,9 +38,9 @@ Law = Literal["smith", "nested"]
 
 @dataclass(frozen=True, eq=False)
 class FacetLaw:
-    """Law by which the slopes that facets carry hide each other, on waves that are geometry. Made by :meth:`Shadowing.facet_law`."""
+    """Law by which the slopes that facets carry hide each other, on waves that are geometry; see :meth:`Shadowing.facet_law`."""
 
-    bands: float  #: Bands of equal slope variance; 1 is Smith's law, and less is less of it in the Sun's way.
+    bands: float  #: Bands of equal slope variance; 1 is Smith's law, below 1 the Sun's leg has less deviation.
     deviation: float  #: Rms slope of the whole sea along one direction [1].
     shelter: Shelter = NO_SHELTER  #: Shelter that geometry gives.
     #: Gains of the lean of facets over azimuths from ``wind`` [1, (azimuths,)], :func:`~seaglint.sea.shadowing.facet_lean.lean_gains`;
@@ -58,12 +58,10 @@ class Shadowing:
 
     law: Law = "nested"  #: Law of both legs.
     sun: bool = True  #: Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
-    #: Bands of equal slope variance of the nested law; 1 is Smith's. Where nothing is said, those of :meth:`settled`, or
-    #: :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where no azimuth is known.
+    #: Bands of equal slope variance of the nested law; 1 is Smith's. None takes the number of :meth:`settled`, or of
+    #: :func:`seaglint.sea.shadowing.nested.bands_of` the slopes if no azimuth is known.
     bands: float | None = None
-    lean: bool = (
-        True  #: Whether facets lean under oblique wind where there is more than one band (:mod:`seaglint.sea.shadowing.facet_lean`).
-    )
+    lean: bool = True  #: Whether facets lean under oblique wind with more than one band (:mod:`seaglint.sea.shadowing.facet_lean`).
 
     @classmethod
     def of(cls, word: str, bands: float | None = None) -> Shadowing:
@@ -87,14 +85,14 @@ class Shadowing:
         return next(word for word, known in _WORDS.items() if (known.law, known.sun) == (self.law, self.sun))
 
     def settled(self, slopes: SlopeStatistics, azimuth: float) -> Shadowing:
-        """Return it with the number of bands given: of a sea seen along the azimuth of the Sun [rad], or against it.
+        """Return the shadowing with a number of bands: of a sea viewed along the azimuth of the Sun [rad], or against it.
 
-        Views aside of the Sun have its number too: light that is mirrored to them is hidden by the same waves.
+        Views aside of the Sun have the same number: light that is mirrored to them is hidden by the same waves.
         """
         return replace(self, bands=bands_along(slopes, azimuth)) if self.law == "nested" and self.bands is None else self
 
     def bands_for(self, slopes: SlopeStatistics) -> float:
-        """Number of bands of the nested law for a sea seen from anywhere [1]."""
+        """Number of bands of the nested law for a sea viewed from any azimuth [1]."""
         return bands_of(slopes.mss) if self.bands is None else self.bands
 
     def law_bands(self, slopes: SlopeStatistics) -> float:
@@ -102,7 +100,7 @@ class Shadowing:
         return self.bands_for(slopes) if self.law == "nested" else 1.0
 
     def facet_law(self, slopes: SlopeStatistics, facets: SlopeStatistics) -> FacetLaw:
-        """Law of hiding for facets that carry what is left of a sea's slopes while longer waves are geometry.
+        """Law of hiding for facets that carry the rest of a sea's slopes while longer waves are geometry.
 
         Every renderer takes it from here, so that all of them draw the same facets; references leave out the lean.
         """
@@ -120,7 +118,7 @@ class Shadowing:
         return (lean_table(bands), lean_gains(slopes)) if self.lean and bands > 1.0 else (np.zeros((0, 0)), np.zeros(AZIMUTHS))
 
     def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
-        """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""
+        """Area that normalises the density of the slopes visible from a direction [rad], per unit area of sea [1]."""
         return nested_area(zenith, azimuth, slopes, self.law_bands(slopes))
 
 
@@ -133,7 +131,7 @@ _WORDS: Final = {"nested": NESTED, "nested-viewer": NESTED_VIEWER, "both": BOTH,
 
 
 class Legs(NamedTuple):
-    """Shadowing under one Sun, as kernels read it. Made by :func:`legs_of`."""
+    """Shadowing under one Sun, as kernels read it; see :func:`legs_of`."""
 
     sun: bool
     hidden: float  #: Smith's Lambda of the Sun's leg.
@@ -142,9 +140,9 @@ class Legs(NamedTuple):
     cosine: float
     edge: float  #: Cotangent of the Sun's zenith angle over the rms slope along its azimuth.
     deviation: float
-    series: float  #: Ratio of ``1 + hidden`` to that of Gaussian slopes.
+    series: float  #: Ratio of ``1 + hidden`` to the same sum for Gaussian slopes.
     ratio: FloatArray  #: Table of the nested law; empty for Smith's.
-    coupling: FloatArray  #: Table of facets seen and lit; empty for independent legs.
+    coupling: FloatArray  #: Table of facets that are visible and lit; empty for independent legs.
     lean: FloatArray  #: Table of the lean of facets across the legs (:mod:`seaglint.sea.shadowing.facet_lean`); empty for Smith's law.
     gains: FloatArray  #: Gains of the lean over azimuths from the wind's [(azimuths,)].
     wind: float  #: Azimuth the wind blows TO [rad].
@@ -177,8 +175,8 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
 def local_leg(legs: Legs, up: float) -> tuple[float, float]:
     """Return ``hidden`` and ``edge`` where the centroid of the Sun's visible part has another sine of elevation than at the sensor's foot.
 
-    The area of skewed slopes changes as that of Gaussian ones. The Sun's azimuth stays the foot's: it moves by ``psi cot(zenith)`` at most,
-    little for the low Suns that shadows count for.
+    The area of skewed slopes changes like the area of Gaussian ones. The Sun's azimuth stays the foot's: it moves by
+    ``psi cot(zenith)`` at most, little for the low Suns for which shadows count.
     """
     if not legs.sun:
         return legs.hidden, legs.edge
@@ -191,7 +189,7 @@ def local_leg(legs: Legs, up: float) -> tuple[float, float]:
 
 @kernel
 def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: float, azimuth: float, legs: Legs) -> float:
-    """Share of mirroring facets that is seen and lit, over ``1/(1 + Lambda_v)``, the share seen by Smith's law in one band.
+    """Share of mirroring facets that is visible and lit, over ``1/(1 + Lambda_v)``, the visible share by Smith's law in one band.
 
     ``upright``: that share, ``cos(theta_v)/A+``. ``view``: slope towards the viewer, and cotangent of the view zenith, in rms slopes along
     the view. ``sunward``: slope towards the Sun in rms slopes along its azimuth. ``azimuth`` is the viewer's [rad].
@@ -205,6 +203,7 @@ def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: floa
         return seen
     lit = nested_ratio_kernel(sunward, legs.edge, 1.0, legs.ratio)
     both = seen * lit
+    # above HIGHEST a leg hides nothing, so the legs cannot hide the same facets
     if view[1] < HIGHEST and legs.edge < HIGHEST:
         both *= math.exp(lit_exponent_kernel(0.5 * (view[0] - sunward), view[1], legs.edge, legs.coupling))
     same = max(1.0 / seen, upright * (1.0 + legs.hidden) / lit)
@@ -214,7 +213,7 @@ def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: floa
 
 @kernel
 def lean_of_legs(view: tuple[float, float, float], azimuth: float, sunward: float, legs: Legs) -> tuple[float, float]:
-    """Shift of the mean slope, east and north [1], of facets of one slope along the legs that are seen and lit; those of both legs add up.
+    """Shift of the mean slope, east and north [1], of visible and lit facets of one slope along the legs; the shifts of both legs add up.
 
     ``view``: slope towards the viewer and cotangent of the view zenith in rms slopes along the view, and that rms slope; ``sunward``: slope
     towards the Sun in rms slopes along its azimuth; ``azimuth`` is the viewer's [rad].
@@ -222,6 +221,7 @@ def lean_of_legs(view: tuple[float, float, float], azimuth: float, sunward: floa
     if legs.lean.shape[0] == 0:
         return 0.0, 0.0
     shift = view[2] * lean_kernel(view[0], view[1], gain_at(legs.gains, azimuth - legs.wind), legs.lean)
+    # to the right of the direction (sin a, cos a) is (cos a, -sin a)
     east, north = shift * math.cos(azimuth), -shift * math.sin(azimuth)
     if legs.sun:
         shift = legs.deviation * lean_kernel(sunward, legs.edge, gain_at(legs.gains, legs.azimuth - legs.wind), legs.lean)

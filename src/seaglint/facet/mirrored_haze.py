@@ -1,9 +1,10 @@
-r"""Scattered sky light mirrored by facets: averages over their slopes, tabulated beside the thermal light.
+r"""Scattered sky light mirrored by facets: averages over their slopes, tabulated on the axes of the thermal light.
 
-Unlike the thermal sky it depends on the azimuth from the Sun. Its aureole is some ten degrees wide, as wide as the facets' own slopes blur
-it, so that sums over slopes need close nodes. They are taken as convolutions: with ``a`` the slope towards the viewer, ``c`` that across
-and ``d = c - lean a``, the density of a facet's slopes is a product of Gaussians of ``a`` and ``d`` about the facet's tilt, while what a
-slope mirrors does not depend on the tilt. So for every grazing angle and azimuth each slope is looked up once for all tilts.
+Unlike the thermal sky it depends on the azimuth from the Sun. Its aureole is some ten degrees wide, as the facets' slopes blur
+it, so that sums over slopes need close nodes. They are convolutions: with ``a`` the slope towards the viewer, ``c`` the slope
+across and ``d = c - lean a``, the density of a facet's slopes is a product of Gaussians of ``a`` and ``d`` about the facet's tilt, while
+the light that a slope mirrors does not depend on the tilt. So for every grazing angle and azimuth each slope is looked up once for all
+tilts.
 
 Averages over slope statistics are in :mod:`seaglint.facet.scattered`; each quadrature is the other's check.
 """
@@ -76,8 +77,9 @@ class HazyFacets(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Lines of sight of a table: sines of the grazing angle, turn of the vertical there [rad], azimuths [rad]; nodes of slopes along and
-    across the view.
+    """Lines of sight of a table.
+
+    Sines of the grazing angle, turn of the vertical there [rad], azimuths [rad]; nodes of slopes along and across the view.
     """
 
     sine: np.ndarray
@@ -90,7 +92,7 @@ class Lines(NamedTuple):
 def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, FloatArray]:
     """Scattered sky of a table on the nodes that facets read, and its spectral shapes [W m-2 sr-1 per cm-1, (r, n)].
 
-    There are as few shapes as the band allows.
+    The number of shapes is the smallest that the band allows.
 
     ``weights``: quadrature weights of the band [cm-1, (n,)].
     """
@@ -128,7 +130,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
 
 
 def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Matrix (r, fewer) from shares to those of fewer spectral shapes, and these (fewer, n), for spectra ``shares @ spectral``."""
+    """Matrix (r, fewer) from shares to shares of fewer spectral shapes, and these shapes (fewer, n), for spectra ``shares @ spectral``."""
     _, r = np.linalg.qr((spectral * np.sqrt(np.maximum(weights, 0.0))).T)
     seen = shares @ r.T
     size = np.linalg.norm(seen, axis=1, keepdims=True)
@@ -143,7 +145,7 @@ def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray
 
 
 def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray] | None:
-    """Light mirrored by facets [W m-2 sr-1], and the matrix [1, (q, k)] from its band terms to those of the path's basis.
+    """Light mirrored by facets [W m-2 sr-1], and the matrix [1, (q, k)] from its band terms to the terms of the path's basis.
 
     None in darkness.
     """
@@ -167,7 +169,7 @@ def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray
 
 
 def turns_of(height: float, sine: FloatArray) -> FloatArray:
-    """Turn of the vertical [rad] at places of the mean sea, given the sines of their grazing angles seen from ``height`` [m]."""
+    """Turn of the vertical [rad] at places of the mean sea, given the sines of the grazing angles at which ``height`` [m] views them."""
     arcs = np.concatenate([[0.0], np.geomspace(1e-3 * height, horizon_range(height), 2000)])
     seen = np.cos(view_zenith_of_range(height, arcs))
     return np.asarray(turn_at(np.interp(sine, seen[::-1], arcs[::-1])))
@@ -191,10 +193,12 @@ def add_haze(
     a, c = slope
     nz = 1.0 / math.sqrt(1.0 + a * a + c * c)
     cos_incidence = min(max((sine - cosine * a) * nz, 0.0), 1.0)
+    # the mirrored ray is r = 2 (n.v) n - v with n = (-a, -c, 1) nz and v = (cosine, 0, sine)
     twice = 2.0 * cos_incidence * nz
     up = twice - sine
     if up <= 0.0:
         return
+    # square of the sine of half the scattering angle
     apart = 0.5 * (1.0 - (-twice * a - cosine) * sun[0] + twice * c * sun[1] - up * sun[2])
     shares = facets.sky.shares
     x = cos_incidence * (facets.reflected.shape[0] - 1)
@@ -222,6 +226,7 @@ def add_haze(
 def horizon_slope(sight: tuple[float, float], across: float, lean: float) -> float:
     """Slope towards the viewer, at ``across + lean`` times it across, of a facet that mirrors the horizon."""
     sine, cosine = max(sight[0], 1e-9), sight[1]
+    # with a lean the slope across depends on the result: fixed-point iteration from 0
     a = 0.0
     for _ in range(6):
         c = across + lean * a
@@ -269,6 +274,7 @@ def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int
     first, per_radian = facets.sky.sun
     t = min(max((zenith - first) * per_radian, 0.0), facets.sky.shares.shape[0] - 1.0)
     up = visible_part_kernel(0.5 * math.pi - zenith)[0]
+    # variance along the view, and across it before the lean is removed
     variance, across = along(rough, east, north), along(rough, north, -east)
     out[:] = 0.0
     if up <= 0.0:
@@ -311,6 +317,7 @@ def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int
                         sums[i, q] += share * one[q]
         for i in range(na):
             for c in range(nc):
+                # d = c - lean a, about the same combination of the facet's tilt
                 z = (d * step - lines.across[c] + lean * tilts[i]) / spread
                 if abs(z) <= REACH + 0.5:
                     share = math.exp(-0.5 * z * z)

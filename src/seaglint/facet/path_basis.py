@@ -1,6 +1,6 @@
 """Basis for spectral products along the line of sight: integrals per wavenumber from sums over a few terms.
 
-A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances seen from one height span a
+A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances from one height span a
 small space: with ``tau(nu; r) ~ sum_k a_k(r) phi_k(nu)`` the integral is ``sum_k a_k(r) int R phi_k X dnu``, and the
 inner integrals depend on the facet alone. The number of terms is chosen from the error that it leaves.
 """
@@ -32,7 +32,7 @@ class PathBasis:
     """Transmittance and path radiance from one sensor height, ready for band products."""
 
     wavenumber_cm: FloatArray  #: Samples inside the band.
-    grid: slice  #: Where they stand on the atmosphere's grid.
+    grid: slice  #: Position of these samples on the atmosphere's grid.
     phi: FloatArray  #: Basis of transmittance spectra.
     weights: FloatArray  #: Quadrature weights of the band.
     coefficients: FloatArray  #: ``a_k`` at the requested ranges.
@@ -44,7 +44,7 @@ class PathBasis:
 
 
 def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: FloatArray) -> PathBasis:
-    """Basis and coefficients for the sea points at arcs ``range_m`` [m] (ascending) seen from ``height`` [m]."""
+    """Basis and coefficients for the sea points at arcs ``range_m`` [m] (ascending) viewed from ``height`` [m]."""
     from scipy.interpolate import CubicSpline
 
     in_band = BandSum.of(band, atmosphere)
@@ -56,24 +56,25 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
 
     mean = np.maximum((tau @ weights) / weights.sum(), 1e-30)
     root = np.sqrt(np.maximum(weights, 1e-6 * weights.max()) / weights.sum())
+    # each row over its mean: far ranges with little transmittance count as much as near ones
     u, s, vt = np.linalg.svd(tau / mean[:, None] * root, full_matrices=False)
     # residual[j, k]: RMS over the band left at node j by the first k + 1 terms.
-    left = (u * s) ** 2
-    residual = np.sqrt(np.maximum(left.sum(axis=1, keepdims=True) - np.cumsum(left, axis=1), 0.0))
+    energy = (u * s) ** 2
+    residual = np.sqrt(np.maximum(energy.sum(axis=1, keepdims=True) - np.cumsum(energy, axis=1), 0.0))
     terms = int(np.argmax(residual.max(axis=0) < RELATIVE_ERROR)) + 1
     phi = vt[:terms] / root
     log_nodes = np.log(nodes)
-    at = np.log(np.maximum(range_m, lowest))
-    coefficients = CubicSpline(log_nodes, (u * s)[:, :terms] * mean[:, None], axis=0)(at)
+    log_range = np.log(np.maximum(range_m, lowest))
+    coefficients = CubicSpline(log_nodes, (u * s)[:, :terms] * mean[:, None], axis=0)(log_range)
     return PathBasis(
-        in_band.wavenumber_cm, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(at))
+        in_band.wavenumber_cm, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(log_range))
     )
 
 
 def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1) -> tuple[FloatArray, FloatArray]:
     """Reduce tables (..., k) and coefficients (m, k) to the fewest terms with the same products ``tables @ coefficients.T`` [any unit].
 
-    What facets send varies less from one to the next than spectra can: two or three terms do the work of seven. Facets and ranges count
+    The light of facets varies less between facets than spectra can: two or three terms do the work of seven. Facets and ranges count
     alike, whatever their radiance. Their number is a multiple of ``together``.
     """
     facets = tables.reshape(-1, tables.shape[-1]).astype(np.float64)
@@ -83,8 +84,8 @@ def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1
     product = (facets / np.maximum(size, 1e-300)) @ r.T
     energy, vectors = np.linalg.eigh(product.T @ product)
     energy, vectors = np.maximum(energy[::-1], 0.0), vectors[:, ::-1]
-    left = energy.sum() - np.cumsum(energy)
-    terms = int(np.argmax(left <= PRODUCT_ERROR**2 * energy.sum())) + 1
+    omitted = energy.sum() - np.cumsum(energy)
+    terms = int(np.argmax(omitted <= PRODUCT_ERROR**2 * energy.sum())) + 1
     terms = -(-terms // together) * together
     selected = np.zeros((vectors.shape[0], terms))
     selected[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]

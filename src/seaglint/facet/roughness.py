@@ -1,4 +1,4 @@
-"""Unresolved slopes of a facet, and the line of sight along which they are seen."""
+"""Unresolved slopes of a facet, and the line of sight along which they are viewed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Roughness(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """Line of sight, as seen from the sea.
+    """Line of sight, described from the sea.
 
     The fields are the horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the shadows of both
     (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), the deviation of unresolved slopes along it, and the gain of their lean.
@@ -73,8 +73,9 @@ def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
 def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, law: FacetLaw, *, shade_sun: bool = True) -> Roughness:
     """Facet slopes as kernels read them, with a law of hiding, of both legs or of the viewer's alone.
 
-    Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than one
-    band is Smith's law with as much less deviation in the Sun's way (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
+    Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than
+    one band is Smith's law with the deviation along the Sun's leg reduced in proportion
+    (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
     """
     whole = max(law.bands, 1.0)
     nested, coupling = between_bands(ratio_table, whole), coupling_table(whole, law.deviation) if shade_sun else np.zeros((0, 0, 0))

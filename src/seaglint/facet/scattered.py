@@ -1,14 +1,14 @@
 r"""Scattered sunlight in the mean model: in paths, and in the sky that waves mirror.
 
-The air about the Sun's direction is bright (the aureole, some ten degrees wide), so that every slope mirrors its own direction of that sky:
+The air about the Sun's direction is bright (the aureole, some ten degrees wide), so that every slope mirrors a different part of that sky:
 
 .. math::
 
     L = \int \frac{p(s)\,R(s)\,\max(0, v_z - v_h \cdot s)}{A}\;\int \tau\,\rho(\omega)\,L_{scat}(r(s))\,d\nu\;ds, \qquad
     r = 2 (n \cdot v)\,n - v
 
-over the slopes whose mirrored ray r comes from the sky; p, R and A as for all that the sea mirrors (:mod:`seaglint.facet.emissivity`). The
-disc itself is no part of it: its mirror image is the glint.
+over the slopes whose mirrored ray r comes from the sky; p, R and A as in :mod:`seaglint.facet.emissivity`. The disc itself is
+excluded: its mirror image is the glint.
 
 Facets of synthesised waves are in :mod:`seaglint.facet.mirrored_haze`; each quadrature is the other's check.
 """
@@ -60,7 +60,7 @@ _series_kernel = kernel(series_bracket)
 
 
 class _Facets(NamedTuple):
-    """Slopes for the sum over facets: variances along and across the wind, its azimuth, the series and the nested law."""
+    """Slopes for the sum over facets: variances along and across the wind, the wind's azimuth, the series and the nested law."""
 
     up: float
     cross: float
@@ -99,7 +99,7 @@ def _add_sky(sky: np.ndarray, at: tuple[float, float, float], weight: float, out
 
 @kernel
 def _sun_at(zenith: float, beside: float, psi: float) -> tuple[float, float]:
-    """Zenith angle of the Sun at a place and its azimuth from the line of sight [rad], ``beside`` that at the sensor's foot."""
+    """Zenith angle of the Sun at a place and its azimuth from the line of sight [rad], ``beside`` the azimuth at the sensor's foot."""
     turn = turn_kernel(psi)
     along, aside, up = math.sin(zenith) * math.cos(beside), math.sin(zenith) * math.sin(beside), math.cos(zenith)
     lifted = along * turn[1] + up * turn[0]
@@ -121,6 +121,7 @@ def _mirror(
     along = facets.up * c * c + facets.cross * s * s
     mixed = (facets.cross - facets.up) * s * c
     across = facets.up * s * s + facets.cross * c * c
+    # slopes along the view are Gaussian about ``lean`` times the slope across, with the variance that the covariance leaves
     lean, deviation = mixed / across, math.sqrt(along)
     spread = math.sqrt(max(along - lean * mixed, 1e-3 * along))
     tangent = sine / cosine
@@ -130,7 +131,7 @@ def _mirror(
         z = _CUT * (2.0 * j / (_ACROSS - 1) - 1.0)
         slope_across = math.sqrt(across) * z
         centre = lean * slope_across
-        # steeper ones mirror the sea
+        # slopes steeper than this one mirror the sea
         horizon = (math.sqrt(max(1.0 - sine * sine * slope_across * slope_across, 0.0)) - cosine) / max(sine, 1e-9)
         low, high = centre - _CUT * spread, min(centre + _CUT * spread, horizon, tangent)
         if high <= low:
@@ -156,6 +157,7 @@ def _mirror(
             azimuth = view[1] + math.atan2(-2.0 * incidence * slope_across * nz, -2.0 * incidence * a * nz - cosine)
             shares[:] = 0.0
             _add_sky(sky, (sun[0], math.asin(min(up, 1.0)), azimuth - sun[1]), density, shares)
+            # Chebyshev polynomials of 2 c - 1 by their recurrence
             t, before = 1.0, 2.0 * incidence - 1.0
             chebyshev = before
             for n in range(out.shape[0]):
@@ -251,7 +253,7 @@ class SeaRows:
 class ScatteredSun:
     """Scattered sunlight over one view's sea. Make it with :meth:`prepare`."""
 
-    view: SeaView  #: Who looks at which sea.
+    view: SeaView  #: Sensor, sea, air and Sun.
     _reflectance: ReflectanceSeries
     _facets: _Facets
     _sky: FloatArray
@@ -260,12 +262,10 @@ class ScatteredSun:
 
     @classmethod
     def prepare(cls, view: SeaView, reflectance: Callable[[], ReflectanceSeries], turn: float | None = None) -> ScatteredSun | None:
-        """Prepare the scattered sunlight over the sea; None where nothing is scattered.
+        """Prepare the scattered sunlight over the sea; None if the air scatters none.
 
         The water's reflectance is evaluated where it matters. Places have the vertical turned by at most ``turn`` [rad]: all in view by
         default.
-
-        The reflectance is evaluated where it matters. Places have the vertical turned by at most ``turn`` [rad]: all in view by default.
         """
         if view.scattered.is_dark:
             return None
@@ -281,7 +281,7 @@ class ScatteredSun:
     def mirrored(self, rows: SeaRows, azimuth: FloatArray) -> FloatArray:
         """Scattered sunlight mirrored by the sea, at the aperture in band [W m-2 sr-1, (rows, columns)].
 
-        Azimuths are those of lines of sight [rad, (columns,)].
+        Azimuths of lines of sight [rad, (columns,)].
         """
         if rows.gamma.size == 0:
             return np.zeros((0, azimuth.size))
@@ -302,7 +302,7 @@ class ScatteredSun:
         return self.view.sun_distance_factor * path_map(rows.arc, rows.elevation, beside, self.view.scattered.path)
 
     def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Scattered sunlight of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
+        """Scattered sunlight of the sky above the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
         if elevation.size == 0:  # the table takes longer than all that a view of the sea alone needs
             return np.zeros((0, azimuth.size))
         return self.view.sun_distance_factor * sky_map(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)
@@ -339,8 +339,8 @@ class ScatteredMap:
 
     Make it with :meth:`prepare`.
 
-    Paths and the mirrored sky are splined over the elevation of the viewer as seen from the sea, in ``arsinh(elevation / scale)``, and over
-    the azimuth from the Sun.
+    Paths and the mirrored sky are splined over the elevation of the viewer above the horizontal at the sea, in
+    ``arsinh(elevation / scale)``, and over the azimuth from the Sun.
     """
 
     light: ScatteredSun

@@ -22,7 +22,7 @@ from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 _CREST: Final = 20.0  #: Largest height of waves beyond the sea's horizon that may be in view [m].
 
-#: Number of elevations of the Sun at which its light is tabulated: error below 2e-3 for a Sun 2 deg above the horizon, seen from 10 km.
+#: Number of elevations of the Sun at which its light is tabulated: error below 2e-3 for a Sun 2 deg above the horizon, viewed from 10 km.
 _SUN_NODES: Final = 257
 
 #: Model of the sea without the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article).
@@ -67,12 +67,12 @@ class SeaView:
     sea_temperature: float  #: Temperature of the sea's skin [K].
     sensor_height: float  #: Height of the sensor [m].
     #: ``solar_zenith``, ``solar_azimuth``: Direction from the sea at the sensor's foot to the Sun's centre, apparent [rad]; below the
-    #: horizon is valid. Elsewhere it is that against the vertical there (:mod:`seaglint.facet.sunlight`).
+    #: horizon is valid. Elsewhere the direction is relative to the vertical there (:mod:`seaglint.facet.sunlight`).
     solar_zenith: float
     solar_azimuth: float = 0.0
     sun_distance_factor: float = 1.0  #: ``1/d^2`` with d the distance of the Sun in au [1].
-    #: Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; their own
-    #: sky is not hidden by waves in any mode but for the facets that see the sea.
+    #: Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; waves
+    #: never hide the sky of these facets, apart from the facets that mirror the sea.
     shadowing: Shadowing = NESTED
     background: Background = "facets"  #: See :data:`Background`.
     scattering: bool = True  #: Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
@@ -102,7 +102,7 @@ class SeaView:
 
     @cached_property
     def hiding(self) -> Shadowing:
-        """The shadowing with its number of bands."""
+        """Shadowing with its number of bands."""
         return self.shadowing.settled(self.slopes, self.solar_azimuth)
 
     @cached_property
@@ -137,8 +137,8 @@ class SeaView:
     def irradiance(self) -> FloatArray:
         """Sunlight at the sensor's foot normal to the beam on the band's samples [W m-2 per cm-1, (n,)], of the whole disc.
 
-        A disc cut by the horizon counts with the middle of what is left. A Sun that is below at the foot but may be up at a place in view
-        counts as one that stands on the horizon; 0 for a Sun below everywhere.
+        A disc cut by the horizon counts with the middle of its visible part. A Sun below the horizon at the foot that may be above it at a
+        place in view counts as a Sun on the horizon. 0 for a Sun below the horizon of all places.
         """
         return np.asarray(self._irradiance(np.atleast_1d(self._sunlit_zenith))[0])
 
@@ -154,7 +154,7 @@ class SeaView:
     def sun_table(self) -> SunTable:
         """Ratio of sunlight in the band at places in view to :attr:`irradiance`, by the sine of the Sun's elevation there.
 
-        Where the atmosphere holds no sunlight for a zenith angle, that of the next one serves.
+        If the atmosphere holds no sunlight for a zenith angle, the nearest zenith angle that it covers is used.
         """
         if not self.irradiance.any():
             return STEADY
@@ -178,7 +178,8 @@ class SeaView:
 
 
 def sea_arc(height: float | FloatArray, gamma: FloatArray) -> FloatArray:
-    """Arc along the sea to the point from which the viewer stands at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
+    """Arc along the sea to the point that views the sensor at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
     excess = height / EFFECTIVE_EARTH_RADIUS
+    # by half angles: cos(depression) (1 + h/R') = cos(gamma) loses its digits near the horizontal
     depression = 2.0 * np.arcsin(np.sqrt(np.minimum((0.5 * excess + np.sin(0.5 * gamma) ** 2) / (1.0 + excess), 1.0)))
     return np.asarray(EFFECTIVE_EARTH_RADIUS * np.maximum(depression - gamma, 0.0))

@@ -1,10 +1,13 @@
-"""Scattered sunlight of path and sky in band, as images read it: rows of a scene against the azimuth from the Sun.
+"""Sky of a view: its thermal radiance and scattered sunlight, for the sensor and for the sea that mirrors it.
 
-Sky of a view: the one place that asks the air for it.
+All requests to the air for its sky are made here.
 
-Pictures see it from the sensor, :func:`sky_above`, mean maps its thermal part, :func:`thermal_sky`: both over azimuth and elevation,
-whatever the air. Facets and bodies mirror the sky that is seen from the sea, :func:`mirrored_sky`; their tables know its zenith angle
-alone. The Sun's disc in the sky is that of :mod:`seaglint.imaging.sun_in_sky`.
+- :func:`sky_above`: thermal and scattered sky above the sensor, over azimuth and elevation, for images.
+- :func:`thermal_sky`: its thermal part alone, for mean maps.
+- :func:`mirrored_sky`: thermal sky above the sea, which facets and bodies mirror; their tables depend on the zenith angle alone.
+- :func:`sunlit_path`: scattered sunlight of paths in band, against the azimuth from the Sun.
+
+The Sun's disc in the sky is in :mod:`seaglint.imaging.sun_in_sky`.
 """
 
 from __future__ import annotations
@@ -27,13 +30,13 @@ AZIMUTHS: Final = 361
 
 _AROUND: Final = 2.0 * np.arcsin(np.linspace(0.0, 1.0, AZIMUTHS))
 
-PATH_ROWS: Final = 257  #: Number of paths to the sea, uniform in the logarithm of the slant path, as their own tables have them.
+PATH_ROWS: Final = 257  #: Number of paths to the sea, uniform in the logarithm of the slant path, as in the tables of scattered paths.
 
 
 class Haze(NamedTuple):
     """Scattered radiance ``values[azimuth, row]`` [W m-2 sr-1] at even steps of the sine of half the azimuth from the Sun.
 
-    The Sun stands at ``azimuth`` [rad]; without azimuths the radiance is 0.
+    ``azimuth`` is the Sun's [rad]; without azimuths the radiance is 0.
     """
 
     values: np.ndarray
@@ -57,7 +60,7 @@ def is_dark(table: ScatteredTable) -> bool:
 
 @kernel
 def haze_column(haze: Haze, azimuth: float) -> tuple[int, float]:
-    """Lower azimuth node of a line of sight's azimuth [rad], and the fraction of the way to the next."""
+    """Lower azimuth node of a line of sight's azimuth [rad], and the fraction of the step to the next node."""
     x = abs(math.sin(0.5 * (azimuth - haze.azimuth))) * (haze.values.shape[0] - 1)
     i = min(int(x), haze.values.shape[0] - 2)
     return i, x - i
@@ -87,7 +90,7 @@ def path_along(radiance: np.ndarray, sunlit: SunlitPath, azimuth: float, part: t
 
 
 def sky_haze(view: SeaView, elevation: FloatArray) -> Haze:
-    """Scattered sky seen from the sensor at elevations [rad, (rows,)]."""
+    """Scattered sky above the sensor at elevations [rad, (rows,)]."""
     table = view.scattered.sky
     if is_dark(table) or elevation.size == 0:
         return NO_HAZE
@@ -124,7 +127,7 @@ NO_SKY: Final = SkyAbove(np.zeros((1, 0)), NO_HAZE)  #: Sky without rows.
 
 
 def thermal_sky(view: SeaView, elevation: FloatArray) -> FloatArray:
-    """Thermal sky that the sensor sees, at even azimuths from north and at elevations [W m-2 sr-1, (azimuths, rows)].
+    """Thermal sky above the sensor, at even azimuths from north and at elevations [W m-2 sr-1, (azimuths, rows)].
 
     Elevations are angles above the horizontal, down to the sea horizon [rad, (rows,)].
     """
@@ -135,12 +138,12 @@ def thermal_sky(view: SeaView, elevation: FloatArray) -> FloatArray:
 
 
 def sky_above(view: SeaView, elevation: FloatArray) -> SkyAbove:
-    """Sky that the sensor sees at elevations [rad, (rows,)], without the Sun's disc."""
+    """Sky above the sensor at elevations [rad, (rows,)], without the Sun's disc."""
     return SkyAbove(thermal_sky(view, elevation), sky_haze(view, elevation)) if elevation.size else NO_SKY
 
 
 def mirrored_sky(atmosphere: Atmosphere, zenith: ArrayLike, grid: slice = slice(None)) -> FloatArray:
-    """Thermal sky seen from the sea at zenith angles [W m-2 sr-1 per cm-1, (..., n)], its mean over azimuth, on part of the samples."""
+    """Thermal sky above the sea at zenith angles [W m-2 sr-1 per cm-1, (..., n)], its mean over azimuth, on part of the samples."""
     count = atmosphere.sky_azimuths
     total = atmosphere.sky_radiance(zenith, 0.0)[..., grid]
     for turn in range(1, count):
@@ -150,7 +153,7 @@ def mirrored_sky(atmosphere: Atmosphere, zenith: ArrayLike, grid: slice = slice(
 
 @kernel
 def sky_column(sky: SkyAbove, azimuth: float) -> tuple[int, float]:
-    """Azimuth node before an azimuth [rad], and the fraction of the way to the next."""
+    """Azimuth node before an azimuth [rad], and the fraction of the step to the next node."""
     count = sky.thermal.shape[0]
     turns = azimuth / (2.0 * math.pi)
     x = (turns - math.floor(turns)) * count

@@ -53,7 +53,7 @@ class DiscLine(NamedTuple):
 
 @kernel
 def sharp(rough: Roughness, disc: tuple[float, float, float]) -> bool:
-    """True where the disc's covariance of slopes is so large beside the facet's that its edge counts."""
+    """True where the disc's covariance of slopes is so large relative to the facet's that its edge counts."""
     return disc[0] + disc[2] > SHARP_DISC / (1.0 - SHARP_DISC) * (rough.east_east + rough.north_north)
 
 
@@ -74,6 +74,7 @@ def disc_of(sun: Sunlight, rough: Roughness, mz: float, se: float, sn: float) ->
 def disc_at(line: DiscLine, per_mz: float) -> Disc:
     """Disc interpolated between two rows of a line's table."""
     x = (per_mz - line.first) * line.per_step
+    # unsigned indices spare the compiler's check for negative ones
     i = np.uint64(min(max(int(x), 0), line.rows.shape[0] - 2))
     f = x - float(i)
     a, b = line.rows[i], line.rows[np.uint64(i + np.uint64(1))]
@@ -89,7 +90,7 @@ def disc_at(line: DiscLine, per_mz: float) -> Disc:
 
 @kernel
 def broadened(disc: Disc, spread: tuple[float, float, float]) -> Disc:
-    """Disc with a covariance of slopes (ee, en, nn) added to that of facet and disc: ``(P^-1 + V)^-1 = (1 + P V)^-1 P``."""
+    """Disc with a covariance of slopes (ee, en, nn) added to the covariance of facet and disc: ``(P^-1 + V)^-1 = (1 + P V)^-1 P``."""
     p, q, r = 2.0 * disc.ee, disc.en, 2.0 * disc.nn
     a, b = 1.0 + p * spread[0] + q * spread[1], p * spread[1] + q * spread[2]
     c, d = q * spread[0] + r * spread[1], 1.0 + q * spread[1] + r * spread[2]
@@ -109,7 +110,7 @@ def no_disc_line() -> DiscLine:
 def disc_line(sun: Sunlight, rough: Roughness, sight: Sight, sines: tuple[float, float], rows: np.ndarray, turn: float = 0.0) -> DiscLine:
     """Fill ``rows`` with the :class:`DiscLine` of a line of sight, over grazing angles with the sines ``sines``.
 
-    The Sun is that at the sensor's foot. Places where the vertical is turned by up to ``turn`` [rad] look it up at their own
+    The Sun's direction is taken at the sensor's foot. Places where the vertical is turned by up to ``turn`` [rad] look it up at their own
     ``1/(sin(grazing) + sin(Sun's elevation))``: a covariance so taken is off by about ``turn``, and the glint by that times the disc's
     share of the slopes.
     """
@@ -135,12 +136,13 @@ def disc_line(sun: Sunlight, rough: Roughness, sight: Sight, sines: tuple[float,
 
 @kernel
 def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[float, float, float, float, float]:
-    """Covariance (ee, en, nn) and mean offset (e, n) of the slopes that mirror the points of the solar disc, about those of its centre.
+    """Covariance (ee, en, nn) and mean offset (e, n) of the slopes that mirror points of the solar disc, about the slope for its centre.
 
     With ``s = -(v+l)_h/(v+l)_z`` and ``l`` moved by ``d`` on the sphere, to second order
     ``ds = -(d_h + s d_z)/m_z + (d_h + s d_z) d_z/m_z^2 + |d|^2 (l_h + s l_z)/(2 m_z)``; the disc has ``<d d> = eps^2/4`` in every
     direction.
     """
+    # eps^2/4 is the variance of a uniform disc of radius eps along any direction
     scale = 0.25 * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS / (mz * mz)
     along_e, along_n = sun.t_east + se * sun.t_up, sun.t_north + sn * sun.t_up
     ee = scale * (sun.c_east * sun.c_east + along_e * along_e)

@@ -1,15 +1,13 @@
-r"""Direction of the Sun relative to the vertical of the place in view.
+r"""Sun over a scene: its direction relative to the vertical of a place in view, its visible share and its strength there.
 
-The Sun's zenith angle and azimuth are those at the sensor's foot. At an arc r along the horizontal direction h of the line of sight the
-vertical is turned by ``psi = r/R`` about the horizontal axis across h, with R the true radius of the Earth: the effective one stands for
-refraction of the line of sight and has no part in where the Sun is. A direction l with ``along = l.h`` and ``up = l_z`` has there
+The Sun's zenith angle and azimuth hold at the sensor's foot. At an arc r along the horizontal direction h of the line of sight the
+vertical is turned by ``psi = r/R`` about the horizontal axis across h. R is the true radius of the Earth: the effective radius accounts for
+refraction of the line of sight and does not affect the direction of the Sun. A direction l with ``along = l.h`` and ``up = l_z`` has there
 
 .. math:: along' = along \cos\psi - up \sin\psi, \qquad up' = along \sin\psi + up \cos\psi
 
-so that places farther towards the Sun see it higher: its zenith angle is less by ``psi cos(azimuth of the line of sight - that of the
-Sun)``. Components are along the foot's east and north, carried along the line of sight.
-
-Sun over a scene as kernels read it: at the sensor's foot, and at a place in view.
+so that places farther towards the Sun have it at a higher elevation: its zenith angle is less by ``psi cos(azimuth of the line of sight -
+azimuth of the Sun)``. Components are along the foot's east and north, carried along the line of sight.
 """
 
 from __future__ import annotations
@@ -29,9 +27,9 @@ _LEAST: Final = 1e-6  #: Turn of the vertical below which the Sun is that at the
 
 
 class SunTable(NamedTuple):
-    """Ratio of sunlight in the band to that at the sensor's foot, at even steps of the sine of the Sun's elevation; 1 without values.
+    """Ratio of sunlight in the band to sunlight at the sensor's foot, at even steps of the sine of the Sun's elevation; 1 without values.
 
-    The elevation is that of the middle of the visible part of the disc.
+    The elevation belongs to the middle of the visible part of the disc.
     """
 
     first: float
@@ -52,7 +50,7 @@ def turn_at(arc: ArrayLike) -> FloatArray:
 
 
 def solar_zenith_at(solar_zenith: float, relative_azimuth: ArrayLike, turn: ArrayLike) -> FloatArray:
-    """Zenith angle of the Sun at a place [rad], broadcast; ``relative_azimuth`` is the Sun's less that of the line of sight [rad].
+    """Zenith angle of the Sun at a place [rad], broadcast; ``relative_azimuth`` is the Sun's azimuth minus the line of sight's [rad].
 
     >>> round(float(solar_zenith_at(1.0, 0.0, 0.01)), 9)
     0.99
@@ -86,7 +84,7 @@ def turned_kernel(east: float, north: float, up: float, away: tuple[float, float
 def visible_sun(solar_zenith: float) -> tuple[float, float]:
     """Fraction of the disc above the horizon, and the zenith angle of that part's centroid [rad].
 
-    A Sun cut by the horizon is cut. The zenith angle is the apparent one, at the sea. A Sun wholly below gives (0, solar_zenith).
+    The zenith angle is the apparent one, at the sea. A Sun wholly below the horizon gives (0, solar_zenith).
 
     >>> visible_sun(1.0)
     (1.0, 1.0)
@@ -97,7 +95,7 @@ def visible_sun(solar_zenith: float) -> tuple[float, float]:
 
 @kernel
 def strength_kernel(table: SunTable, up: float) -> float:
-    """Ratio of sunlight of a Sun with the sine ``up`` of elevation to that at the sensor's foot [1]."""
+    """Ratio of sunlight of a Sun with the sine ``up`` of elevation to sunlight at the sensor's foot [1]."""
     if table.values.shape[0] < 2:
         return 1.0
     x = min(max((up - table.first) * table.per_step, 0.0), table.values.shape[0] - 1.0)
@@ -141,7 +139,7 @@ def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
 def sunlight_at(sun: Sunlight, away_east: float, away_north: float, arc: float) -> Sunlight:
     """Sun at a place an ``arc`` [m] from the sensor's foot, ``away`` the horizontal unit vector to it.
 
-    Its vector is that to the middle of the visible part. ``azimuth`` stays the foot's, which tables of the sea's shadows are for.
+    Its vector points to the middle of the visible part. ``azimuth`` stays the foot's, for which the tables of the sea's shadows hold.
     """
     turn = turn_kernel(arc * (1.0 / EARTH_RADIUS))
     east, north, up = turned_kernel(sun.east, sun.north, sun.up, (away_east, away_north), turn)
@@ -155,7 +153,7 @@ def sunlight_at(sun: Sunlight, away_east: float, away_north: float, arc: float) 
 
 @kernel
 def raised_sun(sun: Sunlight, lift: float) -> Sunlight:
-    """Sun at a place, raised by ``lift`` [rad], at most two thirds of its radius: to the middle of what waves leave of its disc."""
+    """Sun at a place, raised by ``lift`` [rad], at most two thirds of its radius: to the middle of its disc's unhidden part."""
     length = math.sqrt(max(1.0 - sun.up * sun.up, 0.0))
     up, per_length = sun.up + lift * length, 1.0 - lift * sun.up / max(length, 1e-9)
     return _directed(sun, (sun.east * per_length, sun.north * per_length, up), sun.share)

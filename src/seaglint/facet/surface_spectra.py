@@ -1,4 +1,4 @@
-"""Spectra of a rough sea without the Sun: emission and mirrored sky, averaged over the facets that a viewer sees."""
+"""Spectra of a rough sea without the Sun: emission and mirrored sky, averaged over the facets visible to a viewer."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class SkyTable:
 
     @classmethod
     def of(cls, atmosphere: Atmosphere, grid: slice = slice(None)) -> SkyTable:
-        """Table of the sky seen from the sea, on part of the atmosphere's spectral grid."""
+        """Table of the sky above the sea, on part of the atmosphere's spectral grid."""
         root = np.sqrt(0.5 * np.pi) * np.linspace(0.0, 1.0, _SKY_NODES)
         radiance = mirrored_sky(atmosphere, np.clip(0.5 * np.pi - root**2, 0.0, 0.5 * np.pi), grid)
         u, s, v = np.linalg.svd(radiance, full_matrices=False)
@@ -108,8 +108,8 @@ class SeaSurface:
         flat = theta.ravel()
         if flat.size == 0:  # a camera that sees the sky alone
             return SeaLeaving(*(np.zeros((*theta.shape, self.blackbody.size)) for _ in range(2)))
-        parts = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes, nested_bands) for i in range(0, flat.size, _CHUNK)]
-        emission, sky = (np.concatenate([part[i] for part in parts]).reshape(*theta.shape, -1) for i in (0, 1))
+        chunks = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes, nested_bands) for i in range(0, flat.size, _CHUNK)]
+        emission, sky = (np.concatenate([chunk[i] for chunk in chunks]).reshape(*theta.shape, -1) for i in (0, 1))
         return SeaLeaving(emission, sky)
 
     def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics, nested_bands: float) -> tuple[FloatArray, FloatArray]:
@@ -127,7 +127,7 @@ class SeaSurface:
     ) -> SeaLeaving:
         """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1, (rows, columns)].
 
-        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. One sum over facets for each: for many azimuths take
+        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. Every azimuth takes one sum over facets: for many azimuths take
         :func:`wind_azimuths` and multiply by :func:`azimuth_weights`.
         """
         parts = [self.leaving(view_zenith, float(a), slopes, nested_bands) for a in view_azimuth]

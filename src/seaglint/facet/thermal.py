@@ -1,6 +1,6 @@
 """Emission and mirrored sky of a facet: averages over its visible slopes, tabulated once per scene and level of detail.
 
-Rays reflected downwards meet the sea again and see a blackbody at its temperature; that light counts as emission. Everything is kept
+Rays reflected downwards meet the sea again, taken as a blackbody at its temperature; that light counts as emission. All sums are stored
 per term of :class:`~seaglint.facet.path_basis.PathBasis`, so that products with the path are integrated per wavenumber.
 
 Averages over slope statistics are in :mod:`seaglint.facet.emissivity`; each quadrature is the other's check.
@@ -35,7 +35,7 @@ SKY_NODES = 129
 #: Quadrature over the facet's slopes: Gauss-Legendre on both sides of the slope that mirrors the horizon, Gauss-Hermite across.
 ALONG_NODES, CROSS_NODES = 14, 5
 
-#: Largest tilt away from the viewer, in deviations of the roughness, that is tabulated; facets tilted more are not seen.
+#: Largest tilt away from the viewer, in deviations of the roughness, that is tabulated; facets tilted more are not visible.
 FARTHEST_TURNED_AWAY = -3.0
 
 
@@ -125,8 +125,8 @@ def facet_thermal(
 ) -> float:
     """Emission and reflected sky of a facet, attenuated [W m-2 sr-1], at a sine of the grazing angle.
 
-    ``thermal`` is :func:`thermal_along` the line of sight, ``axes`` those of its table; ``path`` the path's coefficients, and ``at`` the
-    row that counts and the fraction of the way to the next. A table without terms gives 0.
+    ``thermal`` is :func:`thermal_along` the line of sight, ``axes`` the axes of its table; ``path`` the path's coefficients, and ``at`` the
+    row that counts and the fraction of the step to the next. A table without terms gives 0.
     """
     i_path, f_path = at
     slope_east, slope_north = slope
@@ -135,6 +135,7 @@ def facet_thermal(
     ic, fc = node(axes, 3, thermal.across, slope_east * sight.north - slope_north * sight.east)
     row = thermal.across * thermal.terms
     first = (iu * thermal.along + ia) * row + ic * thermal.terms
+    # corners over grazing angle and slope along the view; across it both neighbours are adjacent in memory and mixed last
     weights = ((1.0 - fu) * (1.0 - fa), (1.0 - fu) * fa, fu * (1.0 - fa), fu * fa)
     corner = (first, first + row, first + thermal.along * row, first + thermal.along * row + row)
     warm = 0.0
@@ -159,7 +160,7 @@ def between(rows: np.ndarray, i: int, f: float, k: int) -> float:
 @kernel
 def one_term(values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]) -> float:
     """One term of a thermal table, interpolated between four corners."""
-    # addresses are never negative: spared the compiler's care for those that count from the end
+    # addresses are never negative: unsigned ones spare the compiler's check for indices that count from the end
     a, b, c, d = np.uint64(corner[0] + k), np.uint64(corner[1] + k), np.uint64(corner[2] + k), np.uint64(corner[3] + k)
     return float(weights[0] * values[a] + weights[1] * values[b] + weights[2] * values[c] + weights[3] * values[d])
 
@@ -315,8 +316,8 @@ def thermal_axes(
     """Axes of the thermal table: (5, 2) first nodes and inverse steps [1, rad, 1, 1], and the numbers of nodes.
 
     Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the
-    resolved waves. Where the air scatters sunlight, with the ``sun`` (elevation, azimuth) [rad], the mirrored aureole asks for closer
-    steps of azimuth beside the Sun and of the slope across the view, the more the farther the light is turned by it. The last row is then
+    resolved waves. If the air scatters sunlight, with the ``sun`` (elevation, azimuth) [rad], the mirrored aureole requires closer
+    steps of azimuth near the Sun and of the slope across the view, the more the farther a slope turns the light. The last row is then
     the Sun's azimuth and the scale of :func:`crowded`.
     """
     sigma = max(float(np.sqrt(0.5 * roughness.mss)), 0.02)

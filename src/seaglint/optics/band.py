@@ -1,7 +1,4 @@
-"""Spectral bands: quadrature over a response, and the apparent temperature of a band radiance.
-
-Spectra averaged to a coarser resolution by a triangle, as an instrument or a band model has them.
-"""
+"""Spectral bands: quadrature over a response, apparent temperature of a band radiance, and spectra averaged over triangles."""
 
 from __future__ import annotations
 
@@ -74,7 +71,7 @@ class Band:
             raise DataError("a response must be >= 0 and somewhere > 0; clip the noise of the measurement to 0")
         if whole:
             return cls(w.copy(), r / np.max(r))
-        # Zeros at the ends carry nothing; without them the grid need not cover a long dead tail.
+        # Zeros at the ends contribute nothing; without them the grid need not cover a long tail of zeros.
         used = np.flatnonzero(r > 0.0)
         keep = slice(max(int(used[0]) - 1, 0), min(int(used[-1]) + 2, w.size))
         return cls(w[keep].copy(), r[keep] / np.max(r))
@@ -137,6 +134,7 @@ class Band:
         x = 0.5 * (breaks[1:] + breaks[:-1])[:, None] + half * _GAUSS_X
         wavelength = np.clip(1.0e4 / x, self.min_um, self.max_um)
         w = half * _GAUSS_W * np.interp(wavelength, self.wavelength_um, self.response)
+        # hat functions: each Gauss point gives its weight to the two grid points around it, as the spectrum is linear there
         left = np.clip(np.searchsorted(nu, x, side="right") - 1, 0, nu.size - 2)
         share = (x - nu[left]) / (nu[left + 1] - nu[left])
         out = np.bincount(left.ravel(), ((1.0 - share) * w).ravel(), nu.size)
@@ -174,7 +172,7 @@ class ApparentTemperature:
     @classmethod
     def create(cls, band: Band, wavenumber_cm: ArrayLike) -> ApparentTemperature:
         """Tabulate the inverse for one band and grid."""
-        from scipy.interpolate import CubicSpline  # takes half a second, and most readers of a file need no temperature
+        from scipy.interpolate import CubicSpline  # takes half a second, and most programs that read a file need no temperature
 
         temperature = np.geomspace(*TEMPERATURE_RANGE, _TEMPERATURE_NODES)
         return cls(CubicSpline(np.log(band.radiance(temperature, wavenumber_cm)), np.log(temperature)))
@@ -225,7 +223,7 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
     nu = _ascending(wavenumber_cm)
     inverse = _cached_inverse(band.wavelength_um.tobytes(), band.response.tobytes(), nu.tobytes())
     temperature = inverse(band_radiance)
-    # Labelled arrays (xarray) say how to dress results by NumPy's own protocol: dimensions and coordinates stay, name and units are new.
+    # Labelled arrays (xarray) wrap results by NumPy's protocol: dimensions and coordinates stay, name and units are new.
     if isinstance(band_radiance, np.ndarray | np.generic) or not hasattr(band_radiance, "__array_wrap__"):
         return temperature
     labelled: Any = band_radiance.__array_wrap__(temperature)
@@ -254,5 +252,6 @@ def triangular_average(wavenumber_cm: FloatArray, spectrum: FloatArray, centres_
     >>> triangular_average(nu, nu, np.array([950.0]))
     array([950.])
     """
+    # the gradient of the grid weighs uneven samples; the sum divides it out where a triangle is cut
     weight = np.maximum(1.0 - np.abs(centres_cm[:, None] - wavenumber_cm) / width_cm, 0.0) * np.gradient(wavenumber_cm)
     return np.asarray(weight @ spectrum / weight.sum(axis=1))

@@ -67,7 +67,7 @@ class ReflectanceSeries:
     """Fresnel reflectance of one spectrum of indices as a Chebyshev series in the cosine of incidence.
 
     ``rho(c, nu) = sum_j a_j(nu) T_j(2 c - 1)``. Sixteen terms leave less than 2e-8 for water at any infrared wavelength, and
-    spectral sums over ``a_j`` can be taken before a single direction is looked at.
+    spectral sums over ``a_j`` can be taken before any direction is known.
     """
 
     coefficients: FloatArray  #: ``a_j`` [1, (terms, n)].
@@ -75,6 +75,7 @@ class ReflectanceSeries:
     @classmethod
     def of(cls, index: ArrayLike, terms: int = 16) -> ReflectanceSeries:
         """Series for complex indices [1, (n,)]."""
+        # interpolation at as many Chebyshev points as terms is nearly the best polynomial of this degree
         nodes = chebyshev.chebpts1(terms)
         rho = reflectance(0.5 * (1.0 + nodes)[:, None], np.asarray(index, dtype=np.complex128)[None, :])
         return cls(np.asarray(np.linalg.solve(chebyshev.chebvander(nodes, terms - 1), rho)))

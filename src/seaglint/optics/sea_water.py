@@ -1,7 +1,7 @@
 """Complex refractive index of sea water in the infrared.
 
-The choice costs: at 4 um Segelstein's n is lower by 0.017 than Hale and Querry's, which takes 8 % off the reflectance at nadir (and
-off a high Sun's glint), and less towards grazing incidence.
+The choice of a table matters: at 4 um Segelstein's n is lower by 0.017 than Hale and Querry's, which takes 8 % off the reflectance at nadir
+(and off a high Sun's glint), and less towards grazing incidence.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def segelstein() -> WaterIndex:
 def article() -> WaterIndex:
     """Index of the source article: n = 1.33 and an absorption of 200 cm-1, ``k = a lambda / 4 pi``.
 
-    Two numbers for 4 um, used by the article over 3-5 um; offered for 2-14 um, where they are constants and nothing more: real water
+    Two numbers for 4 um, used by the article over 3-5 um. The table holds them as constants over 2-14 um, unlike real water, which
     absorbs 60 times as much at 3 um, and at 8-12 um its n falls from 1.30 to 1.12.
     """
     w = np.geomspace(2.0, 14.0, 513)  # k is linear in wavelength; log-linear pieces this short follow it to 1e-6

@@ -37,8 +37,7 @@ class ArticleAtmosphere:
     """Band quantities of one atmosphere for one sensor height, interpolated as in the article. Make it with :meth:`fit`."""
 
     coefficients: FloatArray  #: ``a_0 ... a_3`` of Eq. 9 for the slant range in km [(4,)].
-    #: ``path``, ``boundary``: Path radiance, and radiance of a blackbody sea seen through the path [W m-2 sr-1], against ln slant range
-    #: [m].
+    #: ``path``, ``boundary``: Path radiance, and radiance of a blackbody sea behind the path [W m-2 sr-1], against ln slant range [m].
     path: CubicSpline[np.float64]
     boundary: CubicSpline[np.float64]
     #: ``sun``, ``sky``: Irradiance at the sea normal to the beam [W m-2] and sky radiance from the sensor's height [W m-2 sr-1], against
@@ -62,7 +61,7 @@ class ArticleAtmosphere:
         sea = planck_wavenumber(over.wavenumber_cm, sea_temperature)
         transmittance = spectral @ mean
         powers = np.vander(1e-3 * slant, 4, increasing=True)
-        # Weighted by the transmittance itself: errors count where there is something left to see.
+        # Weighted by the transmittance itself: errors count where much of the sea's radiance arrives.
         coefficients = np.linalg.lstsq(powers * transmittance[:, None], np.log(transmittance) * transmittance, rcond=None)[0]
         zenith = np.append(_ZENITHS, 0.5 * np.pi + horizon_depression(sensor_height))
         return cls(
@@ -91,18 +90,18 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     Parameters
     ----------
     view : SeaView
-        Sensor, sea, air and Sun; ``shadowing`` and ``background`` are not asked: the article shadows the viewer's leg and takes the
-        sea with its mirrored sky for a blackbody. Give :func:`seaglint.optics.sea_water.article` as water and
+        Sensor, sea, air and Sun; ``shadowing`` and ``background`` are ignored: the article shadows the viewer's leg and treats the
+        sea with its mirrored sky as a blackbody. Give :func:`seaglint.optics.sea_water.article` as water and
         ``cox_munk_isotropic(W, height=12.5)`` as slopes for its own case.
     elevation, azimuth : array_like
-        Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean_radiance.mean_radiance`; azimuths of each
-        row its own are (rows, columns).
+        Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean_radiance.mean_radiance`; separate azimuths
+        per row are (rows, columns).
 
     Returns
     -------
     SeaRadiance
-        ``emission`` is the blackbody sea behind the path; ``sky`` is 0 below the horizon. The Sun stands where it does at each place, but
-        one that is below the horizon at the sensor's foot is mirrored nowhere.
+        ``emission`` is the blackbody sea behind the path; ``sky`` is 0 below the horizon. The Sun's direction is
+        taken at each place, but a Sun below the horizon at the sensor's foot is mirrored nowhere.
 
     References
     ----------
@@ -122,6 +121,7 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     path[sea, 0] = air.path(np.log(slant))
     emission[sea, 0] = air.boundary(np.log(slant)) - path[sea, 0]
     share, zenith = visible_sun(view.solar_zenith)
+    # a Sun below the horizon at the sensor's foot is mirrored nowhere
     if share > 0.0:
         turn, towards = turn_at(arc)[:, None], columns[sea]
         mirrored = glint(theta[sea][:, None], towards + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER, turn)

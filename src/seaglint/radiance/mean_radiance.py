@@ -52,14 +52,14 @@ class SeaRadiance:
 
 
 def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surface: SeaSurface | None = None) -> SeaRadiance:
-    r"""Mean radiance seen at elevations and azimuths.
+    r"""Compute the mean radiance at elevations and azimuths [W m-2 sr-1].
 
     .. math::
 
         L_{sun} = \int R\,\tau\,\frac{\rho(\omega)\,E}{\pi\epsilon^2}\,P\;d\nu
 
     with P of :func:`seaglint.facet.glint.glint`; for slopes much wider than the Sun's image this is Eq. 8. The Sun's direction and its
-    irradiance E are those at the place looked at, E with the spectrum that it has at the sensor's foot.
+    irradiance E are taken at the place looked at, E with its spectrum at the sensor's foot.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
         Azimuths of the lines of sight, clockwise from north [rad, (columns,)].
     surface : SeaSurface, optional
         Water, sky and sea temperature of the view, from :meth:`SeaSurface.create` on the band's part of the grid (``view.in_band.grid``);
-        saves making it again for views that share them.
+        views that share them need not compute it again.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     Raises
     ------
     DomainError
-        A band beyond the atmosphere's grid, or whatever atmosphere, water or slopes refuse.
+        A band beyond the atmosphere's grid, or any value that atmosphere, water or slopes refuse.
 
     Notes
     -----
@@ -98,7 +98,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
 
 @dataclass(frozen=True, eq=False)
 class SeaLines:
-    """Lines of sight over one sea and air, with all that does not depend on the Sun. Make it with :meth:`prepare`."""
+    """Lines of sight over one sea and air, with all quantities that do not depend on the Sun. Make it with :meth:`prepare`."""
 
     surface: SeaSurface | None  #: Water, sky and sea temperature.
     _rows: FloatArray
@@ -114,13 +114,14 @@ class SeaLines:
         gamma = _sea_elevation(view.sensor_height, rows)
         sea = np.isfinite(gamma)
         azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
+        # for a few columns a sum at each costs less than the harmonics of the wind azimuth
         if columns.size < azimuths.size:
             azimuths, weights = columns + np.pi, np.eye(columns.size)
         thermal = None if np.count_nonzero(sea) > NODES else ThermalRows.of(view, gamma[sea], azimuths, surface)
         return cls(surface, rows, columns, gamma, weights, thermal)
 
     def under(self, view: SeaView) -> SeaRadiance:
-        """Mean radiance under the Sun of a view that is otherwise the one prepared, with as many bands of nested shadowing."""
+        """Mean radiance under the Sun of a view that otherwise equals the prepared one, with as many bands of nested shadowing."""
         if self._thermal is None:
             return MeanModel.prepare(view, self.surface).map(self._rows, self._columns)
         rows, columns, sea = self._rows, self._columns, np.isfinite(self._gamma)
@@ -132,11 +133,11 @@ class SeaLines:
         if columns.size <= _FEW:
             scattered = light.path(where, columns), light.mirrored(where, columns)
         else:
-            beside, around = Around.path(), Around.mirrored()
+            path_nodes, mirrored_nodes = Around.path(), Around.mirrored()
             from_sun = columns - view.solar_azimuth
             scattered = (
-                light.path(where, view.solar_azimuth + beside.azimuth) @ beside.weights(from_sun),
-                light.mirrored(where, view.solar_azimuth + around.azimuth) @ around.weights(from_sun),
+                light.path(where, view.solar_azimuth + path_nodes.azimuth) @ path_nodes.weights(from_sun),
+                light.mirrored(where, view.solar_azimuth + mirrored_nodes.azimuth) @ mirrored_nodes.weights(from_sun),
             )
         return _with_scattered(out, sea, scattered, light.above(rows[~sea], columns))
 
@@ -147,12 +148,12 @@ class MeanModel:
 
     Make it with :meth:`prepare`.
 
-    Path, background and the Sun's spectral sums are splined over the elevation of the viewer as seen from the sea, in
+    Path, background and the Sun's spectral sums are splined over the elevation of the viewer above the horizontal at the sea, in
     ``arsinh(elevation / scale)`` with the scale of the sensor's horizon or of the slopes, whichever is finer; the glint's chance is
     computed pixel by pixel.
     """
 
-    view: SeaView  #: Who looks at which sea.
+    view: SeaView  #: Sensor, sea, air and Sun.
     _scale: float
     _spline: CubicSpline[np.float64]
     _glint: GlintModel
@@ -167,6 +168,7 @@ class MeanModel:
         DomainError
             As :func:`mean_radiance`.
         """
+        # even steps of arsinh(gamma/scale) are fine near the horizon and coarse overhead
         scale = horizon_depression(view.sensor_height)
         if not view.slopes.is_flat:
             scale = min(scale, max(np.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross)), _FINEST))
@@ -206,9 +208,10 @@ class MeanModel:
         path[sea], terms[sea] = interpolated[:, :1], interpolated[:, 1 + 2 * k :]
         emission[sea, 0] = np.sum(interpolated[:, 1 : 1 + k] * weights.T, axis=1)
         sky[sea, 0] = np.sum(interpolated[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
+        # every line of sight has a different elevation: one interpolation per azimuth node serves all of them
         above, table = self._sky
-        seen = np.stack([np.interp(elevation[~sea], above, row) for row in table])
-        sky[~sea, 0] = thermal_at(seen, azimuth[~sea], np.arange(seen.shape[1]))
+        sky_rows = np.stack([np.interp(elevation[~sea], above, row) for row in table])
+        sky[~sea, 0] = thermal_at(sky_rows, azimuth[~sea], np.arange(sky_rows.shape[1]))
         if self._scattered is not None:
             more_path, more_sky = self._scattered.along(gamma[sea], azimuth[sea])
             path[sea, 0] += more_path
@@ -220,6 +223,7 @@ class MeanModel:
     @cached_property
     def _sky(self) -> tuple[FloatArray, FloatArray]:
         """Elevations from the horizon to the zenith [rad], and the thermal sky there [W m-2 sr-1, (azimuths, elevations)]."""
+        # the sky changes fastest at the horizon, where the square root crowds the nodes
         dip = horizon_depression(self.view.sensor_height)
         elevation = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_NODES) ** 2 - dip
         return elevation, thermal_sky(self.view, elevation)
@@ -257,7 +261,7 @@ def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = N
 
 def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[FloatArray, FloatArray], above: FloatArray) -> SeaRadiance:
     """Add scattered sunlight to path and sky components, for rows of sea and rows above."""
-    path, sky = (np.broadcast_to(part, out.chance.shape).copy() for part in (out.path, out.sky))
+    path, sky = (np.broadcast_to(component, out.chance.shape).copy() for component in (out.path, out.sky))
     path[sea] += scattered[0]
     sky[sea] += scattered[1]
     sky[~sea] += above
@@ -266,7 +270,7 @@ def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[F
 
 @dataclass(frozen=True, eq=False)
 class ThermalRows:
-    """Path, emission and sky of sea rows [W m-2 sr-1, (rows, 1 + 2 k)], and what the mirrored Sun passes. Make it with :meth:`of`."""
+    """Path, emission and sky of sea rows [W m-2 sr-1, (rows, 1 + 2 k)], and the path of the mirrored Sun. Make it with :meth:`of`."""
 
     terms: FloatArray
     seen: FloatArray
@@ -291,7 +295,7 @@ class ThermalRows:
         return cls(np.concatenate([path, emission, sky], axis=1), seen, series.coefficients)
 
     def under(self, view: SeaView) -> FloatArray:
-        """Terms with those of the mirrored Sun of a view [W m-2 sr-1, (rows, 1 + 2 k + terms)]."""
+        """Terms, followed by the terms of the mirrored Sun of a view [W m-2 sr-1, (rows, 1 + 2 k + terms)]."""
         # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
         per_term = (self.seen * view.irradiance) @ self.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
         return np.concatenate([self.terms, per_term], axis=1)
@@ -305,6 +309,7 @@ def _assembled(
     k = weights.shape[0]
     table = np.zeros((rows.size, sampled.shape[1]))
     table[sea] = sampled
+    # without any dependence on azimuth one column broadcasts over all; columns of ``table``: path, k emissions, k skies, Sun
     wide = weights[:, :1] if view.slopes.is_isotropic and view.atmosphere.sky_azimuths == 1 else weights
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
     turn = turn_at(sea_arc(view.sensor_height, gamma))

@@ -1,13 +1,13 @@
-r"""Correlation length of glint on the sea from its correlation time, by the dispersion of short waves.
+r"""Variance of glint in a detector of any size (Eqs. 11-19 of the source article, corrected), and the correlation length that it needs.
 
-Variance of glint seen by a detector of any size: Eqs. 11-19 of the source article, corrected.
+The correlation length follows from the correlation time by the dispersion of short waves.
 
 A point of the sea mirrors the Sun or it does not. With P the share of the *viewed* area that does and :math:`L_g - L_b` what the mirrored
 Sun adds there, the mean of the Sun's part is :math:`\langle L\rangle = P (L_g - L_b)` and its variance at a point
 
 .. math:: \sigma_0^2 = P (1 - P) (L_g - L_b)^2 = \langle L\rangle^2 \left(\frac{1}{P} - 1\right)
 
-(Eq. 11; Eq. 15 as printed is garbled). The sea is made of independent cells of *sea* area :math:`l^2`. A mirroring cell, tilted by
+(Eq. 11; Eq. 15 as printed is garbled). The sea consists of independent cells of *sea* area :math:`l^2`. A mirroring cell, tilted by
 :math:`\beta` and met at the angle :math:`\omega`, covers :math:`l^2 \cos\omega/\cos\beta` of the plane across the line of sight, where a
 detector of solid angle :math:`\Omega` at range r covers :math:`\Omega r^2`. So it averages over
 
@@ -53,7 +53,7 @@ def correlation_length(correlation_time: float) -> float:
     Parameters
     ----------
     correlation_time : float
-        Time after which glint at a point is forgotten [s].
+        Correlation time of glint at a point [s].
 
     Returns
     -------
@@ -107,6 +107,7 @@ def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:
     12.0
     """
     mean, p = np.broadcast_arrays(np.asarray(sun_mean, dtype=np.float64), np.asarray(chance, dtype=np.float64))
+    # radiance that the mirrored Sun adds at a mirroring point, L_g - L_b
     mirrored = np.divide(mean, p, out=np.zeros(mean.shape), where=p > 0.0)
     # P of a flat sea is 1 within rounding.
     return np.asarray(mirrored * mean * np.clip(1.0 - p, 0.0, 1.0))
@@ -129,7 +130,7 @@ def patches(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2.
     solar_zenith : float
-        Zenith angle of the Sun's centre [rad]; a disc cut by the horizon counts with the middle of what is left.
+        Zenith angle of the Sun's centre [rad]; a disc cut by the horizon counts with the middle of its visible part.
     slant_range : array_like
         Distance to the sea [m].
     solid_angle : array_like
@@ -147,6 +148,7 @@ def patches(
     DomainError
         A solid angle or a correlation length that is not above 0.
     """
+    # facets mirror the visible part of a cut disc
     _, zenith = visible_sun(solar_zenith)
     tilt = np.maximum(np.cos(np.asarray(view_zenith, dtype=np.float64)) + np.cos(zenith), 0.0)
     return patches_of_tilt(cos_incidence, tilt, slant_range, solid_angle, correlation_length)
@@ -167,7 +169,7 @@ def patches_of_tilt(
     if not (np.isfinite(correlation_length) and correlation_length > 0.0):
         raise DomainError(f"correlation_length = {correlation_length:g} m; give the length of a cell of the sea > 0 m, e.g. 0.0026")
     cosine = np.asarray(cos_incidence, dtype=np.float64)
-    # cos(beta) = (cos(theta_v) + cos(theta_s)) / (2 cos(omega)): taken across the line of sight, nothing here divides by cos(theta_v),
+    # cos(beta) = (cos(theta_v) + cos(theta_s)) / (2 cos(omega)): taken across the line of sight, no term divides by cos(theta_v),
     # which is 0 at the horizon.
     across = omega * np.asarray(slant_range, dtype=np.float64) ** 2
     return np.asarray(across * np.asarray(tilt) / (2.0 * correlation_length**2 * np.maximum(cosine, 1e-9) ** 2))
@@ -208,9 +210,9 @@ def glint_variance(
 
     Notes
     -----
-    A detector below a mirroring cell's size sees a point's variance, one that covers whole cells their number less; between one and a few
-    cells a square detector laid at random sees less than this, 0.44 of it at M = 1 and 0.93 at M = 100. Cells are taken as independent
-    and of one size. Waves that a detector resolves are not in it: they move the mean.
+    A detector smaller than a mirroring cell measures a point's variance; one that covers whole cells measures it divided by their number.
+    Between one and a few cells a square detector at a random position measures less than this, 0.44 of it at M = 1 and 0.93 at M = 100.
+    Cells are taken as independent and of one size. Waves that a detector resolves are excluded: they move the mean.
 
     References
     ----------

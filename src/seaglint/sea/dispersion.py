@@ -82,6 +82,7 @@ def wavenumber(angular_frequency: ArrayLike) -> FloatArray:
             value=float(np.min(omega)),
             allowed="0 rad/s or more",
         )
+    # arcsinh instead of logarithms and cube roots: both limits, gravity and capillary waves, come without cancellation
     p = GRAVITY / _KINEMATIC_TENSION
     q = omega * omega / _KINEMATIC_TENSION
     return np.asarray(2.0 * np.sqrt(p / 3.0) * np.sinh(np.arcsinh(1.5 * q / p * np.sqrt(3.0 / p)) / 3.0))

@@ -1,15 +1,15 @@
-"""Tiles that carry the waves of a sea: wave bands, sizes, and the shortest wave that is geometry.
+"""Tiles that carry the waves of a sea: wave bands, sizes, the shortest wave that is geometry, and the wander that hides their periods.
 
-Slow displacement of tiles over the sea, so that the sea does not repeat with the periods of its tiles.
+Tiles are periodic. So that the sea does not repeat with their periods, each tile is read at a place displaced slowly over the sea:
 
 ::
 
     zeta(x) = sum_t zeta_t(x + d_t(x)),     d_t(x) = sum_j a_j sin(k_j.x + phi_j)
 
-One period of a tile away the displacement is another one, by more than the length over which the tile's waves are correlated. It is
-static, and belongs to the sea. Heights and slopes at a place are those of a place of the tile: their joint density stays as it is, and so
-do all variances. Waves are stretched and turned by the gradient of the displacement, 2.5 % rms in each of its four parts on the first tile
-and 5.5 % on the others.
+One period of a tile away the displacement differs by more than the length over which the tile's waves are correlated. It is static, and
+belongs to the sea. Heights and slopes at a place are read at a place of the tile: their joint density and all variances are unchanged.
+Waves are stretched and turned by the gradient of the displacement, 2.5 % rms in each of its four parts on the first tile and 5.5 % on the
+others.
 """
 
 from __future__ import annotations
@@ -42,6 +42,39 @@ ENERGETIC_SHARE: Final = 0.01
 
 _GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
 
+#: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
+#:
+#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, the waves that leave the least correlation at all lags of
+#: up to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
+_LONG: Final = np.array(
+    [
+        (-0.0977, -0.0007, 0.0153, 0.0459),
+        (-0.0683, -0.021, 0.0567, 0.0175),
+        (-0.143, -0.2009, -0.0177, -0.0015),
+        (0.008, -0.1963, -0.0148, -0.0215),
+        (0.1524, -0.2499, -0.0084, 0.0132),
+        (0.1013, -0.0735, -0.0237, 0.0226),
+    ]
+)
+
+#: Waves for the other tiles.
+#:
+#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: the waves that
+#: leave the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would
+#: leave the tile in step with itself.
+_SHORT: Final = np.array(
+    [
+        (0.1569, 0.1865, 0.0416, 0.0051),
+        (0.2827, 0.303, 0.0076, -0.0234),
+        (-0.3033, 0.4166, 0.0163, -0.0049),
+        (-0.0188, 0.0758, -0.0842, -0.0384),
+        (-0.1162, 0.4337, -0.0012, 0.0201),
+        (-0.0893, 0.0196, 0.0563, -0.0761),
+        (-0.6577, 0.0722, -0.0106, -0.0101),
+        (-0.0788, 0.0741, -0.0179, -0.0426),
+    ]
+)
+
 
 @dataclass(frozen=True)
 class Tile:
@@ -49,7 +82,7 @@ class Tile:
 
     length: float  #: Period along both axes [m].
     n: int  #: Lattice points along each axis.
-    #: Angle of the first axis from east, counter-clockwise seen from above [rad]: ``u = (cos a x + sin a y)``, ``v = (-sin a x + cos a
+    #: Angle of the first axis from east, counter-clockwise from above [rad]: ``u = (cos a x + sin a y)``, ``v = (-sin a x + cos a
     #: y)``.
     rotation: float
     #: ``k_min``, ``k_max``: Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
@@ -142,15 +175,16 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
             value=shortest_wave,
             allowed=(0.0, float(2.0 * np.pi / k_low)),
         )
+    # the nudge by multiples of the golden ratio keeps lengths and axes of any two tiles incommensurate
     ratio = (k_top / k_low) ** (1.0 / tiles)
     span = n / (SAMPLES_PER_WAVE * ratio)
     last = shortest_wave * n / SAMPLES_PER_WAVE
     lengths = [last * ratio ** (tiles - 1 - i) * (1.0 + 0.06 * ((tiles - 1 - i) * _GOLDEN % 1.0)) for i in range(tiles)]
     if span < SHORTEST_SPAN:
-        need = SHORTEST_SPAN * 2.0 * np.pi / k_low
+        needed = SHORTEST_SPAN * 2.0 * np.pi / k_low
         raise DomainError(
             f"{tiles} tiles of {n} points from {shortest_wave:.4g} m waves up make the longest {lengths[0]:.4g} m long; this sea needs "
-            f"{need:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
+            f"{needed:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
         )
     edges = [0.0, *(2.0 * np.pi * n / (SAMPLES_PER_WAVE * length) for length in lengths)]
     return tuple(
@@ -170,7 +204,7 @@ def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fracti
     """Wavenumber at which resolved slopes reach a fraction of the slope model, in the direction where that comes first.
 
     Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction. For waves that run
-    with the wind the direction is upwind or crosswind; for swell from elsewhere it is where ``v.R v/(v.T v)`` is largest over the
+    with the wind the direction is upwind or crosswind; for swell from another azimuth it is where ``v.R v/(v.T v)`` is largest over the
     directions v, R and T the covariances of resolved slopes and of the model.
 
     Parameters
@@ -196,8 +230,9 @@ def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fracti
     def excess(log_k: float) -> float:
         k = float(np.exp(log_k))
         up, cross = (share / most for share, most in zip(spectrum.mss(k), allowed, strict=True))
-        both = spectrum.slope_covariance(k) / np.sqrt(allowed[0] * allowed[1])
-        return float(0.5 * (up + cross) + np.hypot(0.5 * (up - cross), both)) - 1.0
+        # largest eigenvalue of the resolved covariance over the allowed one
+        covariance = spectrum.slope_covariance(k) / np.sqrt(allowed[0] * allowed[1])
+        return float(0.5 * (up + cross) + np.hypot(0.5 * (up - cross), covariance)) - 1.0
 
     low, high = spectrum.wavenumber_range
     if excess(float(np.log(high))) <= 0.0:
@@ -221,40 +256,6 @@ def require_bands(spectrum: DirectionalSpectrum, tiles: Sequence[Tile]) -> None:
             raise DomainError(
                 f"tile of {tile.length:.4g} m is too short for its waves of {longest:.4g} m; give at least {SHORTEST_SPAN * longest:.4g} m"
             )
-
-
-#: Wave vectors [cycles per period of the tile] and amplitudes [periods] for the first tile, along its axes.
-#:
-#: Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up
-#: to 50 periods. Few of the tile's longest waves fit on it, and a picture shows few of its periods; crests of swell stay straight.
-_LONG: Final = np.array(
-    [
-        (-0.0977, -0.0007, 0.0153, 0.0459),
-        (-0.0683, -0.021, 0.0567, 0.0175),
-        (-0.143, -0.2009, -0.0177, -0.0015),
-        (0.008, -0.1963, -0.0148, -0.0215),
-        (0.1524, -0.2499, -0.0084, 0.0132),
-        (0.1013, -0.0735, -0.0237, 0.0226),
-    ]
-)
-
-#: Waves for the other tiles.
-#:
-#: Chosen by search among waves of 1.5 to 13 periods with gradients of 5.5 % rms, their parts correlated by less than 0.05: those that leave
-#: the least correlation at multiples of the period, within squares of one period too, where a displacement that hardly changes would leave
-#: the tile in step with itself.
-_SHORT: Final = np.array(
-    [
-        (0.1569, 0.1865, 0.0416, 0.0051),
-        (0.2827, 0.303, 0.0076, -0.0234),
-        (-0.3033, 0.4166, 0.0163, -0.0049),
-        (-0.0188, 0.0758, -0.0842, -0.0384),
-        (-0.1162, 0.4337, -0.0012, 0.0201),
-        (-0.0893, 0.0196, 0.0563, -0.0761),
-        (-0.6577, 0.0722, -0.0106, -0.0101),
-        (-0.0788, 0.0741, -0.0179, -0.0426),
-    ]
-)
 
 
 class Wander(NamedTuple):

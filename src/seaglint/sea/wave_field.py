@@ -1,37 +1,36 @@
-"""Shares of a wave's variance that readers between lattice points get, and the amplitudes that give them all of it.
+"""Moving sea of Gaussian waves of a directional spectrum, synthesised on a few periodic tiles, and its levels of detail.
 
-A reader sums lattice points with weights ``w(x - i)``, a B-spline. Of a wave of unit variance that turns by ``a`` from point to point it
-gets, averaged over the places in a cell and for each axis,
-
-::
-
-    sum_m c(m) cos(m a),      c: the same B-spline's product with itself, moved by m cells
-
-(2 + cos a)/3 for linear reading and (2416 + 2382 cos a + 240 cos 2a + 2 cos 3a)/5040 for cubic B-splines. So lattices hold amplitudes over
-the root of that share. At single places of a cell the variance differs from the mean: for waves of four cells by -24 to +50 % of it
-(linear) and 2.5 % (cubic), for longer ones with the second and fourth power of one over their length.
-
-References: M. Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Process. Mag. 16(6), 22-38, 1999.
-
-Synthesis of a moving sea: Gaussian waves of a directional spectrum on a few periodic tiles.
+**Synthesis.**
 
 ::
 
     zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
 
-Every tile carries its own band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
-axes turned against each other; where the sea is not to show the period of any tile, tiles wander (:mod:`seaglint.sea.tiles`). The
+Every tile carries a separate band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
+axes turned against each other; if the sea must not show the period of any tile, tiles wander (:mod:`seaglint.sea.tiles`). The
 energy of a lattice wave is the integral of the spectrum over its cell, not a sample of it: heights and slopes have the variance of the
-spectrum for any grid size and tile length. Between lattice points the sea is read from :meth:`WaveField.coefficients`, with the same
-variance (:mod:`seaglint.sea.wave_field`).
+spectrum for any grid size and tile length. A frame is a function of (amplitudes, time) alone; amplitudes are a function of
+(spectrum, tiles, seed) alone.
 
-A frame is a function of (amplitudes, time) alone; amplitudes are a function of (spectrum, tiles, seed) alone.
+**Reading between lattice points.** A reader sums lattice points with weights ``w(x - i)``, a B-spline. Of the variance of a wave that turns
+by ``a`` from point to point it reproduces the share, averaged over the places in a cell and for each axis,
 
-Levels of detail: the same sea without its shortest waves, about one octave less at each level.
+::
 
-Each tile of a :class:`~seaglint.sea.wave_field.WaveField` comes as it is and low-passed on lattices of half, a quarter, ... of its points,
-as long as waves are left. A level is a choice of one version of every tile that still has waves. What a level leaves out belongs to
-the facets.
+    sum_m c(m) cos(m a),      c: the same B-spline's product with itself, moved by m cells
+
+which is (2 + cos a)/3 for linear reading and (2416 + 2382 cos a + 240 cos 2a + 2 cos 3a)/5040 for cubic B-splines. So lattices hold
+amplitudes over the root of that share (:meth:`WaveField.coefficients`). At single places of a cell the variance differs from the mean: for
+waves of four cells by -24 to +50 % of it (linear) and 2.5 % (cubic), for longer ones with the second and fourth power of one over their
+length.
+
+**Levels of detail.** A level is the same sea without its shortest waves, about one octave less at each level. Each tile of a
+:class:`WaveField` exists unchanged and low-passed on lattices of half, a quarter, ... of its points, as long as waves are left. A level is
+a choice of one version of every tile that still has waves. The waves that a level omits belong to the facets.
+
+References
+----------
+M. Unser, Splines: a perfect fit for signal and image processing, IEEE Signal Process. Mag. 16(6), 22-38, 1999.
 """
 
 from __future__ import annotations
@@ -54,10 +53,24 @@ from seaglint.sea.tiles import Tile, Wander, longest_wave_number, require_bands
 
 Reading = Literal["linear", "cubic"]
 
-_KEPT: dict[Reading, tuple[float, ...]] = {"linear": (2 / 3, 1 / 3), "cubic": (2416 / 5040, 2382 / 5040, 240 / 5040, 2 / 5040)}
+_READ_SHARES: dict[Reading, tuple[float, ...]] = {"linear": (2 / 3, 1 / 3), "cubic": (2416 / 5040, 2382 / 5040, 240 / 5040, 2 / 5040)}
+
+SurfaceArray = NDArray[np.float32]
+ComplexArray = NDArray[np.complex64]
+
+_NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
+
+#: Share of the height variance by which tiles read linearly may have more of it at their lattice points than on average.
+#:
+#: Such reading is three times as fast; cubic reading of the others adds 0.01 at most.
+UNEVEN: Final = 0.02
+
+NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
+
+SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
 
 
-def kept_share(turn: FloatArray, reading: Reading) -> FloatArray:
+def read_share(turn: FloatArray, reading: Reading) -> FloatArray:
     """Share of the variance of waves that a reader gets, along one axis [1].
 
     Parameters
@@ -69,27 +82,16 @@ def kept_share(turn: FloatArray, reading: Reading) -> FloatArray:
 
     Examples
     --------
-    >>> [round(float(kept_share(np.pi / 2, reading)), 3) for reading in ("linear", "cubic")]
+    >>> [round(float(read_share(np.pi / 2, reading)), 3) for reading in ("linear", "cubic")]
     [0.667, 0.432]
     """
     turn = np.asarray(turn, np.float64)
-    return np.asarray(sum(share * np.cos(m * turn) for m, share in enumerate(_KEPT[reading])), np.float64)
+    return np.asarray(sum(share * np.cos(m * turn) for m, share in enumerate(_READ_SHARES[reading])), np.float64)
 
 
 def gain(turn: FloatArray, reading: Reading) -> FloatArray:
-    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as :func:`kept_share`."""
-    return np.asarray(1.0 / np.sqrt(kept_share(turn, reading)))
-
-
-SurfaceArray = NDArray[np.float32]
-ComplexArray = NDArray[np.complex64]
-
-_NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
-
-#: Share of the height variance by which that of tiles read linearly may be larger at their lattice points than on average.
-#:
-#: Such reading is three times as fast; cubic reading of the others adds 0.01 at most.
-UNEVEN: Final = 0.02
+    """Factor of the amplitudes of waves with which a reader gets their variance, along one axis [1]; as :func:`read_share`."""
+    return np.asarray(1.0 / np.sqrt(read_share(turn, reading)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +99,7 @@ class _Lattice:
     """Waves that a tile can carry: rows are v wavenumbers in FFT order, columns u wavenumbers from 0 up.
 
     ``variance`` and ``opposite`` are the height variances of the waves travelling along k and along -k [m²]. The column u = 0 holds
-    k and -k both: its lower half has no waves of its own.
+    k and -k both: its lower half holds no further waves.
     """
 
     k_east: FloatArray
@@ -119,7 +121,7 @@ class _Amplitudes:
 class WaveField:
     """Moving sea, synthesised on periodic tiles. Make it with :meth:`create`.
 
-    ``wander``: by how much each tile is read aside (:mod:`seaglint.sea.tiles`); empty where tiles lie still. ``readings``: how the
+    ``wander``: displacement at which each tile is read (:mod:`seaglint.sea.tiles`); empty without wander. ``readings``: how the
     heights of each are read between lattice points; linearly where their share is small.
     """
 
@@ -144,8 +146,8 @@ class WaveField:
         """
         require_bands(spectrum, tiles)
         lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
-        aside = _wander(tiles, seed) if wander else ()
-        return cls(spectrum, tuple(tiles), seed, aside, _readings(tiles, lattices), lattices, _draw(lattices, seed))
+        wanders = _wander(tiles, seed) if wander else ()
+        return cls(spectrum, tuple(tiles), seed, wanders, _readings(tiles, lattices), lattices, _draw(lattices, seed))
 
     def reseeded(self, seed: int) -> WaveField:
         """Return another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
@@ -167,11 +169,12 @@ class WaveField:
     def halved(self) -> WaveField:
         """Return the field without the upper half of each tile's wavenumbers, on half as many points a side."""
         tiles = tuple(replace(tile, n=tile.n // 2, k_max=0.5 * tile.k_max) for tile in self.tiles)
+        # frequencies and amplitudes are copied, so that a level moves exactly as the full sea
         cut = [_low_pass(*parts) for parts in zip(tiles, self._lattices, self._amplitudes, strict=True)]
         return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
 
     def refined(self, times: int) -> WaveField:
-        """Return the same sea on lattices of ``times`` as many points a side, for readers that know nothing of its splines."""
+        """Return the same sea on lattices of ``times`` as many points a side, for readers that interpolate without its splines."""
         return replace(self, tiles=tuple(replace(tile, n=times * tile.n) for tile in self.tiles))
 
     def surfaces(self, time: float, workers: int = 1) -> tuple[SurfaceArray, ...]:
@@ -258,9 +261,9 @@ class WaveField:
         return float(sum(_excess(tile, waves, reading) for tile, waves, reading in parts)) / self.height_variance
 
     def resolved_mss(self) -> tuple[float, float]:
-        """Ensemble slope variance along and across the wind of all tiles together [1]; what it leaves of a slope model is the facets'."""
+        """Ensemble slope variance along and across the wind of all tiles together [1]; the rest of a slope model is the facets'."""
         up = cross = 0.0
-        for energy, along, across in self._slope_parts():
+        for energy, along, across in self._slope_waves():
             up += float(np.sum(energy * along**2))
             cross += float(np.sum(energy * across**2))
         return up, cross
@@ -268,13 +271,13 @@ class WaveField:
     def resolved_covariance(self) -> float:
         """Ensemble covariance of the slopes along and to the right of the wind [1].
 
-        Exactly 0 for a spectrum that lies evenly on both sides of the wind: what its lattices show is the error of their sums.
+        Exactly 0 for a spectrum that lies evenly on both sides of the wind: any covariance of its lattices is an error of their sums.
         """
         if self.spectrum.slope_covariance() == 0.0:
             return 0.0
-        return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_parts()))
+        return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_waves()))
 
-    def _slope_parts(self) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    def _slope_waves(self) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
         """Variances of the waves of every tile, and their wavenumbers along the wind and to the right of it."""
         s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
         for waves in self._lattices:
@@ -284,6 +287,7 @@ class WaveField:
 
 def _lattice_numbers(tile: Tile) -> tuple[FloatArray, FloatArray]:
     """Lattice numbers (q of rows in FFT order, p of columns) that can hold energy: up to one beyond the band's upper edge."""
+    # one beyond the edge: a cell whose centre is outside may still reach into the band
     top = int(np.ceil(tile.k_max / tile.step)) + 1
     return np.concatenate([np.arange(top + 1), np.arange(-top, 0)]).astype(np.float64), np.arange(top + 1, dtype=np.float64)
 
@@ -301,24 +305,25 @@ def _turns(tile: Tile) -> tuple[FloatArray, FloatArray]:
 
 
 def _gains(tile: Tile, reading: Reading) -> ComplexArray:
-    """Factors of the coefficients of a tile's waves (rows, columns, 1 or 2); complex, as what they multiply."""
+    """Factors of the coefficients of a tile's waves (rows, columns, 1 or 2); complex like the coefficients."""
     q, p = _turns(tile)
     used: tuple[Reading, ...] = ("cubic",) if reading == "cubic" else ("linear", "cubic")
     return np.stack([np.outer(gain(q, one), gain(p, one)) for one in used], axis=-1).astype(np.complex64)
 
 
 def _excess(tile: Tile, waves: _Lattice, reading: Reading, coarser: int = 1) -> float:
-    """Height variance that readers get at lattice points less that of the waves [m²], on the tile or one of ``coarser`` points."""
+    """Height variance that readers get at lattice points minus the variance of the waves [m²], on the tile or one of ``coarser`` points."""
     turns = [coarser * turn for turn in _turns(tile)]
     energy = (waves.variance + waves.opposite) * (np.hypot(waves.k_east, waves.k_north) < tile.k_max / coarser)
+    # a cubic B-spline has (2 + cos a)/3 of the amplitude at lattice points, per axis
     at_points = 1.0 if reading == "linear" else np.outer(*((2.0 + np.cos(turn)) / 3.0 for turn in turns)) ** 2
-    return float(np.sum(energy * (at_points / np.outer(*(kept_share(turn, reading) for turn in turns)) - 1.0)))
+    return float(np.sum(energy * (at_points / np.outer(*(read_share(turn, reading) for turn in turns)) - 1.0)))
 
 
 def _readings(tiles: Sequence[Tile], lattices: Sequence[_Lattice]) -> tuple[Reading, ...]:
     """How the heights of each tile are read: linearly from the finest on, as long as their variance stays even within a cell.
 
-    That of the lattices of half, a quarter, ... of its points too, whose shortest waves have four cells as well.
+    The lattices of half, a quarter, ... of its points count too, as their shortest waves have four cells as well.
     """
     left = UNEVEN * sum(float(waves.variance.sum() + waves.opposite.sum()) for waves in lattices)
     out: list[Reading] = ["cubic"] * len(tiles)
@@ -351,11 +356,12 @@ def _variances(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: Floa
     """Variances of the lattice waves along k and -k [m²]: fine sums where cells are large against k or cut by an edge of the band."""
     steps = np.hypot(p, q)
     low, high = tile.k_min / tile.step, tile.k_max / tile.step
-    held = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
+    in_band = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
+    # 0.75 exceeds half the diagonal of a cell, so that every cell cut by an edge of the band is integrated
     near = steps <= _NEAR
     edge = (np.abs(steps - low) < 0.75) | (np.abs(steps - high) < 0.75)
     along, against = np.zeros(p.shape), np.zeros(p.shape)
-    for cells, order in ((held & near, 12), (held & ~near & edge, 4), (held & ~near & ~edge, 2)):
+    for cells, order in ((in_band & near, 12), (in_band & ~near & edge, 4), (in_band & ~near & ~edge, 2)):
         along[cells], against[cells] = _cell_variance(spectrum, tile, p[cells], q[cells], order)
     return along, against
 
@@ -376,9 +382,9 @@ def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_
     rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
     inner = np.ix_(rows, np.arange(top + 1))
     k_east, k_north = lattice.k_east[inner], lattice.k_north[inner]
-    held = np.hypot(k_east, k_north) < tile.k_max
-    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * held, lattice.opposite[inner] * held)
-    return waves, _Amplitudes(amplitudes.forward[inner] * held, amplitudes.backward[inner] * held)
+    in_band = np.hypot(k_east, k_north) < tile.k_max
+    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * in_band, lattice.opposite[inner] * in_band)
+    return waves, _Amplitudes(amplitudes.forward[inner] * in_band, amplitudes.backward[inner] * in_band)
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
@@ -395,21 +401,24 @@ def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
     draws = rng.standard_normal((4, *lattice.variance.shape))
     forward = 0.5 * np.sqrt(lattice.variance) * (draws[0] + 1j * draws[1])
     backward = 0.5 * np.sqrt(lattice.opposite) * (draws[2] + 1j * draws[3])
-    # In the column u = 0 the lower half holds the same waves as the upper one, seen from the other side.
+    # In the column u = 0 the lower half holds the same waves as the upper one, with k and -k exchanged.
     top = lattice.variance.shape[1] - 1
+    # each wave must have one amplitude, whichever of the two entries is read
     forward[:top:-1, 0], backward[:top:-1, 0] = backward[1 : top + 1, 0], forward[1 : top + 1, 0]
     return _Amplitudes(forward.astype(np.complex64), backward.astype(np.complex64))
 
 
 def _plane_waves(lattice: _Lattice, amplitudes: _Amplitudes) -> FloatArray:
     """Plane waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
-    own = np.ones(lattice.variance.shape, bool)
-    own[lattice.variance.shape[1] :, 0] = False
+    distinct = np.ones(lattice.variance.shape, bool)
+    distinct[lattice.variance.shape[1] :, 0] = False
     waves = []
     for sign, half, variance in ((1.0, amplitudes.forward, lattice.variance), (-1.0, amplitudes.backward, lattice.opposite)):
-        held = own & (variance > 0.0)
-        a = 2.0 * half[held].astype(np.complex128)
-        waves.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
+        chosen = distinct & (variance > 0.0)
+        a = 2.0 * half[chosen].astype(np.complex128)
+        waves.append(
+            np.stack([sign * lattice.k_east[chosen], sign * lattice.k_north[chosen], lattice.frequency[chosen], a.real, a.imag], axis=1)
+        )
     return np.concatenate(waves)
 
 
@@ -419,6 +428,7 @@ def _evolve(forward: ComplexArray, backward: ComplexArray, frequency: FloatArray
     for j in range(forward.shape[0]):
         for i in range(forward.shape[1]):
             phase = frequency[j, i] * time
+            # the sum of a wave and its opposite's conjugate makes the transform real
             turn = complex(np.cos(phase), -np.sin(phase))
             heights[j, i] = forward[j, i] * turn + np.conj(backward[j, i] * turn)
 
@@ -432,17 +442,12 @@ def _transformed(tile: Tile, coefficients: ComplexArray, workers: int) -> Surfac
     return np.asarray(scipy.fft.irfft(along, n=n, axis=1, norm="forward", overwrite_x=True, workers=workers))
 
 
-NARROWEST: Final = 1.5  #: Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted.
-
-SMALLEST: Final = 16  #: Fewest lattice points along a side of a low-passed tile.
-
-
 @dataclass(frozen=True)
 class Level:
     """One level of detail: the tiles of the sea that it contains."""
 
     parts: tuple[int, ...]  #: Versions of tiles, by their place in :attr:`Detail.parts`, longest waves first.
-    shortest_wave: float  #: Length of the shortest wave kept [m].
+    shortest_wave: float  #: Length of the shortest wave of the level [m].
     mss: tuple[float, float]  #: Slope variance (up, cross) of its waves [1].
     covariance: float = 0.0  #: Covariance of its slopes along the wind and to the right of it [1].
 
@@ -469,21 +474,22 @@ class Detail:
         parts: list[WaveField] = []
         versions: list[list[int]] = []
         for i, tile in enumerate(waves.tiles):
-            part, chain = waves.only(i), []
+            version, chain = waves.only(i), []
             least = NARROWEST * max(tile.k_min, longest)
             while True:
                 chain.append(len(parts))
-                parts.append(part)
-                held = part.tiles[0]
-                if 0.5 * held.k_max < least or held.n // 2 < SMALLEST or (held.n // 2) % 4:
+                parts.append(version)
+                carried = version.tiles[0]
+                # a halved tile must keep waves, and a multiple of 4 points
+                if 0.5 * carried.k_max < least or carried.n // 2 < SMALLEST or (carried.n // 2) % 4:
                     break
-                part = part.halved()
+                version = version.halved()
             versions.append(chain)
         chosen = [[chain[0] for chain in versions[: i + 1]] for i in range(len(versions))]
         selections = [
-            (*first[:-1], version)  # whole longer tiles, and the last one's versions
+            (*first[:-1], place)  # whole longer tiles, and the last one's versions
             for first, chain in zip(reversed(chosen), reversed(versions), strict=True)
-            for version in chain
+            for place in chain
         ]
         every = cls(tuple(parts), tuple(_level(parts, level) for level in selections[:levels]))
         return every.first(len(every.levels))

@@ -136,4 +136,5 @@ def u10_of_wind(wind_speed: float, height: float, inverse_wave_age: float = FULL
             value=wind_speed,
             allowed=WIND_PROFILE,
         )
+    # the wind at any height grows with the wind at 10 m, so that there is one root
     return float(brentq(excess, 0.0, WIND_PROFILE[1], xtol=1e-10))

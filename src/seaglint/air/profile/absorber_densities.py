@@ -1,6 +1,7 @@
 """Densities of LOWTRAN7's absorbers, scaled by pressure and temperature, and refractivity, at the levels of a profile.
 
-An absorption band takes the amount ``W = integral u (p/p0)^n (T0/T)^m ds``, with a band's own exponents; continua take powers of their own.
+An absorption band takes the amount ``W = integral u (p/p0)^n (T0/T)^m ds``, with a band's own exponents; continua take other powers of the
+densities.
 
 References
 ----------

@@ -1,23 +1,19 @@
-"""Shipped file of the numbers that LOWTRAN7 computes with: model atmospheres, band laws, aerosols, sunlight outside the air.
+"""Profiles of pressure, temperature, water vapour and gases from the sea to 100 km: model atmospheres, and soundings that one continues.
 
-Built by ``tools/build_lowtran_numbers.py`` for 0.7-14.7 um in channels every 5 cm-1. Nothing in it is a result.
+**Numbers.** The shipped file holds LOWTRAN7's input: model atmospheres, band laws, aerosols, sunlight outside the air. It is built by
+``tools/build_lowtran_numbers.py`` for 0.7-14.7 um in channels every 5 cm-1 and contains no results.
 
-Ozone of a sounding in the air of a model atmosphere: joined to the model's above the highest level that has it, and its whole amount.
+**Soundings** end below 100 km. Above their last level a model atmosphere continues them:
 
-Profiles of pressure, temperature and water vapour from the sea to 100 km: model atmospheres, and soundings that one of them continues.
+- Ozone: the model's, joined to the sounding above the highest level with ozone.
+- Humidity: relative humidity differs least between airs of different temperature, so the model's relative humidity continues in the air of
+  the sounding. In the stratosphere, where air is dry by its history, the model's mixing ratio continues.
 
 References
 ----------
-Anderson, G. P., et al. (1986), AFGL atmospheric constituent profiles (0-120 km), AFGL-TR-86-0110, Table 1; the numbers are those of
+Anderson, G. P., et al. (1986), AFGL atmospheric constituent profiles (0-120 km), AFGL-TR-86-0110, Table 1; the numbers are taken from
 LOWTRAN7 (block data MLATMB). Between them LOWTRAN7 interpolates by Lagrange's cubic (subroutine DEFALT).
 
-Humidity above the highest level of a sounding that has one: that of a model atmosphere, joined to the sounding.
-
-Relative humidity is what differs least between airs of different temperature, so it is the model's relative humidity that goes on in the
-air of the sounding. Where air is dry by its history, in the stratosphere, it is the model's mixing ratio.
-
-References
-----------
 Manabe, S., and R. T. Wetherald (1967), Thermal equilibrium of the atmosphere with a given distribution of relative humidity, J. Atmos.
 Sci. 24, 241-259.
 """
@@ -45,6 +41,40 @@ from seaglint.base.free_form import JsonObject
 
 FILE: Final = "lowtran7_numbers.npz"
 
+#: Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft.
+OZONE_JOIN_M: Final = 5000.0
+
+LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
+
+BOLTZMANN: Final = 1.380649e-23  #: [J K-1].
+
+DOBSON: Final = 2.6867e20  #: Molecules of one Dobson unit [m-2].
+
+MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)  #: Levels of LOWTRAN7's own models [m].
+
+ZERO_CELSIUS: Final = 273.15
+
+STANDARD_PRESSURE: Final = 1013.25  #: [hPa].
+
+#: Gases of the profiles, the first seven by model.
+GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
+
+_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3] in LOWTRAN7 (2.68675e19 where it computes number densities from humidities).
+
+_AIR_OF_HUMIDITY: Final = 2.68675e19
+
+_GRAM_OF_MOLECULES: Final = 2.989e-23  #: LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3.
+
+_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6  #: Molecules per cm3 of 1 g m-3 of water.
+
+#: Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour.
+HUMIDITY_JOIN_M: Final = 2000.0
+
+TROPOSPHERE_HPA: Final = 200.0  #: Pressure down to which the relative humidity is the model's [hPa].
+
+#: Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated.
+STRATOSPHERE_HPA: Final = 100.0
+
 
 @lru_cache(maxsize=1)
 def lowtran_numbers() -> Mapping[str, Any]:
@@ -58,25 +88,25 @@ def lowtran_numbers() -> Mapping[str, Any]:
     try:
         content = resources.files("seaglint.air").joinpath("data", FILE).read_bytes()
         with np.load(BytesIO(content)) as archive:
-            held: dict[str, Any] = {name: archive[name] for name in archive.files}
+            arrays: dict[str, Any] = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
         raise DataError(f"the numbers of LOWTRAN7 {FILE} in the package are damaged ({error}); install seaglint again") from error
-    for name, array in held.items():
+    for name, array in arrays.items():
         if array.dtype == np.float32:
-            held[name] = array.astype(np.float64)
-        held[name].flags.writeable = False
-    return MappingProxyType(held | {"sha256": hashlib.sha256(content).hexdigest()})
+            arrays[name] = array.astype(np.float64)
+        arrays[name].flags.writeable = False
+    return MappingProxyType(arrays | {"sha256": hashlib.sha256(content).hexdigest()})
 
 
 def numbers_provenance() -> JsonObject:
     """Source of the file."""
-    held = lowtran_numbers()
-    recorded: JsonObject = json.loads(str(held["provenance"]))
-    return recorded | {"sha256": str(held["sha256"])}
+    numbers = lowtran_numbers()
+    recorded: JsonObject = json.loads(str(numbers["provenance"]))
+    return recorded | {"sha256": str(numbers["sha256"])}
 
 
 def channels_of(wavenumber_cm: FloatArray) -> FloatArray:
-    """Indices [(n,)] of channels among those of the file.
+    """Indices [(n,)] of channels among the channels of the file.
 
     Raises
     ------
@@ -91,16 +121,6 @@ def channels_of(wavenumber_cm: FloatArray) -> FloatArray:
             f"({1e4 / grid[-1]:.2g}-{1e4 / grid[0]:.3g} um); choose a band inside"
         )
     return np.asarray(keep)
-
-
-#: Height over which the ratio of the sounding's last ozone to the model's falls to 1/e [m]: about a scale height of ozone aloft.
-OZONE_JOIN_M: Final = 5000.0
-
-LARGEST_RATIO: Final = 1e3  #: Largest ratio at the join, either way.
-
-BOLTZMANN: Final = 1.380649e-23  #: [J K-1].
-
-DOBSON: Final = 2.6867e20  #: Molecules of one Dobson unit [m-2].
 
 
 def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) -> FloatArray:
@@ -121,6 +141,7 @@ def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) ->
         return of_model
     last = int(known[-1])
     ratio = np.clip(given[last] / of_model[last], 1.0 / LARGEST_RATIO, LARGEST_RATIO)
+    # the power falls from 1 to 0, which takes the ratio to 1 evenly in its logarithm
     above = of_model[last + 1 :] * ratio ** np.exp(-(height[last + 1 :] - height[last]) / OZONE_JOIN_M)
     return np.concatenate([np.interp(height[: last + 1], height[known], given[known]), above])
 
@@ -128,29 +149,7 @@ def joined_ozone(height: FloatArray, of_model: FloatArray, given: FloatArray) ->
 def ozone_dobson(height: FloatArray, pressure: FloatArray, temperature: FloatArray, ozone: FloatArray) -> float:
     """Ozone above the lowest level [Dobson units] of levels [m], [hPa], [K], [1e-6 of the volume], exponential between them."""
     density = 1e-6 * ozone * 100.0 * pressure / (BOLTZMANN * temperature)
-    a, b = density[:-1], density[1:]
-    both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
-    ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
-    mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
-    return float(np.sum(mean * np.diff(height)) / DOBSON)
-
-
-MODEL_HEIGHTS: Final = 1e3 * np.array([*range(26), 30, 35, 40, 45, 50, 70, 100], dtype=np.float64)  #: Levels of LOWTRAN7's own models [m].
-
-ZERO_CELSIUS: Final = 273.15
-
-STANDARD_PRESSURE: Final = 1013.25  #: [hPa].
-
-#: Gases of the profiles, the first seven by model.
-GASES: Final = ("H2O", "CO2", "O3", "N2O", "CO", "CH4", "O2", "NO", "SO2", "NO2", "NH3", "HNO3")
-
-_AIR: Final = 2.6868e19  #: Molecules of standard air [cm-3], as LOWTRAN7 has it (2.68675e19 where it makes number densities of humidities).
-
-_AIR_OF_HUMIDITY: Final = 2.68675e19
-
-_GRAM_OF_MOLECULES: Final = 2.989e-23  #: LOWTRAN7's factor from molecules per cm3 of water, in parts per million, to g m-3.
-
-_MOLECULES_OF_GRAM: Final = 6.022045e23 / 18.015 * 1e-6  #: Molecules per cm3 of 1 g m-3 of water.
+    return sum_between(height, density) / DOBSON
 
 
 def saturation_density(temperature: ArrayLike) -> FloatArray:
@@ -181,7 +180,7 @@ class AirProfile:
     gas: FloatArray  #: Mixing ratios of :data:`GASES` [1e-6 of the volume, (12, levels)].
     earth_radius: float  #: LOWTRAN7's radius of the Earth for the latitude of the model [m].
     season: str  #: ``spring`` (and summer) or ``fall`` (and winter), which the aerosol above 2 km follows.
-    haze_humidity: float | None = None  #: Relative humidity of the Navy's haze [%]; None for that of the lowest level.
+    haze_humidity: float | None = None  #: Relative humidity of the Navy's haze [%]; None for the humidity of the lowest level.
 
     @property
     def relative_humidity(self) -> FloatArray:
@@ -200,6 +199,7 @@ class AirProfile:
             first = int(np.searchsorted(z, height, side="right"))
             low, high = vapour[first - 1 : first + 1] if first < z.size else (0.0, 0.0)
             share = (height - z[first - 1]) / (z[first] - z[first - 1]) if first < z.size else 0.0
+            # density at the height itself: exponential in the layer, linear next to a zero
             at = low ** (1.0 - share) * high**share if min(low, high) > 0.0 else (1.0 - share) * low + share * high
             z, vapour = np.append(height, z[first:]), np.append(at, vapour[first:])
         return 1e-3 * sum_between(z, vapour)
@@ -208,9 +208,10 @@ class AirProfile:
 def sum_between(height: FloatArray, density: FloatArray) -> float:
     """Integral of a density over heights [m, (levels,)], exponential between levels: in its unit times m."""
     a, b = density[:-1], density[1:]
-    both = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
-    ratio = np.where(both, a, np.e) / np.where(both, b, 1.0)
-    mean = np.where(both, (a - b) / np.log(ratio), 0.5 * (a + b))
+    exponential = (a > 0.0) & (b > 0.0) & (np.abs(a - b) > 1e-9 * a)
+    # the mean of an exponential is (a - b)/ln(a/b); equal or zero densities take the arithmetic mean
+    ratio = np.where(exponential, a, np.e) / np.where(exponential, b, 1.0)
+    mean = np.where(exponential, (a - b) / np.log(ratio), 0.5 * (a + b))
     return float(np.sum(mean * np.diff(height)))
 
 
@@ -222,9 +223,10 @@ def _model_index(model: str) -> int:
 
 
 def _cubic(height: FloatArray, tables: FloatArray) -> FloatArray:
-    """Lagrange's cubic through the four levels of the models around heights [m], as DEFALT has it: (..., heights)."""
+    """Lagrange's cubic through the four levels of the models around heights [m], as in DEFALT: (..., heights)."""
     nodes = 1e3 * lowtran_numbers()["model_height"]
     upper = np.clip(np.searchsorted(nodes, height - 1e-9), 1, nodes.size - 1)
+    # two levels on each side; at the ends of the models the four nearest
     first = np.clip(upper - 2, 0, nodes.size - 4)
     four = first[:, None] + np.arange(4)
     z = nodes[four]
@@ -238,11 +240,11 @@ def _cubic(height: FloatArray, tables: FloatArray) -> FloatArray:
 
 def model_levels(model: str, height: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Pressure [hPa], temperature [K], vapour [g m-3] and gases [1e-6, (12, n)] of a model atmosphere at heights [m, (n,)]."""
-    held, m = lowtran_numbers(), _model_index(model)
+    numbers, m = lowtran_numbers(), _model_index(model)
     z = np.asarray(height, dtype=np.float64)
-    pressure = np.exp(_cubic(z, np.log(held["model_pressure"][m])))
-    temperature = _cubic(z, held["model_temperature"][m])
-    gas = np.concatenate([_cubic(z, held["model_gas"][m]), _cubic(z, held["trace_gas"])])
+    pressure = np.exp(_cubic(z, np.log(numbers["model_pressure"][m])))
+    temperature = _cubic(z, numbers["model_temperature"][m])
+    gas = np.concatenate([_cubic(z, numbers["model_gas"][m]), _cubic(z, numbers["trace_gas"])])
     gas[-1] *= 1e3  # DEFALT: nitric acid in another unit
     vapour = _GRAM_OF_MOLECULES * gas[0] * air_molecules(pressure, temperature)
     return pressure, temperature, vapour, gas
@@ -308,22 +310,13 @@ def sounding_profile(
     p, kelvin, vapour, gas = model_levels(model, z)
     n = height.size
     p[:n], kelvin[:n] = pressure, temperature
+    # LOWTRAN7 converts humidities with a slightly different number of molecules of air than mixing ratios
     molecules = saturation_density(temperature) * _MOLECULES_OF_GRAM * relative_humidity / 100.0
     vapour[:n] = _GRAM_OF_MOLECULES * molecules / (_AIR_OF_HUMIDITY / _AIR) * 1e6
     if ozone_ppmv is not None:
         ozone = GASES.index("O3")
         gas[ozone] = joined_ozone(z, gas[ozone], ozone_ppmv)
     return AirProfile(name, z, p, kelvin, vapour, gas, 6371.23e3, "spring")
-
-
-#: Height over which the ratio of the sounding's last humidity to the model's falls to 1/e [m]: the scale height of water vapour.
-HUMIDITY_JOIN_M: Final = 2000.0
-
-
-TROPOSPHERE_HPA: Final = 200.0  #: Pressure down to which the relative humidity is the model's [hPa].
-
-#: Pressure from which on the mixing ratio is the model's [hPa]; between both its logarithm is interpolated.
-STRATOSPHERE_HPA: Final = 100.0
 
 
 def continued_humidity(
@@ -352,6 +345,7 @@ def continued_humidity(
     # the model's mixing ratio in this air: densities are as the pressures over the temperatures
     of_ratio = 100.0 * vapour * (p / model_p) * (model_kelvin / kelvin) / saturation_density(kelvin)
     share = np.clip(np.log(TROPOSPHERE_HPA / p) / np.log(TROPOSPHERE_HPA / STRATOSPHERE_HPA), 0.0, 1.0)
+    # from the model's relative humidity to its mixing ratio over the logarithm of pressure
     law = np.exp((1.0 - share) * np.log(of_model) + share * np.log(of_ratio))
     start = np.clip(relative_humidity[last] / law[0], 1.0 / LARGEST_RATIO, LARGEST_RATIO)
     joined = law * start ** np.exp(-(z - z[0]) / HUMIDITY_JOIN_M)

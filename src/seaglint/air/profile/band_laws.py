@@ -1,33 +1,23 @@
-r"""Numbers of the band laws: LOWTRAN7's own, or those whose bands agree with LBLRTM. Whoever sums them does not know which.
+r"""Optical depth of absorber amounts in channels by continua and band laws of LOWTRAN7's form, and gases that replace a profile's.
 
-The second ones have LOWTRAN7's form and its shape within bands. In each band of RRTMGP's, a gas that RRTMGP holds there has
+.. math:: d(\nu) = \sum_k c_k(\nu) W_k + \sum_b (C_b(\nu) W_b)^{a_b}
+
+Lines of a band saturate (``a_b < 1``): the depth of a path follows from its whole amounts, not from a sum over its parts.
+
+**Numbers.** They are LOWTRAN7's own, or numbers with which the bands agree with LBLRTM; the sums do not depend on the choice. The second
+ones have LOWTRAN7's form and its shape within bands. In each band of RRTMGP's, a gas that RRTMGP holds there has
 
 .. math:: d = F (C/C_0)^s (C_0 W)^a
 
-with LOWTRAN7's coefficients :math:`C`, their mean :math:`C_0` over the band, its power as :math:`s`, and a factor :math:`F`, a power
-:math:`a` and exponents of pressure and temperature of its own; continua have factors. Other gases, and all beyond 3350 cm-1, are
-LOWTRAN7's; between 3250 and 3350 cm-1 the depths are weighted sums of both.
+with LOWTRAN7's coefficients :math:`C`, their mean :math:`C_0` over the band, the power :math:`s` of their contrast, and a factor :math:`F`,
+a power :math:`a` and exponents of pressure and temperature for this band; continua have factors. Other gases, and all gases beyond 3350
+cm-1, are LOWTRAN7's; between 3250 and 3350 cm-1 the depths are weighted sums of both.
 
 References
 ----------
 Kneizys, F. X., et al. (1988), Users Guide to LOWTRAN 7, AFGL-TR-88-0177. Pincus, R., E. J. Mlawer and J. S. Delamere (2019), Balancing
 accuracy, efficiency, and flexibility in radiation calculations for dynamical models, J. Adv. Model. Earth Syst. 11, 3074-3089; the fit:
-``tools/fit_lblrtm.py``.
-
-Optical depth of absorber amounts in channels: continua and band laws of LOWTRAN7's form.
-
-.. math:: d(\nu) = \sum_k c_k(\nu) W_k + \sum_b (C_b(\nu) W_b)^{a_b}
-
-Lines of a band saturate (``a_b < 1``): the depth of a way is that of its whole amounts, not a sum over its parts.
-
-References
-----------
-Pierluissi, J. H., and C. E. Maragoudakis (1986), AFGL-TR-86-0272; LOWTRAN7's subroutines TRANS, DBLTX and O2CONT.
-
-Gases of one's own in a profile: today's carbon dioxide, or what somebody measured.
-
-References
-----------
+``tools/fit_lblrtm.py``. Pierluissi, J. H., and C. E. Maragoudakis (1986), AFGL-TR-86-0272; LOWTRAN7's subroutines TRANS, DBLTX and O2CONT.
 Lan, X., P. Tans and K. W. Thoning, Trends in globally-averaged CO2, NOAA Global Monitoring Laboratory: 424.6 ppmv at Mauna Loa in 2024.
 """
 
@@ -65,9 +55,21 @@ SELF_KELVIN: Final = 1800.0
 
 FIRST_COLUMN: Final = 101  #: Number of the first scaled amount of the file; LOWTRAN7's own are below.
 
-MORE_ROWS: Final = 2  #: Rows beside LOWTRAN7's: second terms of a gas, and LOWTRAN7's own where one goes over into the other.
+EXTRA_ROWS: Final = 2  #: Rows in addition to LOWTRAN7's: second terms of a gas, and LOWTRAN7's own terms in the join of both.
 
-HIGHEST, JOINED = 3250.0, 3350.0  #: Wavenumbers [cm-1] up to which the file goes, and from which on the numbers are LOWTRAN7's.
+FITTED_UP_TO, LOWTRAN_FROM = (
+    3250.0,
+    3350.0,
+)  #: Wavenumbers [cm-1] up to which the file reaches, and from which on the numbers are LOWTRAN7's.
+
+#: LOWTRAN7's numbers of all absorbers linear in the amount: the absorbers of scattered light, and O2.
+LINEAR: Final = (*CONTINUA, 63, 1, 2)
+
+TODAY_CO2_PPMV: Final = 425.0  #: Carbon dioxide of today [1e-6 of the volume of dry air]; LOWTRAN7's models have 330.
+
+_DOBSON: Final = 2.6867e16  #: Molecules per cm2 of 1 Dobson unit.
+
+GRAM_PER_HPA: Final = 216.68  #: Water vapour of 1 hPa at 1 K [g m-3].
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +91,7 @@ class BandNumbers:
 
     def cold_law(self, wavenumber_cm: FloatArray) -> float:
         """Return :attr:`cold_kelvin` for some channels [K]: LOWTRAN7's where all numbers are its own."""
-        return 0.0 if wavenumber_cm[0] >= JOINED else self.cold_kelvin
+        return 0.0 if wavenumber_cm[0] >= LOWTRAN_FROM else self.cold_kelvin
 
 
 @lru_cache(maxsize=2)
@@ -101,64 +103,66 @@ def band_numbers(spectroscopy: Spectroscopy) -> BandNumbers:
     DataError
         If a file in the package is missing or damaged.
     """
-    held = lowtran_numbers()
-    column, power = held["band_column"].astype(np.int64), held["band_power"]
-    own = BandNumbers(
-        held["continuum"],
+    numbers = lowtran_numbers()
+    column, power = numbers["band_column"].astype(np.int64), numbers["band_power"]
+    lowtran = BandNumbers(
+        numbers["continuum"],
         column,
         power,
-        np.log(10.0) * power * held["band_log10"],
+        np.log(10.0) * power * numbers["band_log10"],
         LOWTRAN_SCALED,
         0.0,
         {**numbers_provenance(), "spectroscopy": "lowtran7"},
     )
-    return own if spectroscopy == "lowtran7" else _refitted(own, held["wavenumber_cm"])
+    return lowtran if spectroscopy == "lowtran7" else _refitted(lowtran, numbers["wavenumber_cm"])
 
 
-def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
-    """Put the numbers of the file in the place of LOWTRAN7's."""
+def _refitted(lowtran: BandNumbers, nu: FloatArray) -> BandNumbers:
+    """Replace LOWTRAN7's numbers by the numbers of the file."""
     try:
         content = resources.files("seaglint.air").joinpath("data", FILE).read_bytes()
         lines = [line for line in content.decode("utf-8").splitlines() if not line.startswith("#")]
         rows = [(row["term"], int(row["from_cm"]), int(row["to_cm"]), row) for row in csv.DictReader(lines)]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(f"the band laws {FILE} in the package are damaged ({error}); install seaglint again") from error
-    continuum, scaled = own.continuum.copy(), dict(own.scaled)
+    continuum, scaled = lowtran.continuum.copy(), dict(lowtran.scaled)
     column, power, log = (
-        np.concatenate([a, np.zeros((MORE_ROWS, nu.size), a.dtype)]) for a in (own.column, own.power, own.log_coefficient)
+        np.concatenate([a, np.zeros((EXTRA_ROWS, nu.size), a.dtype)]) for a in (lowtran.column, lowtran.power, lowtran.log_coefficient)
     )
     lowest, highest = min(low for _, low, _, _ in rows), max(high for _, _, high, _ in rows)
     for term, low, high, row in rows:
         # the lowest numbers serve down to the first channel, the highest ones through the join
-        inside = (nu >= (low if low > lowest else 0.0)) & (nu < (high if high < highest else JOINED))
-        joined = np.clip((nu[inside] - HIGHEST) / (JOINED - HIGHEST), 0.0, 1.0)
+        inside = (nu >= (low if low > lowest else 0.0)) & (nu < (high if high < highest else LOWTRAN_FROM))
+        joined = np.clip((nu[inside] - FITTED_UP_TO) / (LOWTRAN_FROM - FITTED_UP_TO), 0.0, 1.0)
         factor = float(row["factor"])
         if term in CONTINUUM_TERMS:
             for linear in CONTINUUM_TERMS[term]:
                 continuum[linear, inside] *= factor * (1.0 - joined) + joined
             continue
         gas = BAND_GASES.index(term)
-        held = own.column[gas, inside] > 0
-        here, joined = np.flatnonzero(inside)[held], joined[held]
-        number = FIRST_COLUMN + len(scaled) - len(own.scaled)
+        has_band = lowtran.column[gas, inside] > 0
+        channels, joined = np.flatnonzero(inside)[has_band], joined[has_band]
+        number = FIRST_COLUMN + len(scaled) - len(lowtran.scaled)
         scaled[number] = (term, float(row["pressure_exponent"]), float(row["temperature_exponent"]))
         a, s = float(row["power"]), float(row["contrast"])
-        log_c = own.log_coefficient[gas, here] / own.power[gas, here]
-        band = (nu[here] >= low) & (nu[here] <= high)
+        # logarithm of the coefficient itself; the record holds it times its power
+        log_c = lowtran.log_coefficient[gas, channels] / lowtran.power[gas, channels]
+        band = (nu[channels] >= low) & (nu[channels] <= high)
         mean = float(np.log(np.mean(np.exp(log_c[band]))))
-        second = bool((column[gas, here] >= FIRST_COLUMN).any())
-        at = _free_row(column, own.column.shape[0], here) if second else gas
-        column[at, here], power[at, here] = number, a
-        log[at, here] = np.log(factor) + s * (log_c - mean) + a * mean + np.log(1.0 - joined)
-        over = here[joined > 0.0]  # both depths, weighted, so that nothing jumps in any air
-        if over.size:
-            at = _free_row(column, own.column.shape[0], over)
-            column[at, over], power[at, over] = own.column[gas, over], own.power[gas, over]
-            log[at, over] = own.log_coefficient[gas, over] + np.log(joined[joined > 0.0])
+        # overlapping bands of one gas: the second law takes one of the further rows
+        overlapping = bool((column[gas, channels] >= FIRST_COLUMN).any())
+        target = _free_row(column, lowtran.column.shape[0], channels) if overlapping else gas
+        column[target, channels], power[target, channels] = number, a
+        log[target, channels] = np.log(factor) + s * (log_c - mean) + a * mean + np.log(1.0 - joined)
+        join = channels[joined > 0.0]  # both depths, weighted, so that nothing jumps in any air
+        if join.size:
+            target = _free_row(column, lowtran.column.shape[0], join)
+            column[target, join], power[target, join] = lowtran.column[gas, join], lowtran.power[gas, join]
+            log[target, join] = lowtran.log_coefficient[gas, join] + np.log(joined[joined > 0.0])
     for array in (continuum, column, power, log):
         array.flags.writeable = False
     source: JsonObject = {
-        **own.provenance,
+        **lowtran.provenance,
         "spectroscopy": "lblrtm",
         "bands": "RRTMGP's long-wave k-distributions of LBLRTM (RTE+RRTMGP), fitted by tools/fit_lblrtm.py",
         "bands_sha256": hashlib.sha256(content).hexdigest(),
@@ -166,13 +170,9 @@ def _refitted(own: BandNumbers, nu: FloatArray) -> BandNumbers:
     return BandNumbers(continuum, column, power, log, scaled, SELF_KELVIN, source)
 
 
-def _free_row(column: NDArray[np.int64], first: int, here: NDArray[np.intp]) -> int:
+def _free_row(column: NDArray[np.int64], first: int, channels: NDArray[np.intp]) -> int:
     """Return the first of the further rows that has no band on some channels."""
-    return next(row for row in range(first, column.shape[0]) if not column[row, here].any())
-
-
-#: LOWTRAN7's numbers of all absorbers linear in the amount: those that scattered light passes, and O2.
-LINEAR: Final = (*CONTINUA, 63, 1, 2)
+    return next(row for row in range(first, column.shape[0]) if not column[row, channels].any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,9 +194,9 @@ class BandLaws:
         DomainError
             Channels that the file does not hold.
         """
-        keep, held = channels_of(wavenumber_cm), band_numbers(spectroscopy)
-        gases = GasBands.of(held.column[:, keep], held.power[:, keep], held.log_coefficient[:, keep])
-        return cls(wavenumber_cm, held.continuum[:, keep], gases, lowtran_numbers()["source"][keep], held)
+        keep, numbers = channels_of(wavenumber_cm), band_numbers(spectroscopy)
+        gases = GasBands.of(numbers.column[:, keep], numbers.power[:, keep], numbers.log_coefficient[:, keep])
+        return cls(wavenumber_cm, numbers.continuum[:, keep], gases, lowtran_numbers()["source"][keep], numbers)
 
     @cached_property
     def cold_kelvin(self) -> float:
@@ -209,14 +209,14 @@ class BandLaws:
         return [*LINEAR, *self.gases.numbers]
 
     def optical_depth(self, amount: FloatArray) -> FloatArray:
-        """Optical depth [1, (ways, n)] of amounts [(ways, columns)] in the order of :attr:`columns`."""
-        column, power, coefficient = self._grown
+        """Optical depth [1, (paths, n)] of amounts [(paths, columns)] in the order of :attr:`columns`."""
+        column, power, coefficient = self._saturating
         rows = amount[:, len(LINEAR) :]
         depth = amount[:, : len(LINEAR)] @ self.continuum + np.maximum(rows[:, column], 0.0) ** power @ coefficient
         return np.asarray(np.clip(depth, 0.0, DEEPEST))
 
     @cached_property
-    def _grown(self) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+    def _saturating(self) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
         """Columns and powers of the amounts that saturate, and their coefficients on all channels [(laws, n)].
 
         One matrix product over all channels, most of them 0, is faster than a sum over stretches of channels.
@@ -228,16 +228,9 @@ class BandLaws:
         return np.array([law[0] for law in laws], np.int64), np.array([law[1] for law in laws]), coefficient
 
 
-TODAY_CO2_PPMV: Final = 425.0  #: Carbon dioxide of today [1e-6 of the volume of dry air]; LOWTRAN7's models have 330.
-
-_DOBSON: Final = 2.6867e16  #: Molecules per cm2 of 1 Dobson unit.
-
-GRAM_PER_HPA: Final = 216.68  #: Water vapour of 1 hPa at 1 K [g m-3].
-
-
 @dataclass(frozen=True)
 class OwnGases:
-    """Gases that replace those of a profile; None leaves the profile's."""
+    """Gases that replace the gases of a profile; None leaves the profile's."""
 
     co2_ppmv: float | None = None  #: Of dry air, the same at all heights.
     #: ``ch4_ppmv``, ``n2o_ppmv``: Of dry air, at the lowest level; above in proportion to the profile's.
@@ -246,7 +239,7 @@ class OwnGases:
     ozone_du: float | None = None  #: Column from the sea up [Dobson units].
 
     def of(self, spectroscopy: Spectroscopy) -> OwnGases:
-        """Return the gases with carbon dioxide of today, unless LOWTRAN7's numbers go with LOWTRAN7's gases."""
+        """Return the gases with carbon dioxide of today, unless LOWTRAN7's numbers require LOWTRAN7's gases."""
         return replace(self, co2_ppmv=TODAY_CO2_PPMV) if self.co2_ppmv is None and spectroscopy != "lowtran7" else self
 
 
@@ -262,7 +255,7 @@ def ozone_column(profile: AirProfile) -> float:
 
 
 def with_gases(profile: AirProfile, gases: OwnGases) -> AirProfile:
-    """Return the profile with gases of one's own.
+    """Return the profile with some of its gases replaced.
 
     >>> from seaglint.air.profile.air_profile import model_profile
     >>> air = with_gases(model_profile("us-standard-1976"), OwnGases(co2_ppmv=425.0, ozone_du=300.0))

@@ -25,7 +25,7 @@ THICKEST: Final = ((0.0, 250.0), (12e3, 1e3), (30e3, 5e3))  #: Largest thickness
 #: Largest thickness of a piece [m] above heights [m] in a profile of more than :data:`MOST_NODE_LEVELS` levels.
 THICKEST_OF_MANY: Final = ((0.0, 25.0), (2e3, 100.0), (5e3, 250.0), (12e3, 500.0), (30e3, 5e3))
 
-#: Levels of a profile are nodes of every ray where there are no more of them; of more, means between nodes are taken.
+#: Largest number of levels of a profile for which every level is a node of every ray; with more levels means between nodes are taken.
 MOST_NODE_LEVELS: Final = 100
 
 NEARLY_LEVEL: Final = 0.003  #: Cosine of the zenith angle at its lower end below which a ray has nodes :data:`ABOVE_LOWEST` there.
@@ -55,15 +55,21 @@ class BentRay:
     def between(self, parts: int) -> FloatArray:
         """Heights that cut every piece into ``parts`` of equal length, the nodes among them [m, (parts (nodes - 1) + 1,)]."""
         share = np.arange(parts) / parts
-        here, there = np.cos(self.zenith[:-1, None]), np.cos(self.zenith[1:, None])
-        here, there = np.copysign(here, np.diff(self.height)[:, None]), np.copysign(there, np.diff(self.height)[:, None])
-        inside = self.height[:-1, None] + self.length[:, None] * share * (here + 0.5 * (there - here) * share)
+        start_cosine, end_cosine = np.cos(self.zenith[:-1, None]), np.cos(self.zenith[1:, None])
+        start_cosine, end_cosine = (
+            np.copysign(start_cosine, np.diff(self.height)[:, None]),
+            np.copysign(end_cosine, np.diff(self.height)[:, None]),
+        )
+        inside = self.height[:-1, None] + self.length[:, None] * share * (start_cosine + 0.5 * (end_cosine - start_cosine) * share)
         return np.concatenate([inside.ravel(), self.height[-1:]])
 
 
 @dataclass(frozen=True, eq=False)
 class RefractingAir:
-    """Refractivity over heights, exponential between levels, around an Earth of a radius; made as it is, or with :meth:`of`."""
+    """Refractivity over heights, exponential between levels, around an Earth of a radius.
+
+    Make it with :meth:`of`, or directly if no gradient is to be reduced.
+    """
 
     #: ``height``, ``log_refractivity``: Levels [m] and ``log(n - 1)``; (levels,).
     height: FloatArray
@@ -74,12 +80,13 @@ class RefractingAir:
     def of(cls, height: FloatArray, refractivity: FloatArray, earth_radius: float) -> RefractingAir:
         """Air that traps no ray: steeper gradients are reduced to :data:`STEEPEST` of the critical one, from the top down."""
         n = np.maximum(refractivity, 1e-20).copy()
+        # from the top down, as the limit at a level follows from the level above
         for i in range(n.size - 2, -1, -1):
             n[i] = min(n[i], n[i + 1] + STEEPEST * (height[i + 1] - height[i]) / earth_radius)
         return cls(height, np.log(n), earth_radius)
 
     def refractivity(self, height: ArrayLike) -> FloatArray:
-        """``n - 1`` at heights [m]; above the top that of the top."""
+        """Refractivity ``n - 1`` at heights [m]; above the top the value at the top."""
         return np.asarray(np.exp(np.interp(np.asarray(height, dtype=np.float64), self.height, self.log_refractivity)))
 
     def invariant(self, height: ArrayLike, sine: ArrayLike = 1.0) -> FloatArray:
@@ -90,8 +97,9 @@ class RefractingAir:
 
     def cosine(self, height: ArrayLike, invariant: ArrayLike) -> FloatArray:
         """Size of the cosine of the zenith angle at heights [m] of a ray with an invariant, 0 below its lowest point."""
-        here = self.invariant(height)
-        lack = np.clip((here - np.asarray(invariant, dtype=np.float64)) / (self.earth_radius + here), 0.0, 1.0)
+        level = self.invariant(height)
+        # 1 - sin, from differences of invariants: near the horizontal the cosine keeps its digits
+        lack = np.clip((level - np.asarray(invariant, dtype=np.float64)) / (self.earth_radius + level), 0.0, 1.0)
         return np.asarray(np.sqrt(lack * (2.0 - lack)))
 
     @cached_property
@@ -110,14 +118,16 @@ class RefractingAir:
         return np.asarray(np.arctan2(self.cosine(height, self._from_sea(c)), level))
 
     def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
-        """Cosine of the zenith angle at the sea [1] of rays seen at depressions [rad] from heights [m]; NaN where they miss the sea."""
-        here, half = self.invariant(height), 0.5 * np.asarray(depression, dtype=np.float64)
-        lack = (self.sea_invariant - here + 2.0 * np.sin(half) ** 2 * (self.earth_radius + here)) / (self.earth_radius + self.sea_invariant)
+        """Cosine of the zenith angle at the sea [1] of rays at depressions [rad] from heights [m]; NaN for rays that miss the sea."""
+        level, half = self.invariant(height), 0.5 * np.asarray(depression, dtype=np.float64)
+        lack = (self.sea_invariant - level + 2.0 * np.sin(half) ** 2 * (self.earth_radius + level)) / (
+            self.earth_radius + self.sea_invariant
+        )
         with np.errstate(invalid="ignore"):
             return np.asarray(np.sqrt(lack * (2.0 - lack)))
 
     def sea_arc(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
-        """Arc along the sea of rays that leave it at zenith angles ``arccos(sea_cosine)`` and end at a height [m]; without steps' errors.
+        """Arc along the sea of rays that leave it at zenith angles ``arccos(sea_cosine)`` and end at a height [m], without errors of steps.
 
         Between levels the integral over height runs over its root, in which it is smooth down to grazing rays.
         """
@@ -126,6 +136,7 @@ class RefractingAir:
         edges = np.interp(np.arange(ARC_PARTS * (edges.size - 1) + 1) / ARC_PARTS, np.arange(edges.size), edges)
         node, weight = np.polynomial.legendre.leggauss(ARC_ORDER)
         half = 0.5 * np.diff(edges)[:, None]
+        # dz/cos(zenith) diverges as 1/sqrt(z) for a ray that grazes the sea; over the root of z it is smooth
         root = (edges[:-1, None] + half * (1.0 + node)).ravel()
         z = root * root
         cosine = np.maximum(self.cosine(z, self._from_sea(sea_cosine)[..., None]), 1e-12)
@@ -142,16 +153,16 @@ class RefractingAir:
         if invariant <= self.sea_invariant:
             return 0.0
         low, high = 0.0, height
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if float(self.invariant(middle)) < invariant else (low, middle)
+        for _ in range(60):  # bisection to the last bit
+            midpoint = 0.5 * (low + high)
+            low, high = (midpoint, high) if float(self.invariant(midpoint)) < invariant else (low, midpoint)
         return high
 
     def ray(self, height: float, zenith: float, end: float | None = None) -> BentRay:
         """Follow a ray from a height [m] at a zenith angle [rad] to the sea, to the top of the air, or to the height ``end`` [m].
 
-        A ray that starts downwards ends where it first reaches ``end`` below its start; to one above its start it goes on through its
-        lowest point.
+        A ray that starts downwards ends where it first reaches ``end`` below its start; to an ``end`` above its start it continues through
+        its lowest point.
         """
         return self._followed(height, zenith, end, None)
 
@@ -173,7 +184,8 @@ class RefractingAir:
         share = np.unique(share)
         share = share[(share > 1e-9) & (share < 1.0 - 1e-6)]
         share = np.concatenate([[0.0], share, [1.0]])
-        part = np.concatenate([(share[:-1, None] + np.diff(share)[:, None] * np.arange(cuts) / cuts).ravel(), [1.0]])
+        cut_share = np.concatenate([(share[:-1, None] + np.diff(share)[:, None] * np.arange(cuts) / cuts).ravel(), [1.0]])
+        # air that the path passes, its sag between the ends included
         sag = length * length / (8.0 * self.earth_radius)
         low = max(min(height, target) - sag, 0.0)
         high = max(height, target, low + 100.0)
@@ -181,41 +193,41 @@ class RefractingAir:
         radius = self.earth_radius / (1.0 - min(bend, STEEPEST))
         # r^2 = a^2 (1 - x) + b^2 x - x (1 - x) s^2 about that Earth
         a, b = height * (2.0 * radius + height), target * (2.0 * radius + target)
-        y = a * (1.0 - part) + b * part - part * (1.0 - part) * length * length
+        y = a * (1.0 - cut_share) + b * cut_share - cut_share * (1.0 - cut_share) * length * length
         z = y / (np.sqrt(radius * radius + y) + radius)
         # where the air bends more than on the average the path sags less: z'' = 1/R - bending(z), ends held
-        step = np.diff(part) * length
+        step = np.diff(cut_share) * length
         across = 1.0 - min(((target - height) / length) ** 2, 1.0)
         for _ in range(2):
-            here = np.maximum(z, 0.0)
-            local = (self.refractivity(np.maximum(here - 25.0, 0.0)) - self.refractivity(here + 25.0)) / (
-                here + 25.0 - np.maximum(here - 25.0, 0.0)
+            above_sea = np.maximum(z, 0.0)
+            local = (self.refractivity(np.maximum(above_sea - 25.0, 0.0)) - self.refractivity(above_sea + 25.0)) / (
+                above_sea + 25.0 - np.maximum(above_sea - 25.0, 0.0)
             )
             excess = across * (1.0 / radius - (1.0 / self.earth_radius - np.minimum(local, STEEPEST / self.earth_radius)))
             slope = np.concatenate([[0.0], np.cumsum(0.5 * step * (excess[1:] + excess[:-1]))])
             rise = np.concatenate([[0.0], np.cumsum(0.5 * step * (slope[1:] + slope[:-1]))])
-            z = y / (np.sqrt(radius * radius + y) + radius) - (rise - part * rise[-1])
+            z = y / (np.sqrt(radius * radius + y) + radius) - (rise - cut_share * rise[-1])
         return z, step
 
     def _followed(self, height: float, zenith: float, end: float | None, parts: int | None) -> BentRay:
         invariant = float(self.invariant(height, math.sin(zenith)))
         top = float(self.height[-1])
-        down, bottom, far = np.array([height]), height, 0.0
-        goes_on = True
+        down, bottom, descent = np.array([height]), height, 0.0
+        continues = True
         if zenith > 0.5 * math.pi + 1e-12:
             lowest = self.lowest(height, invariant)
-            goes_on = invariant > self.sea_invariant and (end is None or end >= height)
+            continues = invariant > self.sea_invariant and (end is None or end >= height)
             bottom = max(lowest, end) if end is not None and end < height else lowest
             if height - bottom > CLOSEST:
                 down = self._nodes(bottom, height, invariant, 0.0, parts, descending=True)[::-1]
                 cosine = self.cosine(down, invariant)
-                far = float(np.sum(2.0 * -np.diff(down) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)))
+                descent = float(np.sum(2.0 * -np.diff(down) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)))
             else:
                 bottom = height
         up = np.array([bottom])
-        if goes_on and (top if end is None else end) > bottom + CLOSEST:
+        if continues and (top if end is None else end) > bottom + CLOSEST:
             # LOWTRAN7's levels include the start's own height where the ray comes back to it
-            up = self._nodes(bottom, top if end is None else end, invariant, far, parts, extra=height)
+            up = self._nodes(bottom, top if end is None else end, invariant, descent, parts, extra=height)
         z = np.concatenate([down, up[1:]])
         cosine = self.cosine(z, invariant)
         length = 2.0 * np.abs(np.diff(z)) / np.maximum(cosine[1:] + cosine[:-1], 1e-9)
@@ -223,6 +235,7 @@ class RefractingAir:
         sine = np.minimum((self.earth_radius + invariant) / ((1.0 + self.refractivity(z)) * r), 1.0)
         arc = np.concatenate([[0.0], np.cumsum(0.5 * length * (sine[1:] / r[1:] + sine[:-1] / r[:-1]))])
         angle = np.arctan2(sine, cosine)
+        # the sign marks the descending part, which has zenith angles beyond pi/2
         angle[: down.size if up.size == 1 else down.size - 1] *= -1.0
         angle = np.where(angle < 0.0, np.pi + angle, angle) if down.size > 1 else np.abs(angle)
         return BentRay(z, length, angle, arc)
@@ -240,12 +253,14 @@ class RefractingAir:
             first = edges[0] + (edges[1] - edges[0]) * share**2  # the ray may run level in its lowest layer
             rest = (edges[1:-1, None] + np.diff(edges)[1:, None] * share).ravel()
             return np.concatenate([first, rest, [high]])
+        # heights along the ray by a parabola over the effective Earth: only the spacing of the nodes depends on it
         radius = self.earth_radius * 7.0 / 6.0
         farthest = 4.0 * math.sqrt(2.0 * radius * high) + high
         if descending:
             cosine = float(self.cosine(high, invariant))
             s = FIRST_PIECE * np.exp(np.arange(0.0, math.log(farthest / FIRST_PIECE), math.log(GROWTH)))
             z = high - cosine * s + s * s / (2.0 * radius)
+            # the parabola of the spacing may turn upwards before the lowest point: only its descending part gives nodes
             z = z[: max(int(np.argmax(np.diff(z, append=np.inf) >= 0.0)), 0)]
         else:
             cosine, base = float(self.cosine(low, invariant)), max(far, FIRST_PIECE)
@@ -261,23 +276,24 @@ class RefractingAir:
 
 
 def trapping_layers(height: FloatArray, refractivity: FloatArray, earth_radius: float) -> list[tuple[float, float]]:
-    """Layers that bend rays more than the Earth is round, from and to heights [m], neighbours taken together.
+    """Layers that bend rays more than the Earth curves, from and to heights [m], neighbours taken together.
 
     >>> trapping_layers(np.array([0.0, 50.0, 60.0, 70.0]), 1e-6 * np.array([280.0, 279.0, 276.0, 273.0]), 6371e3)
     [(50.0, 70.0)]
     """
+    # a horizontal ray bends by -dn/dz, the Earth by 1/R
     steep = np.diff(refractivity) / np.diff(height) < -1.0 / earth_radius
     edge = np.flatnonzero(np.diff(np.concatenate([[False], steep, [False]])))
     return [(float(height[a]), float(height[b])) for a, b in zip(edge[::2], edge[1::2], strict=True)]
 
 
 def _ladder(levels: FloatArray, low: float, high: float) -> tuple[FloatArray, FloatArray]:
-    """Levels that are nodes, and heights of even spacing between two heights [m]: finer ones where there are too many levels."""
-    few = levels.size <= MOST_NODE_LEVELS
-    thickest = THICKEST if few else THICKEST_OF_MANY
+    """Levels that are nodes, and heights of even spacing between two heights [m]: finer spacing for profiles of too many levels."""
+    all_levels = levels.size <= MOST_NODE_LEVELS
+    thickest = THICKEST if all_levels else THICKEST_OF_MANY
     ends = [*(start for start, _ in thickest[1:]), np.inf]
     steps = [
         np.arange(step * math.ceil(max(low, start) / step), min(high, stop), step)
         for (start, step), stop in zip(thickest, ends, strict=True)
     ]
-    return levels if few else levels[:0], np.concatenate(steps)
+    return levels if all_levels else levels[:0], np.concatenate(steps)

@@ -9,7 +9,7 @@ import numpy as np
 
 from seaglint.air.profile.absorber_densities import absorber_densities, cold_share
 from seaglint.air.profile.air_profile import GASES, AirProfile, lowtran_numbers, saturation_density
-from seaglint.air.profile.band_laws import GRAM_PER_HPA, HIGHEST, BandLaws, Spectroscopy
+from seaglint.air.profile.band_laws import FITTED_UP_TO, GRAM_PER_HPA, BandLaws, Spectroscopy
 from seaglint.air.profile.hazes import NAMES, HazeWeather, aerosols
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
@@ -22,7 +22,7 @@ MOST_PPMV: Final = 50_000.0  #: Largest amount of a trace gas [1e-6 of the volum
 
 FITTED_K: Final = (200.0, 310.0)  #: Temperatures of the paths to which ``lblrtm`` is fitted [K].
 
-#: Amounts beyond which a gas is none of the traces that ``lblrtm`` is fitted to [1e-6 of the volume of dry air].
+#: Largest amounts of the traces to which ``lblrtm`` is fitted [1e-6 of the volume of dry air].
 FITTED_PPMV: Final = {"CO2": 1000.0, "O3": 10.0, "N2O": 1.0, "CO": 1.0, "CH4": 5.0}
 
 EVEN_HEIGHTS: Final = np.array([0.0, 5e4, 1e5])  #: Levels of even air [m].
@@ -69,8 +69,8 @@ def homogeneous_spectrum(
     band_um : (float, float)
         Shortest and longest wavelength [um], within 0.7-14.7.
     ppmv : dict of float
-        Gases of :data:`~seaglint.air.profile.air_profile.GASES` but water [1e-6 of the volume of dry air]; 0 where not named. Nitrogen
-        and oxygen are those of air and, with ``lblrtm``, absorb where RRTMGP's tables have them: in 2390-2680 and 1480-1800 cm-1.
+        Gases of :data:`~seaglint.air.profile.air_profile.GASES` but water [1e-6 of the volume of dry air]; 0 for gases not named.
+        Nitrogen and oxygen have their shares of air and, with ``lblrtm``, absorb in RRTMGP's bands of them, 2390-2680 and 1480-1800 cm-1.
     spectroscopy : str
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
     haze : HazeWeather
@@ -100,7 +100,7 @@ def homogeneous_spectrum(
             key = f"{name.lower()}_ppmv"
             raise DomainError(
                 f"{key} = {amount:g} is not within 0 to {MOST_PPMV:g} parts per million of dry air; "
-                "the laws are those of traces of a gas in air",
+                "the laws hold for traces of a gas in air",
                 name=key,
                 value=amount,
                 allowed=(0.0, MOST_PPMV),
@@ -119,6 +119,7 @@ def homogeneous_spectrum(
     _report_unusual(temperature_k, vapour_pressure_hpa, ppmv)
     nu = lowtran_numbers()["wavenumber_cm"]
     low, high = 1e4 / band.max_um, 1e4 / band.min_um
+    # one channel beyond each edge, as the band's weights need a grid that covers it
     nu = nu[(nu > low - 5.0 - 1e-6) & (nu < high + 5.0 + 1e-6)]
     laws = BandLaws.of(nu, spectroscopy)
     profile = even_air(temperature_k, pressure_hpa, vapour_pressure_hpa, ppmv)
@@ -126,20 +127,21 @@ def homogeneous_spectrum(
     amounts[laws.columns.index(9)] = amounts[laws.columns.index(5)] * cold_share(np.array(temperature_k), laws.cold_kelvin)
     depth = laws.optical_depth(amounts[None])[0]
     if spectroscopy == "lblrtm":
+        # outside RRTMGP's bands of nitrogen and oxygen LBLRTM's numbers have no absorption by them
         for column, (first, last) in OF_AIR.items():
             outside = (nu < first) | (nu >= last)
             row = laws.columns.index(column)
             depth -= np.where(outside, amounts[row] * laws.continuum[row], 0.0)
     if haze.haze != "none":
-        held = aerosols(profile, haze, nu, float(profile.relative_humidity[0]))
-        depth = depth + length_km * held.density[:, 0] @ held.extinction
-    passed = np.exp(-depth)
+        aerosol = aerosols(profile, haze, nu, float(profile.relative_humidity[0]))
+        depth = depth + length_km * aerosol.density[:, 0] @ aerosol.extinction
+    transmittance = np.exp(-depth)
     weights = band.weights(nu) * planck_wavenumber(nu, temperature_k)
-    return PathSpectrum(nu, passed, float(weights @ passed / weights.sum()))
+    return PathSpectrum(nu, transmittance, float(weights @ transmittance / weights.sum()))
 
 
 def _report_unusual(kelvin: float, vapour_pressure: float, ppmv: dict[str, float]) -> None:
-    """Report air outside what the numbers were fitted to or what air can be."""
+    """Report air outside the range of the fit, and air above saturation."""
     if not FITTED_K[0] <= kelvin <= FITTED_K[1]:
         REPORTS.warning("temperature_k = %g is outside %g to %g K, for which absorption was fitted", kelvin, *FITTED_K)
     saturated = float(saturation_density(kelvin)) * kelvin / GRAM_PER_HPA
@@ -156,7 +158,7 @@ def _report_unusual(kelvin: float, vapour_pressure: float, ppmv: dict[str, float
 
 
 def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:
-    """Rectangular band, whose numbers are all there."""
+    """Rectangular band within the range of the numbers."""
     shortest, longest = (float(edge) for edge in band_um)
     if not PROFILE_BAND_UM[0] <= shortest < longest <= PROFILE_BAND_UM[1]:
         raise DomainError(
@@ -166,13 +168,13 @@ def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:
             value=(shortest, longest),
             allowed=PROFILE_BAND_UM,
         )
-    if spectroscopy == "lblrtm" and 1e4 / shortest > HIGHEST * (1.0 + 1e-9):
+    if spectroscopy == "lblrtm" and 1e4 / shortest > FITTED_UP_TO * (1.0 + 1e-9):
         REPORTS.warning(
             "band %g-%g um: wavelengths below %.4g um (%g cm-1) have LOWTRAN7's absorption, that of LBLRTM ends there",
             shortest,
             longest,
-            1e4 / HIGHEST,
-            HIGHEST,
+            1e4 / FITTED_UP_TO,
+            FITTED_UP_TO,
         )
     return Band.rectangular(shortest, longest)
 
@@ -180,7 +182,7 @@ def _band(band_um: tuple[float, float], spectroscopy: Spectroscopy) -> Band:
 def even_air(kelvin: float, pressure: float, vapour_pressure: float, ppmv: dict[str, float]) -> AirProfile:
     """Return a profile of air that is the same up to 100 km: temperature [K], pressure and vapour pressure [hPa].
 
-    ``ppmv``: gases but water [1e-6 of the volume of dry air]; the profile has them of all air, as profiles do.
+    ``ppmv``: gases except water [1e-6 of the volume of dry air]; the profile has them per volume of all air, as all profiles do.
     """
     dry = 1.0 - vapour_pressure / pressure
     gas = np.zeros((len(GASES), EVEN_HEIGHTS.size))

@@ -26,7 +26,7 @@ REFERENCE_HEIGHT: Final = 10.0  #: Height of wind, air temperature and humidity 
 
 SIMILAR_UP_TO: Final = 50.0  #: Height up to which the profiles follow the law [m].
 
-JOINED_AT: Final = 500.0  #: Height from which on the air is that of the profile [m]; between both the difference fades evenly.
+JOINED_AT: Final = 500.0  #: Height from which on the air is the profile's [m]; between both the difference fades evenly.
 
 #: Levels of the lowest air [m], close where it changes most.
 LEVELS: Final = (
@@ -59,7 +59,7 @@ LEVELS: Final = (
 
 KARMAN: Final = 0.4  #: Von Karman's constant of the COARE law.
 
-ADIABATIC: Final = 9.8e-3  #: Fall of the temperature of dry air that rises [K m-1].
+ADIABATIC: Final = 9.8e-3  #: Decrease of the temperature of rising dry air with height [K m-1].
 
 SALT: Final = 0.98  #: Vapour pressure over sea water in parts of that over fresh water.
 
@@ -143,6 +143,7 @@ def similar_profiles(wind_speed: float, sea_kelvin: float, air_minus_sea: float,
     """
     z, wind = REFERENCE_HEIGHT, max(wind_speed, CALMEST)
     air = sea_kelvin + air_minus_sea
+    # potential temperatures: air that sinks from the height warms by the adiabatic lapse
     warmer = air_minus_sea + ADIABATIC * z
     q = 0.01 * humidity * saturation_humidity(air, pressure)
     moister = q - SALT * saturation_humidity(sea_kelvin, pressure)
@@ -150,18 +151,20 @@ def similar_profiles(wind_speed: float, sea_kelvin: float, air_minus_sea: float,
     rough = heat = 1e-4
     temperature = moisture = 0.0
     for _ in range(200):
+        # roughness: Charnock's law for waves, and viscosity of a smooth sea
         charnock = float(np.interp(wind, [10.0, 18.0], [0.011, 0.018]))
         rough = charnock * friction**2 / GRAVITY + 0.11 * _VISCOSITY / friction
         heat = min(1.15e-4, 5.5e-5 * (rough * friction / _VISCOSITY) ** -0.6)
         friction = KARMAN * wind / (math.log(z / rough) - stability_of_momentum(zeta))
         scale = KARMAN / (math.log(z / heat) - stability_of_heat(zeta) + stability_of_heat(zeta * heat / z))
         temperature, moisture = scale * warmer, scale * moister
+        # flux of virtual temperature, whose ratio to the friction gives z/L
         buoyancy = temperature * (1.0 + 0.61 * q) + 0.61 * air * moisture
         new = min(max(KARMAN * GRAVITY * z * buoyancy / (air * friction**2), -50.0), 50.0)
         if abs(new - zeta) < 1e-10 * (1.0 + abs(new)):
             zeta = new
             break
-        zeta = 0.5 * (zeta + new)
+        zeta = 0.5 * (zeta + new)  # damped: half of every step
     return SimilarProfiles(friction, temperature, moisture, z / zeta if zeta != 0.0 else math.inf, heat)
 
 
@@ -171,7 +174,7 @@ def with_marine_layer(profile: AirProfile, wind_speed: float, sea_kelvin: float,
     Parameters
     ----------
     profile : AirProfile
-        The air above :data:`JOINED_AT`; its relative humidity at 10 m and its pressures are kept.
+        The air above :data:`JOINED_AT`; its relative humidity at 10 m and its pressures stay unchanged.
     wind_speed : float
         At 10 m [m s-1].
     sea_kelvin, air_minus_sea : float
@@ -192,6 +195,7 @@ def with_marine_layer(profile: AirProfile, wind_speed: float, sea_kelvin: float,
     above = z > SIMILAR_UP_TO
     kelvin = np.where(above, old_kelvin + fade * (kelvin[edge] - old_kelvin[edge]), kelvin)
     vapour = np.where(above, old_vapour + fade * (vapour[edge] - old_vapour[edge]), vapour)
+    # temperature and vapour fade separately: their mixture may pass saturation
     vapour = np.clip(vapour, 0.0, saturation_density(kelvin))
     keep = profile.height > JOINED_AT
     gas = np.array([np.concatenate([np.interp(z, profile.height, row), row[keep]]) for row in profile.gas])

@@ -1,16 +1,14 @@
-"""Nodes of a spline, added where the values between them need them: spectra of rays that pass layers of any sounding.
-
-Two splines, each through every other node, are compared with the nodes left out. Where they differ much, rays are added in the middle
-between nodes until the spline was right there. Smooth air costs no ray more than the first nodes.
-
-Air of a profile as every model asks for it: spectra of paths, sky and sunlight, splined between rays that are computed when asked for.
+"""Air of a profile as an atmosphere: spectra of paths, sky and sunlight, splined between rays that are computed on first use.
 
 A path is named by height and range, over the straight lines of :mod:`seaglint.base.conventions`; the sky between the horizontal and the
-sea's horizon by its share of the dip. So the camera's standard refraction and that of the profile meet at the same horizon.
+sea's horizon by its share of the dip. So the camera's standard refraction and the profile's refraction meet at the same horizon.
 
-Transmittance and sunlight of one profile at many winds: gases are summed once, the wind's aerosol for each.
+**Nodes.** A sounding may have any layers, so nodes are added where a spline needs them (:func:`refined_nodes`). Two splines, each through
+every other node, are compared with the nodes left out. Where they differ much, rays are added in the middle between nodes until the spline
+agrees with them. Smooth air costs no ray more than the first nodes.
 
-Transmittance is ``exp(-gases - aerosol)``, and only the aerosol knows the wind. For what needs no emission: likelihoods of sunlight.
+**Many winds.** :class:`WindyAir` gives transmittance and sunlight of one profile at many winds, without emission, for likelihoods of
+sunlight. Transmittance is ``exp(-gases - aerosol)`` and the wind affects the aerosol alone: gases are summed once, the aerosol per wind.
 """
 
 from __future__ import annotations
@@ -25,11 +23,11 @@ from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import decode_optical_depth, encode_optical_depth, straight_sea_cosine, straight_slant
 from seaglint.air.profile.air_profile import AirProfile
-from seaglint.air.profile.air_sums import CUTS, AirSums, GasRays, laid_lines
+from seaglint.air.profile.air_sums import CUTS, AirSums, GasRays, joined_lines
 from seaglint.air.profile.band_laws import Spectroscopy
 from seaglint.air.profile.hazes import HazeWeather
 from seaglint.air.profile.ray_paths import LayeredIndex
-from seaglint.air.protocol import ClearAir, require_height, require_line, require_solar_zenith, slant_range
+from seaglint.air.protocol import ANGLE_SLACK, ClearAir, require_height, require_line, require_solar_zenith, slant_range
 from seaglint.air.sun_and_sky import brightness_temperature, radiance_of
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
@@ -43,9 +41,9 @@ if TYPE_CHECKING:
 
 LIMIT: Final = 0.01  #: Error between nodes from which on one more is added [K].
 
-#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: a smooth spline is 16 times better with
-#: twice the nodes, one over a corner at least twice.
-DOUBTED: Final = 4.0
+#: Error of a node left out, in parts of :data:`LIMIT`, from which on its neighbourhood is checked: with twice the nodes a smooth spline is
+#: 16 times better, one over a corner at least 2 times.
+SUSPECT: Final = 4.0
 
 MOST_TIMES: Final = 4  #: Largest number of nodes, in parts of the first ones.
 
@@ -53,63 +51,6 @@ DEEPEST: Final = 5  #: Number of times that an interval between two of the first
 
 Values = Callable[[FloatArray], FloatArray]
 Errors = Callable[[FloatArray, FloatArray], FloatArray]
-
-
-class RefinedNodes(NamedTuple):
-    """Places [(n,)] and values [(n, ...)] of nodes, and the largest error between them that is left [K]."""
-
-    place: FloatArray
-    value: FloatArray
-    left: float
-
-
-def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedNodes:
-    """Add nodes until a spline through them is right in the middle between those that are in doubt.
-
-    Parameters
-    ----------
-    place : ndarray
-        First nodes, ascending [1, (n,)].
-    values : callable
-        Values at places [(m,)] (m, ...).
-    errors : callable
-        Errors of splined values (m, ...) against values (m, ...) [K, (m,)].
-
-    Returns
-    -------
-    RefinedNodes
-        Nodes, and the largest error [K] of the last ones added where there may be no more; 0 where all were right.
-    """
-    x, y = place, values(place)
-    doubt, left = _doubtful(x, y, errors), 0.0
-    for _ in range(DEEPEST):
-        at = np.flatnonzero(doubt)
-        if at.size == 0 or x.size + at.size > MOST_TIMES * place.size:
-            break
-        middle = 0.5 * (x[at] + x[at + 1])
-        new = values(middle)
-        error = errors(CubicSpline(x, y, axis=0)(middle), new)
-        order = np.argsort(np.concatenate([x, middle]), kind="stable")
-        wrong = np.concatenate([np.zeros(x.size, dtype=bool), error > LIMIT])[order]
-        x, y = np.concatenate([x, middle])[order], np.concatenate([y, new])[order]
-        # both halves, and their neighbours
-        doubt = wrong[:-1] | wrong[1:]
-        doubt[1:] |= wrong[:-2]
-        doubt[:-1] |= wrong[2:]
-        left = float(error.max()) if doubt.any() else 0.0
-    return RefinedNodes(x, y, left)
-
-
-def _doubtful(x: FloatArray, y: FloatArray, errors: Errors) -> NDArray[np.bool_]:
-    """Intervals beside nodes that a spline through every other node misses [(n - 1,)]."""
-    off = np.zeros(x.size)
-    for first in (1, 2):
-        out = np.arange(first, x.size - 1, 2)
-        kept = np.setdiff1d(np.arange(x.size), out)
-        off[out] = errors(CubicSpline(x[kept], y[kept], axis=0)(x[out]), y[out])
-    bad = off > DOUBTED * LIMIT
-    return np.asarray(bad[:-1] | bad[1:])
-
 
 Levels = Literal["continuous", "lowtran"]
 
@@ -125,19 +66,72 @@ DIP_NODES: Final = 20  #: Numbers of rays between which spectra are splined.
 #: Steps of the lowest height of rays that start downwards [m] above heights [m].
 LOWEST_STEPS: Final = ((0.0, 200.0), (20e3, 1e3), (50e3, 5e3))
 
-#: Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and go on along their tangent.
+#: Paths longer than to the horizon, to crests of waves, are computed up to this many times its length and continue along their tangent.
 BEYOND: Final = 1.1
 
 SKY_SCALE: Final = 0.004  #: Angle at which the spacing of the sky's rays changes from even to geometric [rad].
 
-ANGLE_SLACK: Final = 1e-6  #: Tolerance of angles at the edges [rad].
-
-COLD: Final = 200.0  #: Temperature [K] of colder sky in what an error of its radiance is worth: a band of no light has no temperature.
+COLD: Final = 200.0  #: Temperature [K] at which errors of colder sky are converted to temperature: a dark band has no temperature.
 
 CLEAR: Final = 1e-9  #: Smallest optical depth whose emission is evaluated.
 
-
 HEIGHT_RATIO: Final = 1.05  #: Ratio of neighbouring heights between which the air of a sensor that moves is blended.
+
+
+class RefinedNodes(NamedTuple):
+    """Places [(n,)] and values [(n, ...)] of nodes, and the largest error between them that is left [K]."""
+
+    place: FloatArray
+    value: FloatArray
+    residual: float
+
+
+def refined_nodes(place: FloatArray, values: Values, errors: Errors) -> RefinedNodes:
+    """Add nodes until a spline through them is within :data:`LIMIT` in the middle of every checked interval.
+
+    Parameters
+    ----------
+    place : ndarray
+        First nodes, ascending [1, (n,)].
+    values : callable
+        Values at places [(m,)] (m, ...).
+    errors : callable
+        Errors of splined values (m, ...) against values (m, ...) [K, (m,)].
+
+    Returns
+    -------
+    RefinedNodes
+        Nodes, and the largest error [K] of the last ones added if their number is exhausted; 0 if all were within the limit.
+    """
+    x, y = place, values(place)
+    suspect, residual = _suspect_intervals(x, y, errors), 0.0
+    for _ in range(DEEPEST):
+        at = np.flatnonzero(suspect)
+        if at.size == 0 or x.size + at.size > MOST_TIMES * place.size:
+            break
+        midpoint = 0.5 * (x[at] + x[at + 1])
+        new = values(midpoint)
+        error = errors(CubicSpline(x, y, axis=0)(midpoint), new)
+        order = np.argsort(np.concatenate([x, midpoint]), kind="stable")
+        wrong = np.concatenate([np.zeros(x.size, dtype=bool), error > LIMIT])[order]
+        x, y = np.concatenate([x, midpoint])[order], np.concatenate([y, new])[order]
+        # both halves, and their neighbours
+        suspect = wrong[:-1] | wrong[1:]
+        suspect[1:] |= wrong[:-2]
+        suspect[:-1] |= wrong[2:]
+        residual = float(error.max()) if suspect.any() else 0.0
+    return RefinedNodes(x, y, residual)
+
+
+def _suspect_intervals(x: FloatArray, y: FloatArray, errors: Errors) -> NDArray[np.bool_]:
+    """Intervals next to nodes that a spline through every other node misses [(n - 1,)]."""
+    error = np.zeros(x.size)
+    for first in (1, 2):
+        omitted = np.arange(first, x.size - 1, 2)
+        retained = np.setdiff1d(np.arange(x.size), omitted)
+        error[omitted] = errors(CubicSpline(x[retained], y[retained], axis=0)(x[omitted]), y[omitted])
+    bad = error > SUSPECT * LIMIT
+    return np.asarray(bad[:-1] | bad[1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +166,8 @@ class ProfileAtmosphere(ClearAir):
     scattering : callable, optional
         Function that makes the scatterers on part of the channels; None for air that scatters almost no sunlight.
     moving : bool
-        True for a sensor that changes its height: spectra are blended between those of heights 5 % apart, so that one set of rays
-        serves a whole track.
+        True for a sensor that changes its height: spectra are blended between heights 5 % apart, so that one set of rays serves a
+        whole track.
     spectroscopy : str
         Numbers of the band laws: ``lblrtm`` or ``lowtran7``.
     rays : GasRays, optional
@@ -181,7 +175,7 @@ class ProfileAtmosphere(ClearAir):
 
     Notes
     -----
-    Rays are made when a height is first asked for. Between them brightness temperature and encoded optical depth are splined, with more
+    Rays are computed when a height is first requested. Between them brightness temperature and encoded optical depth are splined, with more
     rays where two splines through half of them disagree (:mod:`seaglint.air.profile.profile_atmosphere`); errors of band temperatures above
     0.01 K that are known to be left are reported (docs, validation). Heights 1 cm to 100 km.
     """
@@ -206,7 +200,7 @@ class ProfileAtmosphere(ClearAir):
         self.provenance: JsonObject = {"table": profile.name, **self.sums.laws.numbers.provenance, "levels": levels, **(provenance or {})}
         self._scattering = scattering
         self._moving = moving
-        self._said = False
+        self._error_reported = False
         self._paths: dict[float, _Paths] = {}
         self._skies: dict[float, CubicSpline[np.float64]] = {}
         self._suns: dict[float, CubicSpline[np.float64]] = {}
@@ -214,39 +208,41 @@ class ProfileAtmosphere(ClearAir):
 
     @property
     def index(self) -> LayeredIndex:
-        """Refraction of the profile, ducts as they are."""
+        """Refraction of the profile, ducts included."""
         return self.sums.index
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
         """Scatterers on part of the channels; the same object for the same part."""
         if self._scattering is None:
             return None
-        part = (grid.start, grid.stop, grid.step)
-        if part not in self._scatterers:
-            self._scatterers[part] = self._scattering(grid)
-        return self._scatterers[part]
+        key = (grid.start, grid.stop, grid.step)
+        if key not in self._scatterers:
+            self._scatterers[key] = self._scattering(grid)
+        return self._scatterers[key]
 
     def _sea_paths(self, height: float) -> _Paths:
         """Spline of encoded depth and air temperature, side by side, of the paths from the sea to a height."""
-        found = self._paths.get(height)
-        if found is not None:
-            return found
+        cached = self._paths.get(height)
+        if cached is not None:
+            return cached
         horizon = float(straight_slant(height, 0.0))
         if self.levels == "continuous":
             slant = height * (BEYOND * horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)
             nodes = refined_nodes(np.log(slant), lambda x: self._sea_values(height, np.exp(x)), self._path_errors)
-            self._say(height, nodes.left)
+            self._report_error(height, nodes.residual)
             x, values = nodes.place, nodes.value
         else:
             cosine = np.clip(straight_sea_cosine(height, height * (horizon / height) ** np.linspace(0.0, 1.0, PATH_NODES)), 1e-5, 1.0)
+            # straight down exactly, whatever the rounding of the first length
             cosine[0] = 1.0
             depression = self.sums.air.depression(height, cosine)
             rays = [self.sums.in_layers(height, 0.5 * np.pi + float(d)) for d in depression]
             slant = slant_range(height, [ray.ray.arc[-1] * self.sums.air.earth_radius for ray in rays])
+            # rays straight down may have equal lengths, which a spline does not allow
             keep = np.concatenate([[True], np.diff(slant) > 1e-6 * slant[1:]])
             slant = slant[keep]
             x = np.log(slant)
-            values = self._encoded([(ray.transmittance[-1], ray.emitted) for ray, kept in zip(rays, keep, strict=True) if kept])
+            values = self._encoded([(ray.transmittance[-1], ray.emitted) for ray, usable in zip(rays, keep, strict=True) if usable])
         return self._paths.setdefault(height, _Paths(float(slant[0]), float(x[-1]), CubicSpline(x, values, axis=0)))
 
     def _sea_values(self, height: float, slant: FloatArray) -> FloatArray:
@@ -264,27 +260,27 @@ class ProfileAtmosphere(ClearAir):
         return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, values[..., 1, :])
 
     def _path_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
-        """Errors of splined paths in band temperature [K], before a sea as warm as the lowest air and of the path's own light."""
+        """Errors of splined paths in band temperature [K], in front of a sea as warm as the lowest air, and of the path's own light."""
         warm = np.full(self.wavenumber_cm.size, float(self.sums.profile.temperature[0]))
         sea = radiance_of(self.wavenumber_cm, warm)
-        (tau, light), (own, lit) = self._decoded(splined), self._decoded(values)
-        path = np.sum(light - lit, axis=-1)
-        off = np.maximum(np.abs(path), np.abs(path + np.sum((tau - own) * sea, axis=-1)))
-        return np.asarray(off / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
+        (tau, light), (exact_tau, exact_light) = self._decoded(splined), self._decoded(values)
+        path = np.sum(light - exact_light, axis=-1)
+        error = np.maximum(np.abs(path), np.abs(path + np.sum((tau - exact_tau) * sea, axis=-1)))
+        return np.asarray(error / np.sum(radiance_of(self.wavenumber_cm, warm + 1.0) - sea))
 
     def _sky_errors(self, splined: FloatArray, values: FloatArray) -> FloatArray:
-        """Errors of splined brightness temperatures of the sky in band temperature [K]; of colder sky the radiance as at :data:`COLD`."""
+        """Errors of splined brightness temperatures of the sky in band temperature [K]; colder sky counts as at :data:`COLD`."""
         warm = np.maximum(values, COLD)
         slope = radiance_of(self.wavenumber_cm, warm + 1.0) - radiance_of(self.wavenumber_cm, warm)
-        off = radiance_of(self.wavenumber_cm, splined) - radiance_of(self.wavenumber_cm, values)
-        return np.asarray(np.abs(np.sum(off, axis=-1)) / np.sum(slope, axis=-1))
+        error = radiance_of(self.wavenumber_cm, splined) - radiance_of(self.wavenumber_cm, values)
+        return np.asarray(np.abs(np.sum(error, axis=-1)) / np.sum(slope, axis=-1))
 
-    def _say(self, height: float, left: float) -> None:
+    def _report_error(self, height: float, residual: float) -> None:
         """Report an error between nodes [K] that is left, once."""
-        if left > LIMIT and not self._said:
-            self._said = True
+        if residual > LIMIT and not self._error_reported:
+            self._error_reported = True
             REPORTS.warning(
-                "%s: the air seen from %g m changes so fast that up to %.2g K are left between its rays", self.name, height, left
+                "%s: the air seen from %g m changes so fast that up to %.2g K are left between its rays", self.name, height, residual
             )
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -330,6 +326,7 @@ class ProfileAtmosphere(ClearAir):
         """Heights [m] whose rays are used for a height, and their shares."""
         if not self._moving or height <= PROFILE_HEIGHTS[0]:
             return ((height, 1.0),)
+        # heights of one ladder for all sensors, so that a track reuses their rays; weights linear in log height
         x = np.log(height) / np.log(HEIGHT_RATIO)
         low = float(np.floor(x))
         ends = HEIGHT_RATIO ** np.array([low, low + 1.0])
@@ -337,11 +334,12 @@ class ProfileAtmosphere(ClearAir):
 
     def _sea(self, height: float, slant: FloatArray) -> tuple[FloatArray, FloatArray]:
         share = np.log(np.maximum(slant / height, 1.0)) / np.log(straight_slant(height, 0.0) / height)
-        both = np.zeros((*slant.shape, 2, self.wavenumber_cm.size))
+        blended = np.zeros((*slant.shape, 2, self.wavenumber_cm.size))
         for node, weight in self._around(height):
+            # at the other height the path with the same path coordinate
             at = slant if node == height else node * (straight_slant(node, 0.0) / node) ** share
-            both += weight * self._sea_paths(node)(at)
-        return self._decoded(both)
+            blended += weight * self._sea_paths(node)(at)
+        return self._decoded(blended)
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Transmittance of the path from a point to the sensor [1, (..., n)]."""
@@ -353,14 +351,15 @@ class ProfileAtmosphere(ClearAir):
 
     def _sun(self, height: float) -> CubicSpline[np.float64]:
         """Spline of the encoded optical depth towards the Sun from a height over :func:`_sky_coordinate`, down to the sea's horizon."""
-        found = self._suns.get(height)
-        if found is not None:
-            return found
+        cached = self._suns.get(height)
+        if cached is not None:
+            return cached
         dip = horizon_depression(height) if height > 0.0 else 0.0
-        bent = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
+        # the profile's dip over the camera's: below the horizontal elevations are scaled so that both horizons coincide
+        dip_ratio = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
         y = np.linspace(float(_sky_coordinate(-dip)), float(_sky_coordinate(0.5 * np.pi)), SUN_NODES)
         elevation = np.minimum(_sky_elevation(y), 0.5 * np.pi)
-        elevation = np.where(elevation < 0.0, elevation * bent * (1.0 - 1e-9), elevation)
+        elevation = np.where(elevation < 0.0, elevation * dip_ratio * (1.0 - 1e-9), elevation)
         if self.levels == "continuous":
             passed = list(self.sums.passed_each(height, [0.5 * np.pi - float(e) for e in elevation]))
         else:
@@ -370,8 +369,8 @@ class ProfileAtmosphere(ClearAir):
     def solar_irradiance(self, solar_zenith: ArrayLike, height: float = 0.0) -> FloatArray:
         """Direct sunlight at a height [m], normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)].
 
-        ``solar_zenith`` is the apparent (refracted) zenith angle, there, of the point of the Sun looked at [rad, (...)]; below the sea's
-        horizon, at the sea beyond pi/2, there is no light.
+        ``solar_zenith`` is the apparent (refracted) zenith angle, there, of the point of the Sun looked at [rad, (...)]. The result is 0
+        below the sea's horizon, at the sea beyond pi/2.
         """
         require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
         elevation = 0.5 * np.pi - require_solar_zenith(solar_zenith)
@@ -386,9 +385,9 @@ class ProfileAtmosphere(ClearAir):
         return self.solar_irradiance(solar_zenith, height)
 
     def sky_radiance(self, zenith: ArrayLike, azimuth: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Thermal radiance of the clear sky in directions [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+        """Thermal radiance of the clear sky in directions [rad, (...)] from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
 
-        From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
+        From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones point at the sea
         and are refused.
         """
         require_height(height, 0.0, PROFILE_HEIGHTS[1], "choose a height inside it")
@@ -411,11 +410,11 @@ class ProfileAtmosphere(ClearAir):
 
     def _sky(self, height: float) -> CubicSpline[np.float64]:
         """Spline of the sky's brightness temperature over :func:`_sky_coordinate` of the camera's elevations."""
-        found = self._skies.get(height)
-        if found is not None:
-            return found
+        cached = self._skies.get(height)
+        if cached is not None:
+            return cached
         dip = horizon_depression(height) if height > 0.0 else 0.0
-        bent = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
+        dip_ratio = self.sums.air.dip(height) / dip if dip > 0.0 else 1.0
         above = np.linspace(0.0, float(_sky_coordinate(0.5 * np.pi)), SKY_NODES)
         below = np.linspace(float(_sky_coordinate(-dip)), 0.0, DIP_NODES, endpoint=False) if dip > 0.0 else above[:0]
         ends = (*(start for start, _ in LOWEST_STEPS[1:]), np.inf)
@@ -424,13 +423,14 @@ class ProfileAtmosphere(ClearAir):
             for (start, step), end in zip(LOWEST_STEPS, ends, strict=True)
         ]
         lowest = np.concatenate(steps)
+        # rays whose lowest points step through the heights: the sky changes fast as a ray grazes a layer
         grazing = np.arcsin(self.sums.air.cosine(height, self.sums.air.invariant(lowest)))
-        below = np.concatenate([below, _sky_coordinate(-grazing / bent)])
+        below = np.concatenate([below, _sky_coordinate(-grazing / dip_ratio)])
         x = np.concatenate([np.unique(below), above])
 
         def kelvin(place: FloatArray) -> FloatArray:
             elevation = np.minimum(_sky_elevation(place), 0.5 * np.pi)
-            elevation = np.where(elevation < 0.0, elevation * bent, elevation)
+            elevation = np.where(elevation < 0.0, elevation * dip_ratio, elevation)
             if dip > 0.0 and place[0] == x[0]:
                 elevation[0] *= 1.0 - 1e-9  # the ray that grazes the sea sees sky
             zenith = [0.5 * np.pi - float(e) for e in elevation]
@@ -441,7 +441,7 @@ class ProfileAtmosphere(ClearAir):
         if self.levels == "lowtran":
             return self._skies.setdefault(height, CubicSpline(x, kelvin(x), axis=0))
         nodes = refined_nodes(x, kelvin, self._sky_errors)
-        self._say(height, nodes.left)
+        self._report_error(height, nodes.residual)
         return self._skies.setdefault(height, CubicSpline(nodes.place, nodes.value, axis=0))
 
 
@@ -456,8 +456,8 @@ def _sky_elevation(coordinate: ArrayLike) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class _LaidPaths:
-    """Paths or rays laid end to end, and the optical depth of their gases.
+class _JoinedPaths:
+    """Paths or rays joined end to end, and the optical depth of their gases.
 
     Heights of the cuts [m], lengths of the parts [m], first piece of each path, and depths [1, (paths, n)].
     """
@@ -482,7 +482,7 @@ class WindyAir:
     """
 
     sums: AirSums
-    _paths: dict[tuple[float, ...], _LaidPaths] = field(default_factory=dict)
+    _paths: dict[tuple[float, ...], _JoinedPaths] = field(default_factory=dict)
 
     @classmethod
     def of(cls, profile: AirProfile, wavenumber_cm: FloatArray, spectroscopy: Spectroscopy = "lblrtm") -> WindyAir:
@@ -490,28 +490,28 @@ class WindyAir:
         return cls(AirSums(profile, HazeWeather(), wavenumber_cm, spectroscopy=spectroscopy))
 
     def at(self, wind: float) -> AirAtWind:
-        """The air at a wind [m s-1], also that of the last 24 hours."""
+        """Air at a wind [m s-1], which is also the mean wind of the last 24 hours."""
         sums = self.sums
         haze = HazeWeather(wind=wind, wind_24h=wind)
         return AirAtWind(self, AirSums(sums.profile, haze, sums.laws.wavenumber_cm, spectroscopy=sums.spectroscopy))
 
-    def paths(self, height: float, slant: FloatArray) -> _LaidPaths:
+    def paths(self, height: float, slant: FloatArray) -> _JoinedPaths:
         """Paths from the sea to a height [m] of lengths [m, (paths,)]."""
         key = (height, *slant.tolist())
         if key not in self._paths:
             lines = [self.sums.cut_line(height, 0.0, float(s)) for s in slant]
             gases = np.array([self.sums.gas_depth(*self.sums.line_amounts(*line)) for line in lines])
-            self._paths[key] = _LaidPaths(*laid_lines(lines), gases)
+            self._paths[key] = _JoinedPaths(*joined_lines(lines), gases)
         return self._paths[key]
 
-    def rays(self, zenith: FloatArray) -> _LaidPaths:
+    def rays(self, zenith: FloatArray) -> _JoinedPaths:
         """Rays from the sea at zenith angles [rad, (rays,)] to the Sun."""
         key = (0.0, *zenith.tolist())
         if key not in self._paths:
             rays = [self.sums.air.ray(0.0, float(z)) for z in zenith]
             lines = [(ray.between(CUTS), np.repeat(ray.length / CUTS, CUTS)) for ray in rays]
             gases = np.array([self.sums.gas_depth(*self.sums.ray_amounts(ray)) for ray in rays])
-            self._paths[key] = _LaidPaths(*laid_lines(lines), gases)
+            self._paths[key] = _JoinedPaths(*joined_lines(lines), gases)
         return self._paths[key]
 
 
@@ -519,8 +519,8 @@ class WindyAir:
 class AirAtWind:
     """Transmittance and sunlight of :class:`WindyAir` at one wind."""
 
-    air: WindyAir  #: What does not depend on the wind.
-    sums: AirSums  #: The aerosol.
+    air: WindyAir  #: Gases, which do not depend on the wind.
+    sums: AirSums  #: Aerosol at the wind.
     _light: dict[tuple[float, ...], FloatArray] = field(default_factory=dict)
 
     @property
@@ -543,6 +543,6 @@ class AirAtWind:
                 self._light[key][up] = self.sums.laws.source * self._passed(self.air.rays(zenith[up]))
         return self._light[key]
 
-    def _passed(self, paths: _LaidPaths) -> FloatArray:
+    def _passed(self, paths: _JoinedPaths) -> FloatArray:
         haze = np.add.reduceat(self.sums.haze_amounts(paths.height, paths.length), paths.first, axis=0)
         return np.asarray(np.exp(-paths.gases - self.sums.haze_depth(haze)))

@@ -1,6 +1,7 @@
-"""Scatterers of a profile: what :mod:`seaglint.air.scattering` sums single scattering of sunlight from, for any profile and haze.
+"""Scatterers of any profile and haze, and scattered sunlight of many cases.
 
-Scattered sunlight of many cases with their own wind, height, direction and Sun, computed line by line without a table.
+:mod:`seaglint.air.scattering` sums single scattering of sunlight over these scatterers. Cases that each have a wind, height, direction and
+Sun are computed line by line, without a table (:func:`scattered_cases`).
 """
 
 from __future__ import annotations
@@ -57,6 +58,12 @@ ALOFT_MODELS: Final = (17, 20, 25)
 #: Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%].
 _THINNING: Final = (0.002, 0.3, 2.0)
 
+_THREADS: Final = min(os.cpu_count() or 1, 4)
+
+SCATTERED_UM: Final = (2.0, 5.5)  #: Wavelengths of bands for which scattered sunlight is computed [um]; in 7.5-14 um it is negligible.
+
+_PARTS: Final = 8  #: Parts of the work for each thread.
+
 
 class Scatterers:
     """Scatterers of a profile on channels, for many hazes.
@@ -99,11 +106,11 @@ class Scatterers:
         self._spectral = SpectralLaws(nu, bands.continuum[: len(CONTINUA)], bands.gases)
         self._source = bands.source
         self._density = absorber_densities(thin, [c for c in self._spectral.columns if c not in AEROSOL_COLUMNS], bands.numbers.scaled)
-        middle = 0.5 * float(nu[0] + nu[-1]) if refracted_cm is None else refracted_cm
+        central_cm = 0.5 * float(nu[0] + nu[-1]) if refracted_cm is None else refracted_cm
         # layers that would trap rays are almost trapping here too: a ray must rise or fall through all of them
-        self._refractivity = np.exp(RefractingAir.of(thin.height, refractivity(thin, middle), thin.earth_radius).log_refractivity)
-        none = np.zeros((AEROSOLS, thin.height.size))
-        self._grid = grid_of(self._levels("none", none, np.zeros(AEROSOLS)))
+        self._refractivity = np.exp(RefractingAir.of(thin.height, refractivity(thin, central_cm), thin.earth_radius).log_refractivity)
+        no_aerosol = np.zeros((AEROSOLS, thin.height.size))
+        self._grid = grid_of(self._levels("none", no_aerosol, np.zeros(AEROSOLS)))
 
     def _levels(self, haze: str, density: FloatArray, tops: FloatArray) -> AirLevels:
         thin = self._profile
@@ -128,23 +135,24 @@ class Scatterers:
         thin = self._profile
         if humidity is None and haze.haze in HUMID_TABLES:
             dry = aerosols(thin, haze, self._nu, 0.0)
+            # a level's weight is the amount of haze in the layer below it
             weight = np.concatenate([[0.0], 0.5 * (dry.density[0, :-1] + dry.density[0, 1:]) * np.diff(thin.height)])
             humidity = mean_humidity(thin.relative_humidity, weight)
-        kept = aerosols(thin, haze, self._nu, humidity or 0.0)
-        levels = self._levels(haze.haze, kept.density, kept.tops)
+        aerosol = aerosols(thin, haze, self._nu, humidity or 0.0)
+        levels = self._levels(haze.haze, aerosol.density, aerosol.tops)
         amount = self._grid.amount.copy()
-        amount[:, :, :AEROSOLS] = layer_amounts(np.diff(levels.height), kept.density)
+        amount[:, :, :AEROSOLS] = layer_amounts(np.diff(levels.height), aerosol.density)
         angle = np.radians(lowtran_numbers()["phase_angle_deg"])
-        laws = AerosolLaws(kept.extinction, kept.absorption, angle, self._log_phase(haze.haze, kept.asymmetry[0]))
+        laws = AerosolLaws(aerosol.extinction, aerosol.absorption, angle, self._log_phase(haze.haze, aerosol.asymmetry[0]))
         finest = FINEST_KM if self._continuous else 0.0
         return ScatteringAir.assembled(self._spectral, levels, laws, self._source, self._grid._replace(amount=amount), finest)
 
     def _log_phase(self, haze: str, asymmetry: FloatArray) -> FloatArray:
         """Logarithm of the phase functions [(KINDS - 1, n, angles)], linear in wavelength as in LOWTRAN7."""
-        held = lowtran_numbers()
+        tables = lowtran_numbers()
         out = _mie_phase(haze, tuple(self._nu.tolist()))
         if haze == "desert":  # LOWTRAN7 takes Henyey and Greenstein's function there
-            out, cosine = out.copy(), np.cos(np.radians(held["phase_angle_deg"]))
+            out, cosine = out.copy(), np.cos(np.radians(tables["phase_angle_deg"]))
             g = asymmetry[:, None]
             out[: len(HUMIDITIES)] = np.log((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * cosine) ** 1.5))
         return out
@@ -173,13 +181,13 @@ def model_scatterers(
 
 
 def maritime(wind_speed: float) -> HazeWeather:
-    """Return the Navy's haze at a wind [m s-1]; above 20 m/s that of 20, as in LOWTRAN7."""
+    """Return the Navy's haze at a wind [m s-1]; above 20 m/s the haze at 20 m/s, as in LOWTRAN7."""
     wind = min(float(wind_speed), NAVY_AEROSOL_WIND[1])
     return HazeWeather(wind=wind, wind_24h=wind)
 
 
 def _phase_humidity(haze: str, humidity: FloatArray) -> FloatArray:
-    """Humidity [%] of the phase functions: LOWTRAN7 takes the tropospheric haze's of the next drier table."""
+    """Humidity [%] of the phase functions: for the tropospheric haze LOWTRAN7 takes the next drier table."""
     return np.array(HUMIDITIES)[np.searchsorted(HUMIDITIES, humidity, side="right") - 1] if haze == "tropospheric" else humidity
 
 
@@ -194,6 +202,7 @@ def thinned(profile: AirProfile, most: int) -> AirProfile:
     chosen = [0, z.size - 1]
     while len(chosen) < most:
         order = np.sort(chosen)
+        # one level at a time: each new level changes which one is interpolated worst
         guess = np.array([np.interp(z, z[order], row[order]) for row in scaled])
         chosen.append(int(np.argmax(np.abs(scaled - guess).max(axis=0))))
     i = np.sort(chosen)
@@ -204,29 +213,22 @@ def thinned(profile: AirProfile, most: int) -> AirProfile:
 @lru_cache(maxsize=8)
 def _mie_phase(haze: str, channels: tuple[float, ...]) -> FloatArray:
     """Logarithm of the tabulated phase functions [(KINDS - 1, n, angles)]."""
-    held = lowtran_numbers()
+    tables = lowtran_numbers()
     first = HUMID_MODELS.get(haze, 4)
-    below = [FOG_MODELS[haze]] * len(HUMIDITIES) if haze in FOG_MODELS else [first + i for i in range(len(HUMIDITIES))]
-    table, nodes, um = held["log_phase"][[*below, *ALOFT_MODELS]], held["phase_um"], 1e4 / np.array(channels)
+    boundary_layer = [FOG_MODELS[haze]] * len(HUMIDITIES) if haze in FOG_MODELS else [first + i for i in range(len(HUMIDITIES))]
+    table, nodes, um = tables["log_phase"][[*boundary_layer, *ALOFT_MODELS]], tables["phase_um"], 1e4 / np.array(channels)
     left = np.clip(np.searchsorted(nodes, um, side="right") - 1, 0, nodes.size - 2)
-    part = ((um - nodes[left]) / (nodes[left + 1] - nodes[left]))[:, None]
-    out = np.asarray((1.0 - part) * table[:, left] + part * table[:, left + 1])
+    fraction = ((um - nodes[left]) / (nodes[left + 1] - nodes[left]))[:, None]
+    out = np.asarray((1.0 - fraction) * table[:, left] + fraction * table[:, left + 1])
     out.flags.writeable = False
     return out
-
-
-_THREADS: Final = min(os.cpu_count() or 1, 4)
-
-SCATTERED_UM: Final = (2.0, 5.5)  #: Wavelengths of bands whose scattered sunlight is computed [um]; in 7.5-14 um there is almost none.
-
-_PARTS: Final = 8  #: Parts of the work for each thread.
 
 
 def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, continuous: bool = False) -> list[FloatArray]:
     """Scattered radiance of cases in bands, Sun at 1 au [W m-2 sr-1, (cases,)], in LOWTRAN7's layers or continuous, with its band laws.
 
     ``lines`` [(cases, 5)]: wind [m s-1], height [m], then elevation, azimuth from the Sun and the Sun's zenith angle without refraction at
-    the sensor [rad]. A disc cut by the sea's horizon counts by the share that is up; a Sun below scatters nothing.
+    the sensor [rad]. A disc cut by the sea's horizon counts by its visible share; a Sun below the horizon scatters nothing.
     """
     if not bands:
         return []
@@ -240,7 +242,7 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band], *, con
 
     def fill(first: int) -> None:
         for i in range(first, min(first + size, len(lines))):
-            out[:, i] = weights @ _line(table, lines[i])
+            out[:, i] = weights @ _case_spectrum(table, lines[i])
 
     with ThreadPoolExecutor(_THREADS) as pool:  # kernels release the interpreter
         list(pool.map(fill, range(0, len(lines), size)))
@@ -252,7 +254,7 @@ def scatters_in(band_um: tuple[float, float]) -> bool:
     return SCATTERED_UM[0] * (1.0 - 1e-9) <= band_um[0] and band_um[1] <= SCATTERED_UM[1] * (1.0 + 1e-9)
 
 
-def _line(table: Scatterers, line: FloatArray) -> FloatArray:
+def _case_spectrum(table: Scatterers, line: FloatArray) -> FloatArray:
     """Spectrum of scattered sunlight of one case [W m-2 sr-1 per cm-1, (n,)]."""
     wind, height, elevation, azimuth, zenith = (float(x) for x in line)
     air = table.with_haze(maritime(wind))

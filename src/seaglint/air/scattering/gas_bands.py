@@ -1,9 +1,8 @@
-"""Absorption bands of gases as stretches of channels with one law each, ``depth = (C W)**a``. Nothing here needs compiled kernels.
+"""Absorption bands of gases as ranges of channels with one law each, ``depth = (C W)**a``, and the optical depth of all absorbers.
 
-Kernels of LOWTRAN7's transmittances in channels: continua, aerosols and band laws.
-
-Optical depth in a channel is ``sum_k c_k W_k`` over continua and aerosols plus ``sum_b (C_b W_b)^a_b`` over absorption bands, whose lines
-saturate: the transmittance of a bent way Sun - point - sensor is that of its whole amount, not a product of two.
+Optical depth in a channel is ``sum_k c_k W_k`` over continua and aerosols plus ``sum_b (C_b W_b)^a_b`` over absorption bands with lines
+that saturate: the transmittance of a bent path Sun - point - sensor follows from its whole amount, not from a product of two
+transmittances.
 
 References
 ----------
@@ -46,8 +45,8 @@ class GasBand:
         low, high = max(self.where.start, first), min(self.where.stop, end)
         if low >= high:
             return None
-        part = self.coefficient[low - self.where.start : high - self.where.start]
-        return GasBand(self.column, slice(low - first, high - first), self.power, part)
+        coefficient = self.coefficient[low - self.where.start : high - self.where.start]
+        return GasBand(self.column, slice(low - first, high - first), self.power, coefficient)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +63,8 @@ class GasBands:
         Per gas and channel: number of the scaled amount (0: no band), exponent of the amount, and the natural logarithm of coefficient to
         that power [(gases, n)].
 
-        >>> found = GasBands.of(np.array([[0, 5, 5, 5, 6]]), np.array([[0.0, 0.5, 0.5, 0.6, 0.6]]), np.zeros((1, 5)))
-        >>> found.numbers, [(band.column, band.where.start, band.where.stop) for band in found.bands]
+        >>> gases = GasBands.of(np.array([[0, 5, 5, 5, 6]]), np.array([[0.0, 0.5, 0.5, 0.6, 0.6]]), np.zeros((1, 5)))
+        >>> gases.numbers, [(band.column, band.where.start, band.where.stop) for band in gases.bands]
         ([5, 6], [(0, 1, 3), (0, 3, 4), (1, 4, 5)])
         """
         numbers = sorted({int(c) for c in np.unique(column)} - {0})
@@ -81,7 +80,7 @@ class GasBands:
 
     def cut(self, first: int, end: int) -> GasBands:
         """Return the bands on consecutive channels; their columns stay."""
-        return GasBands(self.numbers, tuple(part for part in (band.cut(first, end) for band in self.bands) if part is not None))
+        return GasBands(self.numbers, tuple(cut_band for cut_band in (band.cut(first, end) for band in self.bands) if cut_band is not None))
 
 
 @njit
@@ -92,18 +91,19 @@ def optical_depths(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
         out[i] = 0.0
     for k in range(laws.linear.shape[0]):
         w = amount[k]
-        if w != 0.0:  # what counts as cold is below 0 in warm air
+        if w != 0.0:  # the amount that counts as cold is below 0 in warm air
             for i in range(channels):
                 out[i] += w * laws.linear[k, i]
+    # the coefficients of all segments follow each other in one array; ``at`` is the first of segment s
     at = 0
     for s in range(laws.segments.shape[0]):
         column, first, end = laws.segments[s]
         w = amount[column]
         if w > 1e-20:
-            grown = w ** laws.power[s]
+            saturated = w ** laws.power[s]
             band, coefficient = out[first:end], laws.coefficient[at : at + end - first]
             for i in range(band.size):
-                band[i] += grown * coefficient[i]
+                band[i] += saturated * coefficient[i]
         at += end - first
 
 

@@ -52,7 +52,7 @@ class LayerGrid(NamedTuple):
     """Quadrature heights of every whole layer, for rays far from level there: the sums need no exponentials.
 
     ``invariant[l, g]``: ``n r`` there [km], and at the levels ``at_level[l]``; ``amount[l, g, k]``: weights of ``1/cos(zenith)`` for the
-    amounts; ``bending[l, g]`` and ``turn[l, g]`` those of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
+    amounts; ``bending[l, g]`` and ``turn[l, g]`` the weights of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
     """
 
     at_level: np.ndarray
@@ -67,8 +67,9 @@ class Laws(NamedTuple):
 
     ``density[k, l]``: scaled densities at the levels of four aerosols, molecules, then absorbers; ``humidity`` relative [%] and ``tops``
     the highest levels of the aerosol regions. ``linear[k, i]``: coefficients of the columns whose optical depth is proportional to the
-    amount; ``scattering[k, i]`` those of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical depth
-    ``coefficient W**power[s]`` in channels first...end, whose coefficients are listed one after another. ``grid`` follows from the levels.
+    amount; ``scattering[k, i]`` the coefficients of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical
+    depth ``coefficient W**power[s]`` in channels first...end, whose coefficients are listed one after another. ``grid`` follows from the
+    levels.
     """
 
     earth_radius: float
@@ -91,11 +92,11 @@ class Laws(NamedTuple):
 
 
 @njit
-def _interpolated(a: float, b: float, part: float) -> float:
+def _interpolated(a: float, b: float, fraction: float) -> float:
     """Interpolation as LOWTRAN7's EXPINT: exponential, linear next to a zero."""
     if a <= 0.0 or b <= 0.0:
-        return a + (b - a) * part
-    return float(a * (b / a) ** part)
+        return a + (b - a) * fraction
+    return float(a * (b / a) ** fraction)
 
 
 @njit
@@ -109,9 +110,9 @@ def layer_of(laws: Laws, z: float) -> int:
 def refractivity_at(laws: Laws, z: float) -> float:
     """Refractivity ``n - 1`` at a height [km]."""
     i = layer_of(laws, z)
-    part = (z - laws.height[i]) / (laws.height[i + 1] - laws.height[i])
+    fraction = (z - laws.height[i]) / (laws.height[i + 1] - laws.height[i])
     low, high = laws.refractivity[i] + 1e-20, laws.refractivity[i + 1] + 1e-20
-    return float(low * (high / low) ** part)
+    return float(low * (high / low) ** fraction)
 
 
 @njit
@@ -126,27 +127,27 @@ def tangent_height(laws: Laws, invariant: float, z: float) -> float:
     if invariant < invariant_of(laws, 0.0, 1.0):
         return SHADE
     low, high = 0.0, z
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if invariant_of(laws, middle, 1.0) < invariant:
-            low = middle
+    for _ in range(60):  # bisection to the last bit
+        midpoint = 0.5 * (low + high)
+        if invariant_of(laws, midpoint, 1.0) < invariant:
+            low = midpoint
         else:
-            high = middle
+            high = midpoint
     return high
 
 
 @njit
-def _between_levels(laws: Laws, layer: int, part: tuple[float, float], low: np.ndarray, high: np.ndarray, growth: np.ndarray) -> None:
+def _between_levels(laws: Laws, layer: int, fractions: tuple[float, float], low: np.ndarray, high: np.ndarray, growth: np.ndarray) -> None:
     """Compute densities at two parts of a layer, and the logarithm of their ratio, 0 where one of them is 0."""
     for k in range(low.size):
         a, b = laws.density[k, layer], laws.density[k, layer + 1]
         if a > 0.0 and b > 0.0:
             whole = math.log(b / a)
-            growth[k] = (part[1] - part[0]) * whole
-            low[k] = a * math.exp(part[0] * whole)
+            growth[k] = (fractions[1] - fractions[0]) * whole
+            low[k] = a * math.exp(fractions[0] * whole)
             high[k] = low[k] * math.exp(growth[k])
         else:
-            low[k], high[k] = a + (b - a) * part[0], a + (b - a) * part[1]
+            low[k], high[k] = a + (b - a) * fractions[0], a + (b - a) * fractions[1]
             growth[k] = math.log(high[k] / low[k]) if low[k] > 0.0 and high[k] > 0.0 else 0.0
 
 
@@ -162,6 +163,7 @@ def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float, scale: float) ->
 
     It follows ``exp(scale / T)``; with 0 it is linear, as in LOWTRAN7.
     """
+    # mean pressure over mean density, both exponential between the points: the temperature weighted with density
     kelvin = kelvin1
     rho1, rho2 = p1 / kelvin1, p2 / kelvin2
     if abs(rho2 / rho1 - 1.0) > 1e-9 and abs(p2 / p1 - 1.0) > 1e-9:
@@ -186,12 +188,14 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
     thick = laws.height[layer + 1] - laws.height[layer]
     _between_levels(laws, layer, ((z1 - laws.height[layer]) / thick, (z2 - laws.height[layer]) / thick), low, high, work[3])
     n_low, n_high = laws.refractivity[layer] + 1e-20, laws.refractivity[layer + 1] + 1e-20
+    # refractivity falls exponentially across a layer
     fall = math.log(n_low / n_high) / thick
     n1 = n_low * math.exp(-fall * (z1 - laws.height[layer]))
     n2 = n_low * math.exp(-fall * (z2 - laws.height[layer]))
     sine1 = min(invariant / ((1.0 + n1) * (re + z1)), 1.0)
     sine2 = min(invariant / ((1.0 + n2) * (re + z2)), 1.0)
     cos1 = math.sqrt((1.0 - sine1) * (1.0 + sine1))
+    # curvature of the ray relative to the Earth, with a floor for almost trapped rays
     curved = max(sine1 * sine1 - (re + z1) * fall * n1 / (1.0 + n1) * sine1 * sine1, 0.02) / (re + z1)
     dz = z2 - z1
     length = 2.0 * dz / (cos1 + math.sqrt(cos1 * cos1 + 2.0 * curved * dz))
@@ -206,25 +210,27 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
         n = n1 * math.exp(-fall * (z - z1))
         sine = invariant / ((1.0 + n) * (re + z))
         cosine = math.sqrt(max((1.0 - sine) * (1.0 + sine), 1e-300))
+        # dz/ds of the parabola over the cosine of the real ray corrects the parabola's length
         weight = _WEIGHTS[g] * length * (cos1 + curved * s) / cosine
-        part = (z - z1) / dz
+        fraction = (z - z1) / dz
         bending += weight * sine * fall * n / (1.0 + n)
         for k in range(columns):
             a, b = low[k], high[k]
             if a > 0.0 and b > 0.0:
-                sums[k] += weight * a * math.exp(part * work[3, k])
+                sums[k] += weight * a * math.exp(fraction * work[3, k])
             else:
-                sums[k] += weight * (a + (b - a) * part)
-    turned = math.asin(sine1) - math.asin(sine2) + bending
+                sums[k] += weight * (a + (b - a) * fraction)
+    # Snell: the zenith angle changes by the angle at the Earth's centre less the bending
+    turn = math.asin(sine1) - math.asin(sine2) + bending
     if columns == 0:
-        return turned, bending
-    # Temperature of the layer, weighted with the density of air, says how much of the continuum counts as cold.
+        return turn, bending
+    # The layer's temperature, weighted with the density of air, determines how much of the continuum counts as cold.
     p1 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z1 - laws.height[layer]) / thick)
     p2 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z2 - laws.height[layer]) / thick)
     for k in range(columns):
         out[k] += sums[k]
     out[SELF_COLD] += sums[SELF] * _cold(p1, p2, kelvin1, kelvin2, laws.cold_kelvin)
-    return turned, bending
+    return turn, bending
 
 
 @njit
@@ -235,12 +241,14 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
     turn, bending = 0.0, 0.0
     for layer in range(first, last):
         low, high = invariant / grid.at_level[layer], invariant / grid.at_level[layer + 1]
+        # near level the squared cosine grows by a large factor within the layer, which fixed heights do not resolve
         if (1.0 - high * high) > _STRAIGHT * (1.0 - low * low):
-            part = layer_part(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
-            turn += part[0]
-            bending += part[1]
+            angles = layer_part(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
+            turn += angles[0]
+            bending += angles[1]
             continue
         for g in range(nodes):
+            # far from level: only the secant depends on the ray, all else was summed once
             sine = invariant / grid.invariant[layer, g]
             secant = 1.0 / math.sqrt((1.0 - sine) * (1.0 + sine))
             turn += grid.turn[layer, g] * sine * secant
@@ -263,14 +271,14 @@ def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray
     if high >= laws.height[last + 1]:
         last += 1
     if last > first:
-        part = _layers(laws, first, last, invariant, work, out)
-        turn += part[0]
-        bending += part[1]
+        angles = _layers(laws, first, last, invariant, work, out)
+        turn += angles[0]
+        bending += angles[1]
     start = max(laws.height[last], low)
     if last >= first and high - start > _THIN:
-        part = layer_part(laws, start, high, invariant, work, out)
-        turn += part[0]
-        bending += part[1]
+        angles = layer_part(laws, start, high, invariant, work, out)
+        turn += angles[0]
+        bending += angles[1]
     return turn, bending
 
 
@@ -289,6 +297,7 @@ def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.n
         lowest = tangent_height(laws, invariant, z)
         if lowest < 0.0:
             return SHADE
+        # below the start the ray passes every layer twice, down to its tangent height and up again
         bending = 2.0 * rise(laws, lowest, z, invariant, work, out)[1]
         for k in range(out.size):
             out[k] *= 2.0
@@ -394,6 +403,7 @@ def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray
     fall = np.log(n[:-1] / n[1:]) / thick
     at_node = n[:-1, None] * np.exp(-fall[:, None] * (z - height[:-1, None]))
     amount = layer_amounts(thick, density)
+    # every layer has one temperature, so its cold share is one factor
     amount[:, :, SELF_COLD] = amount[:, :, SELF] * cold[:, None]
     return LayerGrid(
         (1.0 + n) * (earth_radius + height),
@@ -407,10 +417,10 @@ def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray
 def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
     """Weights [(layers, nodes, columns)] of a smooth function's values at the quadrature heights in its integral times the density."""
     a, b = density[:, :-1, None], density[:, 1:, None]
-    both = (a > 0.0) & (b > 0.0)
-    slope = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0))
-    there = np.where(both, a * np.exp(slope * _FINE), a + (b - a) * _FINE)
-    return np.ascontiguousarray(np.moveaxis(there @ _TO_HEIGHTS, 0, -1) * thick[:, None, None])
+    exponential = (a > 0.0) & (b > 0.0)
+    slope = np.log(np.where(exponential, b, 1.0) / np.where(exponential, a, 1.0))
+    at_node = np.where(exponential, a * np.exp(slope * _FINE), a + (b - a) * _FINE)
+    return np.ascontiguousarray(np.moveaxis(at_node @ _TO_HEIGHTS, 0, -1) * thick[:, None, None])
 
 
 def layers_cold_share(pressure: FloatArray, temperature: FloatArray, cold_kelvin: float) -> FloatArray:

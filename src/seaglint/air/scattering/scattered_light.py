@@ -3,7 +3,7 @@ r"""Scattered sunlight of path and sky for one Sun, tabulated for millions of di
 .. math:: L(\nu) = \sum_r v_r(\nu) \sum_k \phi_k(\Theta)\, A_{kr}(\text{direction}, \text{Sun})
 
 The phase functions are narrow (the aureole is some ten degrees wide) but functions of the scattering angle alone; the amplitudes are
-smooth in elevation or range, in the cosine of the azimuth and in the Sun's zenith angle at the place. So each is tabulated for itself, the
+smooth in elevation or range, in the cosine of the azimuth and in the Sun's zenith angle at the place. So each is tabulated separately, the
 angle every quarter of a degree. ``k`` counts shapes of phase function (some four do for all kinds of scatterer and wavenumbers), ``r``
 spectral shapes.
 
@@ -12,15 +12,15 @@ Use
 :class:`seaglint.air.scattering.scattered_tables.ScatteredLight` makes three tables. A map or an image adds, in band,
 
 - ``path``: :func:`scattered_path_at` to the path radiance of every line of sight to the sea;
-- ``sky``: :func:`scattered_sky_at` to the sky seen from the sensor, above the horizon;
-- ``sea_sky``: the sky that a place on the sea sees, which facets mirror. Its elevation, azimuth and Sun are those against the vertical
+- ``sky``: :func:`scattered_sky_at` to the sky above the sensor's horizon;
+- ``sea_sky``: the sky above a place on the sea, which facets mirror. Its elevation, azimuth and Sun are relative to the vertical
   of the place. It has spectral shapes: as with :class:`seaglint.facet.surface_spectra.SkyTable`, ``L = shares @ spectral``, so that sums
   over the band with reflectance and transmittance are taken of ``spectral`` once, and facets only need their few ``shares``
-  (:func:`scattered_shares`). The shares depend on the azimuth from the Sun, unlike those of the thermal sky.
+  (:func:`scattered_shares`). Unlike the shares of the thermal sky they depend on the azimuth from the Sun.
 
-Kernels make no arrays, so that those of the renderer can call them.
+Kernels make no arrays, so that the renderer's kernels can call them.
 
-All are for the Sun at 1 au; multiply by ``1/d^2``.
+All results are for the Sun at 1 au; multiply by ``1/d^2``.
 """
 
 from __future__ import annotations
@@ -43,10 +43,10 @@ class ScatteredTable(NamedTuple):
 
     ``angular[i, k]``: phase functions' shapes at even steps of the scattering angle, ``amplitude[t, e, a, k, r]`` over the Sun's zenith
     angle, rows and even steps of the cosine of azimuth; ``spectral[r, n]``: spectral shapes [W m-2 sr-1 per cm-1], or a single 1 for
-    radiance in band. Rows are those of :func:`sky_row` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
+    radiance in band. Rows are counted by :func:`sky_row` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
     :func:`path_row` (``longest`` slant path [m]). ``solar_zenith`` [rad] is the Sun's apparent one at the sensor, or at its foot for sky
-    over the sea. Only there places have Suns of their own: ``suns`` is the first zenith angle and t per rad of it, and ``sets`` says that
-    the share of the disc above the place's horizon is still to be multiplied by.
+    over the sea. Only there the Sun differs between places: ``suns`` is the first zenith angle and t per rad of it, and ``sets`` is true if
+    the share of the disc above the place's horizon has still to be applied.
     """
 
     angular: np.ndarray
@@ -74,7 +74,7 @@ def sky_row(elevation: float, table: ScatteredTable) -> float:
         return float(table.dip_rows + min(y, 1.0) * (above - 1))
     if table.dip_rows == 0:
         return 0.0
-    # The last row below the horizontal is the one before the horizontal's own.
+    # The last row below the horizontal precedes the horizontal's row.
     return float(max(table.dip_rows * (1.0 - math.sqrt(min(-elevation / table.dip, 1.0))), 0.0))
 
 
@@ -92,6 +92,7 @@ def path_row(range_m: float, table: ScatteredTable) -> float:
 def angle_node(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> tuple[int, float]:
     """Node of the scattering angle, and the fraction to the next one."""
     half, lean = math.sin(0.5 * azimuth), math.sin(0.5 * (0.5 * math.pi - elevation - solar_zenith))
+    # sin^2 of half the scattering angle by half angles, which keep their digits in the aureole
     square = min(max(lean * lean + math.cos(elevation) * math.sin(solar_zenith) * half * half, 0.0), 1.0)
     angle = 2.0 * math.asin(math.sqrt(square)) / math.pi * (table.angular.shape[0] - 1)
     i = min(int(angle), table.angular.shape[0] - 2)
@@ -163,7 +164,7 @@ def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) ->
 def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: ScatteredTable) -> float:
     """Scattered path radiance in band [W m-2 sr-1] to the sea at an arc [m].
 
-    The path is seen at an elevation (below 0) and an azimuth from the Sun [rad].
+    The path has an elevation (below 0) and an azimuth from the Sun [rad] at the sensor.
     """
     return max(share_at(path_row(range_m, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
 
@@ -222,7 +223,7 @@ def scattered_shares(
 ) -> FloatArray:
     """Shares of the spectral shapes of a sky [1, (..., r)]: ``L = shares @ table.spectral``.
 
-    ``solar_zenith`` [rad] is the Sun's at the place, without it that at the sensor; all broadcast.
+    ``solar_zenith`` [rad] is the Sun's at the place, by default at the sensor; all broadcast.
     """
     zenith = table.solar_zenith if solar_zenith is None else solar_zenith
     e, a, z = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (elevation, azimuth_from_sun, zenith)))

@@ -4,12 +4,12 @@ r"""Single scattering of sunlight into a line of sight, summed over LOWTRAN7's l
    J_c = \sum_j \tfrac{1}{2} (\tau^s_{j-1} - \tau^s_j)
    \left(\frac{w_{c,j-1} T_{j-1}}{\tau^s_{j-1}} + \frac{w_{c,j} T_j}{\tau^s_j}\right)
 
-over the points j where the line crosses a level: ``tau^s`` is the transmittance of the line up to there as far as its scatterers go,
-``T_j`` that of the whole way Sun - point - sensor, ``w`` the share of kind c among the scatterers of its group, aerosols or molecules.
-Azimuth enters through the Sun's zenith angle at each point alone.
+over the points j where the line crosses a level: ``tau^s`` is the transmittance of the line up to there by its scatterers alone, ``T_j``
+the transmittance of the whole path Sun - point - sensor, ``w`` the share of kind c among the scatterers of its group, aerosols or
+molecules. Azimuth enters through the Sun's zenith angle at each point alone.
 
-Two things are smooth here that are not in LOWTRAN7: it leaves out refraction of sunlight below 0.1 deg, and a point where the Earth
-hides the whole Sun without refraction lies in the dark; here all sunlight is refracted, and the disc sets behind the point's horizon.
+Two quantities are smooth, unlike in LOWTRAN7, which omits refraction of sunlight below 0.1 deg and takes a point as dark if the Earth
+hides the whole Sun without refraction: all sunlight is refracted, and the disc sets behind the point's horizon.
 
 References
 ----------
@@ -60,12 +60,12 @@ class SunwardTable(NamedTuple):
     coefficient: np.ndarray
 
 
-NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))  #: Table without heights: every amount is summed for itself.
+NO_SUNS: Final = SunwardTable(np.zeros(0), 0.0, 0.0, np.zeros((0, 1, 1)))  #: Table without heights: every amount is summed separately.
 
 
 @njit
 def horizon_zenith(laws: Laws, z: float) -> float:
-    """Zenith angle [rad] of the refracted sea horizon seen from a height [km]."""
+    """Zenith angle [rad] of the refracted sea horizon from a height [km]."""
     return math.pi - math.asin(min(invariant_of(laws, 0.0, 1.0) / invariant_of(laws, z, 1.0), 1.0))
 
 
@@ -73,7 +73,8 @@ def horizon_zenith(laws: Laws, z: float) -> float:
 def apparent_zenith(laws: Laws, z: float, zenith: float, work: np.ndarray) -> float:
     """Apparent zenith angle [rad] of the Sun at a height [km], from the angle without refraction [rad].
 
-    One step, as in LOWTRAN7: less by the bending of the ray with the angle without refraction; below the horizon by that of the horizon.
+    One step, as in LOWTRAN7: less by the bending of the ray with the angle without refraction; below the horizon by the bending of the
+    horizon's ray.
     """
     grazing = horizon_zenith(laws, z) - _GRAZING
     return zenith - max(sun_amounts(laws, z, min(zenith, grazing), work, work[0, :0]), 0.0)
@@ -95,14 +96,15 @@ def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: floa
     """Compute :func:`sun_seen`, from the table where it has the j-th point's height and the Sun's zenith angle."""
     if j >= table.height.size or table.height[j] != z or zenith < table.first or zenith > table.last:
         return sun_seen(laws, z, zenith, work, out)
+    # Chebyshev polynomials by their recurrence, divided by the cosine with which the amounts were multiplied
     x = (2.0 * zenith - table.first - table.last) / (table.last - table.first)
     for k in range(out.size):
         out[k] = 0.0
-    now, after = 1.0 / math.cos(zenith), x / math.cos(zenith)
+    polynomial, following = 1.0 / math.cos(zenith), x / math.cos(zenith)
     for m in range(table.coefficient.shape[1]):
         for k in range(out.size):
-            out[k] += now * table.coefficient[j, m, k]
-        now, after = after, 2.0 * x * after - now
+            out[k] += polynomial * table.coefficient[j, m, k]
+        polynomial, following = following, 2.0 * x * following - polynomial
     return 1.0
 
 
@@ -110,7 +112,7 @@ def sun_by_table(laws: Laws, table: SunwardTable, j: int, z: float, zenith: floa
 def fill_suns(laws: Laws, height: np.ndarray, zenith: np.ndarray, out: np.ndarray) -> None:
     """Compute amounts to the Sun times the cosine of its zenith angle, at heights [km] (heights, zeniths, columns).
 
-    Zenith angles [rad] are those without refraction.
+    Zenith angles [rad] are without refraction.
     """
     work = np.zeros((WORK_ROWS, out.shape[2]))
     for j in range(height.size):
@@ -202,7 +204,7 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
     share = np.zeros((2, KINDS))
     depth, fall = np.zeros(channels), np.zeros(channels)
     for j in range(points):
-        here, before = j % 2, 1 - j % 2
+        this, previous = j % 2, 1 - j % 2
         up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         if up > 0.0:
             for k in range(columns):
@@ -212,18 +214,21 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
             scattered = 0.0
             for k in range(AEROSOLS):
                 scattered += laws.scattering[k, i] * line.amount[j, k]
-            haze[here, i] = math.exp(-scattered)
-            molecules[here, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
+            haze[this, i] = math.exp(-scattered)
+            molecules[this, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
             light = up * passed(depth[i]) if up > 0.0 else 0.0
-            by_haze[here, i] = light / haze[here, i] if haze[here, i] > 0.0 else 0.0
-            by_molecules[here, i] = light / molecules[here, i] if molecules[here, i] > 0.0 else 0.0
-        _kinds(laws, line.height[j], line.level[j], share[here])
+            by_haze[this, i] = light / haze[this, i] if haze[this, i] > 0.0 else 0.0
+            by_molecules[this, i] = light / molecules[this, i] if molecules[this, i] > 0.0 else 0.0
+        _kinds(laws, line.height[j], line.level[j], share[this])
         if j > 0:
             for i in range(channels):
-                fall[i] = 0.5 * (haze[before, i] - haze[here, i])
-                out[KINDS - 1, i] += 0.5 * (molecules[before, i] - molecules[here, i]) * (by_molecules[before, i] + by_molecules[here, i])
-            _add(out, fall, share[before], by_haze[before])
-            _add(out, fall, share[here], by_haze[here])
+                fall[i] = 0.5 * (haze[previous, i] - haze[this, i])
+                out[KINDS - 1, i] += (
+                    0.5 * (molecules[previous, i] - molecules[this, i]) * (by_molecules[previous, i] + by_molecules[this, i])
+                )
+            # trapezoid: half of the fall of transmittance for the point before, half for this one
+            _add(out, fall, share[previous], by_haze[previous])
+            _add(out, fall, share[this], by_haze[this])
     return float(line.arc[points - 1])
 
 
@@ -239,8 +244,8 @@ def _log_mean(a: float, b: float, x: float) -> float:
 def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, float], table: SunwardTable, out: np.ndarray) -> float:
     """Compute amplitudes as :func:`line_amplitudes`, of continuous air, along a traced line: ``J_c`` is the integral of ``beta_c T``.
 
-    T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its own
-    kind where it is.
+    T is the band transmittance Sun - place - sensor, between points by its logarithmic mean; every region's aerosol scatters as its kind at
+    its place.
     """
     columns, channels = laws.density.shape[0], laws.linear.shape[1]
     work = np.zeros((WORK_ROWS, columns))
@@ -251,25 +256,27 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
     light, depth, share = np.zeros((2, channels)), np.zeros((2, channels)), np.zeros(AEROSOLS)
     seen, up_before = np.zeros(channels), 0.0
     for j in range(points):
-        here, before = j % 2, 1 - j % 2
+        this, previous = j % 2, 1 - j % 2
         up = sun_by_table(laws, table, j, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         for i in range(channels):
-            light[here, i] = 0.0
+            light[this, i] = 0.0
         if up > 0.0:
             for k in range(columns):
                 whole[k] += line.amount[j, k]
-            optical_depths(laws, whole, depth[here])
+            optical_depths(laws, whole, depth[this])
             for i in range(channels):
-                light[here, i] = up * passed(depth[here, i])
+                light[this, i] = up * passed(depth[this, i])
+        # a disc that sets along the line dims the light too
         growth = math.log(up / up_before) if up > 0.0 and up_before > 0.0 else 0.0
         up_before = up
         if j == 0:
             continue
         _humid_shares(laws, 0.5 * (line.height[j - 1] + line.height[j]), share)
         for i in range(channels):
-            seen[i] = _log_mean(light[before, i], light[here, i], depth[before, i] - depth[here, i] + growth)
+            seen[i] = _log_mean(light[previous, i], light[this, i], depth[previous, i] - depth[this, i] + growth)
         for region in range(AEROSOLS):
             w = line.amount[j, region] - line.amount[j - 1, region]
+            # regions that the piece does not touch
             if w <= 0.0:
                 continue
             for c in range(AEROSOLS if region == 0 else 1):
@@ -287,9 +294,9 @@ def line_sums(laws: Laws, line: LevelCrossings, points: int, sun: tuple[float, f
 def _humid_shares(laws: Laws, z: float, out: np.ndarray) -> None:
     """Shares of the boundary layer's kinds at a height [km], by the humidity there."""
     i = layer_of(laws, z)
-    part = min(max((z - laws.height[i]) / (laws.height[i + 1] - laws.height[i]), 0.0), 1.0)
-    there = laws.humidity[i] + part * (laws.humidity[i + 1] - laws.humidity[i])  # NumPy's interp takes more than a second to compile
-    rh = min(max(there, HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
+    fraction = min(max((z - laws.height[i]) / (laws.height[i + 1] - laws.height[i]), 0.0), 1.0)
+    humidity = laws.humidity[i] + fraction * (laws.humidity[i + 1] - laws.humidity[i])  # NumPy's interp takes more than a second to compile
+    rh = min(max(humidity, HUMIDITIES[0]), HUMIDITIES[AEROSOLS - 1])
     for c in range(AEROSOLS):
         out[c] = 0.0
     upper = 1

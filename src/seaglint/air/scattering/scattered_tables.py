@@ -1,6 +1,7 @@
-"""Scattered sunlight of a user's calculation, as the tables of :mod:`seaglint.air.scattering.scattered_light`.
+"""Tables of scattered sunlight for :mod:`seaglint.air.scattering.scattered_light`.
 
-Tables of scattered sunlight for :mod:`seaglint.air.scattering.scattered_light`, from lines of sight computed one by one.
+They are made from lines of sight computed one by one (:class:`ScatteredLight`), or from the samples of a user's calculation
+(:class:`SampledLight`).
 """
 
 from __future__ import annotations
@@ -37,18 +38,58 @@ FILE_DIP_ROWS: Final = 64
 
 #: Height [m] up to which the sky below the horizontal is the horizontal's.
 #:
-#: LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea.
+#: LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with different air, would appear as a line above the sea.
 LOW: Final = 300.0
 
 _RANK: Final = 1e-4  #: Relative singular value of the spectra below which components are dropped.
+
+ELEVATION_NODES: Final = 26
+DIP_NODES: Final = 12
+DIP_PIECE_NODES: Final = 6
+
+#: Numbers of computed lines from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea.
+PATH_NODES: Final = 26
+
+DIP_ROWS: Final = 128
+COLUMNS: Final = 17  #: Rows and columns of the tables, splined from the computed lines.
+
+SHAPE_ERROR: Final = 3e-4  #: Root-mean-square relative error of the phase function expansion, weighted over kinds and wavenumbers.
+
+SPECTRAL_ERROR: Final = 1e-3  #: Largest root-mean-square relative error of a spectrum, a tenth of which remains in sums over the band.
+
+MOST_SHAPES: Final = 10
+
+LEAST_COSINE: Final = 1e-5  #: Cosine of the zenith angle at the sea of the last path, which almost grazes the sea.
+
+_LEAST: Final = 1e-30
+
+_SUNS: Final = 7
+
+#: Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated.
+_SUN_ROWS: Final = 13
+
+_SMALL_TURN: Final = np.radians(1.0)
+
+_ONE_SUN: Final = np.radians(0.1)  #: Largest difference of zenith angles that is treated as one Sun [rad].
+
+#: Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc.
+_LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
+
+_HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
+
+_MOST_CACHED: Final = 2
+_CACHED: Final[OrderedDict[bytes, ScatteredLight]] = OrderedDict()
+_LOCK: Final = threading.Lock()
+
+Resample = Callable[[FloatArray], FloatArray]  #: Function that resamples node values along the second axis to rows.
 
 
 @dataclass(frozen=True, eq=False)
 class SampledLight:
     """Scattered sunlight of a file, for its one Sun; as :class:`seaglint.air.scattering.scattered_tables.ScatteredLight`.
 
-    Radiance is split into a function of the scattering angle, which has the aureole, and what is left, which is smooth and interpolated
-    linearly between the file's directions. What the file leaves out is dark.
+    Radiance is split into a function of the scattering angle, which has the aureole, and the smooth rest, which is interpolated
+    linearly between the file's directions. Directions that the file omits are dark.
     """
 
     samples: ScatteredSamples
@@ -64,38 +105,38 @@ class SampledLight:
     @cached_property
     def path(self) -> ScatteredTable:
         """Table of scattered path radiance to the sea, in band."""
-        held, samples = self.samples.path, self.samples
-        if held is None:
+        path, samples = self.samples.path, self.samples
+        if path is None:
             return DARK
         slant = slant_range(self.height, samples.range_m)
         longest = float(max(slant[-1], 1.001 * self.height))
         even = self.height * (longest / self.height) ** np.linspace(0.0, 1.0, ROWS)
         zenith = 0.5 * np.pi + depression_of_range(self.height, samples.range_m)
-        table = self._table(zenith, held[..., self.grid] @ self.weights, np.log(slant), np.log(even))
+        table = self._table(zenith, path[..., self.grid] @ self.weights, np.log(slant), np.log(even))
         return table._replace(height=self.height, longest=longest)
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sensor, in band."""
-        held = self._sky_from(self.height)
-        if held is None:
+        """Table of the scattered sky above the sensor, in band."""
+        sky = self._sky_from(self.height)
+        if sky is None:
             return DARK
         dip = horizon_depression(self.height)
         below = -dip * (1.0 - np.arange(FILE_DIP_ROWS) / FILE_DIP_ROWS) ** 2
         rows = 0.5 * np.pi - np.concatenate([below if self.height > LOW else 0.0 * below, self._elevations])
-        table = self._table(held.zenith, held.radiance[..., self.grid] @ self.weights, held.zenith, rows)
+        table = self._table(sky.zenith, sky.radiance[..., self.grid] @ self.weights, sky.zenith, rows)
         return table._replace(height=self.height, dip=dip, dip_rows=FILE_DIP_ROWS)
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sea, as spectra."""
-        held = self._sky_from(0.0)
-        if held is None:
+        """Table of the scattered sky above the sea, as spectra."""
+        sky = self._sky_from(0.0)
+        if sky is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
-        radiance = held.radiance[..., self.grid]
+        radiance = sky.radiance[..., self.grid]
         _, size, shapes = np.linalg.svd(radiance.reshape(-1, radiance.shape[-1]), full_matrices=False)
         spectral = shapes[: max(int(np.count_nonzero(size > _RANK * size[0])), 1)]
-        table = self._table(held.zenith, radiance @ spectral.T, held.zenith, 0.5 * np.pi - self._elevations)
+        table = self._table(sky.zenith, radiance @ spectral.T, sky.zenith, 0.5 * np.pi - self._elevations)
         return table._replace(spectral=np.ascontiguousarray(spectral))
 
     def sea_sky_within(self, turn: float) -> ScatteredTable:
@@ -116,8 +157,9 @@ class SampledLight:
         return np.maximum(elevation_of_coordinate(np.linspace(0.0, 1.0, ROWS), 0.0), 0.0)
 
     def _sky_from(self, height: float) -> ScatteredSky | None:
-        near = [sky for sky in self.samples.skies if abs(sky.height - height) <= 0.01 * max(height, 1.0)]
-        return near[0] if near else None
+        # heights within 1 % count as equal
+        matches = [sky for sky in self.samples.skies if abs(sky.height - height) <= 0.01 * max(height, 1.0)]
+        return matches[0] if matches else None
 
     def _table(self, zenith: FloatArray, radiance: FloatArray, nodes: FloatArray, rows: FloatArray) -> ScatteredTable:
         """Table of radiance (k, a[, r]) at zenith angles of lines of sight [rad, (k,)]; ``nodes`` (k,) are the coordinates of ``rows``."""
@@ -127,12 +169,12 @@ class SampledLight:
         size = np.sqrt((values**2).sum(axis=2))
         angular = self._angular(angle, size)
         smooth = np.interp(angle, np.linspace(0.0, math.pi, ANGLES), angular)
-        # the rest: its magnitude by the logarithm
+        # the smooth rest: its magnitude is interpolated as a logarithm, its spectrum linearly
         tiny = 1e-9 * max(float(size.max()), 1e-30)
-        left = np.concatenate([np.log(np.maximum(size, tiny) / smooth)[..., None], values / np.maximum(size, tiny)[..., None]], axis=2)
+        split = np.concatenate([np.log(np.maximum(size, tiny) / smooth)[..., None], values / np.maximum(size, tiny)[..., None]], axis=2)
         columns = np.sin(0.5 * azimuth) ** 2
         wide = np.stack(
-            [[np.interp(np.linspace(0.0, 1.0, FILE_COLUMNS), columns, part) for part in row.T] for row in left]
+            [[np.interp(np.linspace(0.0, 1.0, FILE_COLUMNS), columns, part) for part in row.T] for row in split]
         )  # (k, 1 + r, columns)
         order = np.argsort(nodes)
         flat = wide.reshape(nodes.size, -1)[order]
@@ -148,6 +190,7 @@ class SampledLight:
         """Function of the scattering angle that contains the aureole, from the line of sight nearest to the Sun."""
         row = int(np.argmin(angle.min(axis=1)))
         floor = 1e-6 * max(float(size.max()), 1e-30)
+        # two azimuths may have one scattering angle; the spline needs distinct ones
         known, first = np.unique(np.round(angle[row], 6), return_index=True)
         log = np.log(np.maximum(size[row][first], floor))
         if known.size < 3:
@@ -156,59 +199,20 @@ class SampledLight:
         return np.asarray(np.exp(PchipInterpolator(known, log)(angles)))
 
 
-ELEVATION_NODES: Final = 26
-DIP_NODES: Final = 12
-DIP_PIECE_NODES: Final = 6
-#: Numbers of computed lines from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea.
-PATH_NODES: Final = 26
-
-DIP_ROWS: Final = 128
-COLUMNS: Final = 17  #: Rows and columns of the tables, splined from the computed lines.
-
-SHAPE_ERROR: Final = 3e-4  #: Root-mean-square relative error of the phase function expansion, weighted over kinds and wavenumbers.
-
-SPECTRAL_ERROR: Final = 1e-3  #: Largest root-mean-square relative error of a spectrum, a tenth of which remains in sums over the band.
-
-MOST_SHAPES: Final = 10
-
-LEAST_COSINE: Final = 1e-5  #: Cosine of the zenith angle at the sea of the last path, which almost grazes the sea.
-
-_LEAST: Final = 1e-30
-
-_SUNS: Final = 7
-#: Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated.
-_SUN_ROWS: Final = 13
-
-_SMALL_TURN: Final = np.radians(1.0)
-
-_ONE_SUN: Final = np.radians(0.1)  #: Largest difference of zenith angles that is treated as one Sun [rad].
-
-#: Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc.
-_LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
-
-_HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
-
-_MOST_KEPT: Final = 2
-_KEPT: Final[OrderedDict[bytes, ScatteredLight]] = OrderedDict()
-_LOCK: Final = threading.Lock()
-
-Resample = Callable[[FloatArray], FloatArray]  #: Function that resamples node values along the second axis to rows.
-
-
 def scattered_in(
     atmosphere: Atmosphere | None, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
 ) -> ScatteredLight | SampledLight:
     """Return the scattered sunlight of a band in any atmosphere.
 
     Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. Air from a
-    file has what the file tells.
+    file has the scattered sunlight of the file.
 
     Parameters
     ----------
     atmosphere : Atmosphere or None
-        Asked for samples of its own, ``scattered``, else for its scatterers; None for light that is left out.
+        Source of samples, ``scattered``, or else of scatterers; None to omit scattered sunlight.
     grid, weights : slice, ndarray
-        Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.facet.sea_view.BandSum` has them.
+        Samples in the band and its quadrature weights there [cm-1, (n,)], as in :class:`seaglint.facet.sea_view.BandSum`.
     height, solar_zenith, farthest_turn : float
         As for :class:`ScatteredLight`; ``seaglint.facet.sea_view.SeaView`` has all three.
     """
@@ -218,15 +222,15 @@ def scattered_in(
         samples.require_sun(solar_zenith, "the file of air")
         return SampledLight(samples, grid, np.asarray(weights, dtype=np.float64), height)
     air = atmosphere.scattering(grid) if up and atmosphere is not None else None
-    made = ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
-    # Its tables take 0.4 s: a frame has those of the mean map, and a map those of the one before where air and Sun are the same.
-    key = hashlib.blake2b(pickle.dumps(made)).digest()
+    light = ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
+    # Its tables take 0.4 s: a frame reuses the tables of the mean map, and a map the tables of an earlier one with the same air and Sun.
+    key = hashlib.blake2b(pickle.dumps(light)).digest()
     with _LOCK:
-        made = _KEPT.pop(key, made)
-        _KEPT[key] = made
-        while len(_KEPT) > _MOST_KEPT:
-            _KEPT.popitem(last=False)
-    return made
+        light = _CACHED.pop(key, light)
+        _CACHED[key] = light
+        while len(_CACHED) > _MOST_CACHED:
+            _CACHED.popitem(last=False)
+    return light
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,15 +239,15 @@ class ScatteredLight:
 
     Notes
     -----
-    A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below scatters
-    nothing, twilight is left out. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
+    A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below it scatters
+    nothing, twilight is omitted. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
     """
 
-    air: ScatteringAir | None  #: On the band's channels; None where nothing scatters, the tables then hold nothing.
+    air: ScatteringAir | None  #: Air on the band's channels; None if nothing scatters: the tables are then dark.
     weights: FloatArray  #: Quadrature weights of the band on them [cm-1, (n,)].
     height: float  #: Sensor height [m].
     solar_zenith: float  #: Apparent zenith angle of the Sun's centre at the sea at the sensor's foot [rad].
-    #: Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` then serves Suns that much higher and lower.
+    #: Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` covers Suns that much higher and lower.
     farthest_turn: float = 0.0
 
     @property
@@ -263,7 +267,7 @@ class ScatteredLight:
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sensor, in band [W m-2 sr-1]."""
+        """Table of the scattered sky above the sensor, in band [W m-2 sr-1]."""
         if self.air is None:
             return DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
@@ -273,7 +277,7 @@ class ScatteredLight:
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Table of the scattered sky seen from the sea, as spectra."""
+        """Table of the scattered sky above the sea, as spectra."""
         return self.sea_sky_within(self.farthest_turn)
 
     def sea_sky_within(self, turn: float) -> ScatteredTable:
@@ -307,7 +311,7 @@ class ScatteredLight:
         return self._spectra(zenith, azimuth, self.height, self._aloft)
 
     def sky_spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float) -> FloatArray:
-        """Scattered sky in every channel, seen from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad]."""
+        """Scattered sky in every channel, from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad]."""
         if self.air is None:
             return np.zeros((zenith.size, azimuth.size, self.weights.size))
         return self._spectra(zenith, azimuth, height, float(self.air.apparent_zenith(self._sun, height)))
@@ -398,9 +402,9 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
     def rows(nodes: FloatArray) -> FloatArray:
         low = np.empty((nodes.shape[0], DIP_ROWS, *nodes.shape[2:]))
         for i in range(pieces):
-            mine, first = piece == i, i * (nodes_each - 1)
-            where = grazing_coordinate((fine[mine] - edges[i]) / (edges[i + 1] - edges[i]))
-            low[:, mine] = CubicSpline(share, nodes[:, first : first + nodes_each], axis=1)(where)
+            in_piece, first = piece == i, i * (nodes_each - 1)
+            where = grazing_coordinate((fine[in_piece] - edges[i]) / (edges[i + 1] - edges[i]))
+            low[:, in_piece] = CubicSpline(share, nodes[:, first : first + nodes_each], axis=1)(where)
         return np.concatenate([low, CubicSpline(y, nodes[:, pieces * (nodes_each - 1) :], axis=1)(even)], axis=1)
 
     return np.concatenate([0.5 * math.pi - np.concatenate(below), above]), rows
@@ -408,9 +412,10 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
 
 def _grazed(air: ScatteringAir, height: float) -> FloatArray:
     """Elevations, up to the horizontal, of the rays that touch the sea or a level [rad], at which the sky has corners."""
-    here = invariant_of(air.laws, 1e-3 * height, 1.0)
+    level = invariant_of(air.laws, 1e-3 * height, 1.0)
+    # levels closer than 10 m below the sensor are left to the horizontal's piece
     levels = air.laws.height[(air.laws.height > 0.0) & (1e3 * air.laws.height < height - 10.0)]
-    touching = [-math.acos(min(invariant_of(air.laws, float(z), 1.0) / here, 1.0)) for z in levels]
+    touching = [-math.acos(min(invariant_of(air.laws, float(z), 1.0) / level, 1.0)) for z in levels]
     horizon = (0.5 * math.pi - horizon_zenith(air.laws, 1e-3 * height)) * (1.0 - 1e-3)
     return np.array([horizon, *(e for e in touching if e > horizon), 0.0])
 
@@ -440,6 +445,7 @@ def _table(
 
 def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
     """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle."""
+    # spectra of lines at some scattering angles, from the aureole to backscatter, span those at all angles
     phase = air.phase(np.radians((1.0, 10.0, 30.0, 90.0, 150.0)))
     spectra = np.einsum("acn,lcn->aln", phase, amplitudes).reshape(-1, amplitudes.shape[-1])
     size = np.linalg.norm(spectra, axis=1, keepdims=True)
@@ -448,26 +454,27 @@ def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
         return np.full((1, amplitudes.shape[-1]), amplitudes.shape[-1] ** -0.5)
     _, vectors = np.linalg.eigh(scaled.T @ scaled)
     shapes = vectors[:, ::-1].T
-    left = np.maximum(1.0 - np.cumsum((scaled @ shapes[:MOST_SHAPES].T) ** 2, axis=1), 0.0).max(axis=0)
-    good = np.flatnonzero(left < SPECTRAL_ERROR**2)
+    residual = np.maximum(1.0 - np.cumsum((scaled @ shapes[:MOST_SHAPES].T) ** 2, axis=1), 0.0).max(axis=0)
+    good = np.flatnonzero(residual < SPECTRAL_ERROR**2)
     return np.ascontiguousarray(shapes[: int(good[0]) + 1 if good.size else MOST_SHAPES])
 
 
 def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Shapes over scattering angle [(ANGLES, k)] and their share in each kind and channel [(k, KINDS, n)]."""
-    matter = np.sqrt((np.abs(sums).sum(axis=0) * amplitudes.mean(axis=0)).ravel() + _LEAST)
-    matter /= matter.max()
+    importance = np.sqrt((np.abs(sums).sum(axis=0) * amplitudes.mean(axis=0)).ravel() + _LEAST)
+    importance /= importance.max()
     phase = air.even_phase(ANGLES)
-    coarse = phase[::4].reshape(-1, matter.size)
-    typical = (coarse @ matter**2) / np.sum(matter**2)
-    scaled = coarse / typical[:, None] * matter
+    coarse = phase[::4].reshape(-1, importance.size)
+    typical = (coarse @ importance**2) / np.sum(importance**2)
+    scaled = coarse / typical[:, None] * importance
     energy, vectors = np.linalg.eigh(scaled @ scaled.T)
-    left = np.sqrt(np.maximum(np.cumsum(np.maximum(energy, 0.0)) / energy.sum(), 0.0))
-    count = min(max(int(np.sum(left > SHAPE_ERROR)), 1), MOST_SHAPES)
-    kinds = (vectors[:, ::-1][:, :count].T @ scaled) / matter  # of the scaled phase functions
+    residual = np.sqrt(np.maximum(np.cumsum(np.maximum(energy, 0.0)) / energy.sum(), 0.0))
+    count = min(max(int(np.sum(residual > SHAPE_ERROR)), 1), MOST_SHAPES)
+    # eigenvectors of the weighted phase functions, largest first: the fewest shapes for a given error
+    kinds = (vectors[:, ::-1][:, :count].T @ scaled) / importance  # of the scaled phase functions
     # Least squares over kinds and channels, as they count, gives the shapes at all angles.
-    basis = kinds * matter
-    fine = phase.reshape(ANGLES, -1) * matter
+    basis = kinds * importance
+    fine = phase.reshape(ANGLES, -1) * importance
     shapes = np.linalg.solve(basis @ basis.T, basis @ fine.T).T
     return np.ascontiguousarray(shapes), kinds.reshape(count, KINDS, -1)
 
@@ -475,14 +482,15 @@ def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray
 def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArray:
     """Node values [(suns, nodes, azimuths, k, r)] resampled to the tables' rows and columns: magnitude by its logarithm, rest linearly."""
     size = np.sqrt(np.sum(values**2, axis=(3, 4), keepdims=True)) + _LEAST
-    both = np.concatenate([np.log(size).reshape(*values.shape[:3], 1), (values / size).reshape(*values.shape[:3], -1)], axis=-1)
+    encoded = np.concatenate([np.log(size).reshape(*values.shape[:3], 1), (values / size).reshape(*values.shape[:3], -1)], axis=-1)
     columns = np.linspace(0.0, 1.0, COLUMNS)
     nodes = np.sin(0.5 * azimuths) ** 2
     order = azimuths.size - 1
+    # polynomials in the cosine of the azimuth: the azimuth nodes are their Chebyshev extrema
     to_columns = chebyshev.chebvander(1.0 - 2.0 * columns, order) @ np.linalg.inv(chebyshev.chebvander(1.0 - 2.0 * nodes, order))
-    both = np.moveaxis(np.tensordot(to_columns, both, axes=(1, 2)), 0, 2)
-    both = rows(both)
-    if both.shape[0] > 1:
-        both = CubicSpline(1.0 - (1.0 - np.linspace(0.0, 1.0, both.shape[0])) ** 2, both, axis=0)(np.linspace(0.0, 1.0, _SUN_ROWS))
-    whole = np.exp(both[..., :1]) * both[..., 1:]
+    encoded = np.moveaxis(np.tensordot(to_columns, encoded, axes=(1, 2)), 0, 2)
+    encoded = rows(encoded)
+    if encoded.shape[0] > 1:
+        encoded = CubicSpline(1.0 - (1.0 - np.linspace(0.0, 1.0, encoded.shape[0])) ** 2, encoded, axis=0)(np.linspace(0.0, 1.0, _SUN_ROWS))
+    whole = np.exp(encoded[..., :1]) * encoded[..., 1:]
     return np.ascontiguousarray(whole.reshape(*whole.shape[:3], *values.shape[3:]))

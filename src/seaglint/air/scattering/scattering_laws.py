@@ -1,8 +1,8 @@
 """Scatterers and absorbers of one atmosphere: LOWTRAN7's own profiles, band laws and phase functions, on part of the spectrum.
 
-From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`), whatever the height, direction and
-Sun: a table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
-for any profile and haze, :mod:`seaglint.formats.lowtran.lowtran_sample` of a run of LOWTRAN7.
+From them scattered sunlight is computed line by line (:mod:`seaglint.air.scattering.scattered_line`) for any height, direction and Sun; a
+table of the radiance itself would need all of them as axes. :mod:`seaglint.air.profile.profile_scattering` makes them
+for any profile and haze, :mod:`seaglint.formats.lowtran.lowtran_sample` from a run of LOWTRAN7.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ SUN_NODES: Final = (6, 10)
 
 HIGH_SUN: Final = float(np.radians(66.0))  #: Zenith angle [rad].
 
-LOWEST_SUN: Final = float(np.radians(88.0))  #: Zenith angle of the Sun up to which they are [rad].
+LOWEST_SUN: Final = float(np.radians(88.0))  #: Zenith angle of the Sun up to which amounts are interpolated [rad].
 
 #: Part of the Sun's elevation by which it may be lower at a place in the table, and half that by which it may be higher; beyond, rays are
 #: followed one by one.
@@ -48,12 +48,12 @@ NEARER: Final = 0.35
 _PER_MOLECULE: Final = 1e-20  #: Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2.
 
 
-_EVEN: Final[deque[tuple[FloatArray, FloatArray]]] = deque(maxlen=2)
+_EVEN_PHASES: Final[deque[tuple[FloatArray, FloatArray]]] = deque(maxlen=2)
 _LOCK: Final = threading.Lock()
 
 
 class Segments(NamedTuple):
-    """Consecutive bands as :class:`Laws` has them: (column, first, end), their powers, and coefficients of all their channels."""
+    """Consecutive bands as in :class:`Laws`: (column, first, end), their powers, and coefficients of all their channels."""
 
     place: NDArray[np.int64]
     power: FloatArray
@@ -154,7 +154,7 @@ class ScatteringAir:
         """
         # Copies, which can be written to: kernels are compiled once for them, wherever the arrays are from.
         density = np.array(levels.density)
-        density[SELF_COLD] = 0.0  # made of the column before it, by temperature
+        density[SELF_COLD] = 0.0  # kernels derive it from the column before it, by temperature
         laws = Laws(
             float(levels.earth_radius),
             np.array(levels.height),
@@ -214,26 +214,28 @@ class ScatteringAir:
         """Phase functions [sr-1, (..., KINDS, n)] at scattering angles [rad, (...)]."""
         theta, nodes = np.asarray(angle, dtype=np.float64), self._aerosol.angle
         left = np.clip(np.searchsorted(nodes, theta, side="right") - 1, 0, nodes.size - 2)
-        part = ((theta - nodes[left]) / (nodes[left + 1] - nodes[left]))[..., None, None]
+        fraction = ((theta - nodes[left]) / (nodes[left + 1] - nodes[left]))[..., None, None]
         log = np.moveaxis(self._aerosol.log_phase, -1, 0)
         out = np.empty((*theta.shape, KINDS, self.wavenumber_cm.size))
-        out[..., : KINDS - 1, :] = np.exp((1.0 - part) * log[left] + part * log[left + 1])
+        # logarithms are linear between the angles of the table, as in LOWTRAN7
+        out[..., : KINDS - 1, :] = np.exp((1.0 - fraction) * log[left] + fraction * log[left + 1])
         out[..., KINDS - 1, :] = molecular_phase(theta)[..., None]
         return out
 
     def even_phase(self, count: int) -> FloatArray:
-        """Phase functions [sr-1, (count, KINDS, n)] at even steps of the scattering angle from 0 to pi, which no one may change.
+        """Phase functions [sr-1, (count, KINDS, n)] at even steps of the scattering angle from 0 to pi; read-only.
 
-        Winds share them: their haze scatters with the same phase functions, in other shares.
+        Different winds share them: their haze scatters with the same phase functions, in other shares.
         """
         with _LOCK:
-            for log_phase, table in _EVEN:
+            for log_phase, table in _EVEN_PHASES:
+                # the same array, not an equal one: hazes of other winds share it
                 if log_phase is self._aerosol.log_phase and len(table) == count:
                     return table
         table = self.phase(np.linspace(0.0, np.pi, count))
         table.flags.writeable = False
         with _LOCK:
-            _EVEN.appendleft((self._aerosol.log_phase, table))
+            _EVEN_PHASES.appendleft((self._aerosol.log_phase, table))
         return table
 
     def amplitudes(self, height: float, lines: FloatArray, *, tabulated: bool = False) -> tuple[FloatArray, FloatArray]:
@@ -261,6 +263,7 @@ class ScatteringAir:
 
     def _suns(self, z: float, lines: FloatArray) -> SunwardTable:
         """Table of the amounts towards the Sun at the points of the lines from a height [km]; empty for a Sun that is too low."""
+        # the line nearest to the horizontal reaches farthest, and sets the range of Suns
         grazing = lines[np.argmin(np.abs(lines[:, 0] - 0.5 * np.pi)), 0]
         heights, arcs = line_points(self.laws, z, float(grazing))
         reach = float(arcs.max())
@@ -270,6 +273,7 @@ class ScatteringAir:
         near = NEARER * (0.5 * np.pi - most)
         first, last = max(least - min(reach, 2.0 * near), 0.0), most + min(reach, near)
         count = SUN_NODES[last > HIGH_SUN]
+        # Chebyshev points: their interpolation matrix is well conditioned, and errors stay even over the interval
         x = np.cos(np.pi * (np.arange(count) + 0.5) / count)
         values = np.empty((heights.size, count, self.laws.density.shape[0]))
         fill_suns(self.laws, np.array(heights), 0.5 * (first + last) + 0.5 * (last - first) * x, values)
@@ -284,7 +288,7 @@ def grid_of(levels: AirLevels) -> LayerGrid:
 
 
 def molecular_phase(angle: ArrayLike) -> FloatArray:
-    """Phase function of molecules with a depolarisation of 0.0279 [sr-1], as LOWTRAN7 has it.
+    """Phase function of molecules with a depolarisation of 0.0279 [sr-1], as in LOWTRAN7.
 
     >>> round(float(molecular_phase(0.0)), 5)
     0.11772
@@ -293,7 +297,7 @@ def molecular_phase(angle: ArrayLike) -> FloatArray:
 
 
 def scattering_angle(zenith: ArrayLike, azimuth_from_sun: ArrayLike, solar_zenith: ArrayLike) -> FloatArray:
-    """Angle between sunlight and the light it becomes in a line of sight [rad]: that between the directions to the Sun and looked into.
+    """Scattering angle of sunlight in a line of sight [rad]: the angle between the directions to the Sun and looked into.
 
     >>> round(float(scattering_angle(1.2, 0.0, 1.0)), 9)
     0.2

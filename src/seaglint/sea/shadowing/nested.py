@@ -1,6 +1,6 @@
 r"""Shadowing of a sea whose waves are nested: Smith's law applied band by band, longest waves first.
 
-Smith's function takes heights and slopes for independent. On a sea of many scales the facets that are seen sit on the visible flanks of
+Smith's function takes heights and slopes for independent. On a sea of many scales visible facets lie on the visible flanks of
 longer waves, so that visible slopes are steeper towards the viewer than Smith's. With the slope variance parted into N bands, and
 :math:`p_0` the level sea,
 
@@ -11,21 +11,21 @@ longer waves, so that visible slopes are steeper towards the viewer than Smith's
 
 is the density of the slopes on the visible projected area; its integral stays 1. One band is Smith's (Saunders') law exactly.
 
-Only the slope along the view decides what is hidden; across it the density is broadened as if nothing were. With bands of equal
+Only the slope along the view decides whether a facet is hidden; across it the density is broadened as without hiding. With bands of equal
 variance, the visible density over Smith's is therefore a function of two numbers, :math:`t = s/\sigma_1` and
 :math:`\mu = \cot\theta_v/\sigma_1`, :math:`\sigma_1` the rms slope along the view: one small table per number of bands, for any sea.
 
-Without end the bands make a Brownian motion that never meets the slope seen edge on, and the ratio becomes
+In the limit of infinitely many bands the slope is a Brownian motion that never meets the slope viewed edge on, and the ratio becomes
 :math:`(1 + \Lambda)(1 - e^{-2\mu(\mu - t)})`: at most :math:`1 + \Lambda`. Real waves are not infinitely far apart in scale: their number
 of bands is fitted to brute force, :func:`bands_of`.
 
-Facets that are seen and lit have a law of the same kind, each band hiding facets from both legs
+Facets that are both visible and lit have a law of the same kind, each band hiding facets from both legs
 (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`). Over Smith's law
 for two legs, a Sun opposite to the viewer has
 
 .. math:: R(t) = R_v(t)\,R_s(-t)\,C(t), \qquad C = \frac{B}{R_v R_s}\Big|_{N_c\ bands}
 
-with :math:`R_v` and :math:`R_s` the ratios of each leg alone and B that of the joint law, of fewer bands the lower both legs are
+with :math:`R_v` and :math:`R_s` the ratios of each leg alone and B the ratio of the joint law, of fewer bands the lower both legs are
 (:func:`seaglint.sea.shadowing.seen_and_lit.coupled_bands`). It is symmetric in viewer and Sun, and is
 :math:`R_v` under a high Sun. With as many bands as each leg alone the joint law is many times too dark where few facets are left:
 shadows of both legs fall on the same facets more often than bands that are independent allow.
@@ -49,7 +49,7 @@ from seaglint.base.table_cache import cached_table
 from seaglint.sea.shadowing.smith import projected_area, visible_area
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
-#: Bands of equal slope variance where none are given: about those of winds above 7 m/s, which :func:`bands_of` has as 4.6.
+#: Default number of bands of equal slope variance: about the number of winds above 7 m/s, 4.6 by :func:`bands_of`.
 BANDS: Final = 5
 
 #: Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band.
@@ -92,12 +92,13 @@ class _Quadrature(NamedTuple):
 
 def _quadrature(mu: float, bands: int) -> _Quadrature:
     """Return the quadrature of a view ``mu`` rms slopes high."""
+    # slopes above the one viewed edge on are hidden
     high = min(mu, REACH + 0.5)
     half = 0.5 * (high + REACH + 0.5)
     slope, weight = high - half * (1.0 - _GAUSS_X), half * _GAUSS_W
     width = 1.0 / math.sqrt(bands)
     projection = mu - slope
-    # Areas of one band over its rms slope; the widths cancel against that of the next factor but for the first.
+    # Areas of one band over its rms slope; the widths cancel against the width of the next factor but for the first.
     seen = _density(slope / width) * projection / (width * width * _area(np.asarray(mu / width)))
     onward = weight / (width * _area(projection / width))
     step = _density((slope[:, None] - slope) / width) / width * onward
@@ -110,8 +111,9 @@ def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
     seen = rule.seen
     for _ in range(bands - 2):
         seen = (rule.step @ seen) * rule.projection
+    # the projected area of the last slope cancels against Smith's visible density, so that any slope has a ratio
     last = (_density((t[:, None] - rule.slope) / rule.width) / rule.width * rule.onward) @ seen
-    # far beyond the edge, where nothing is visible, many narrow bands give 0
+    # far beyond the edge, where no facet is visible, many narrow bands give 0
     return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
 
 
@@ -125,6 +127,7 @@ def nested_chain(t: FloatArray, mu: float, bands: int) -> list[FloatArray]:
     for _ in range(bands - 2):
         seen = (rule.step @ seen) * rule.projection
         forward.append(seen)
+    # the facet's slope s fixed: backward densities of its last bands times forward densities of the first ones
     back = _density((t[:, None] - rule.slope) / rule.width) / rule.width * rule.onward
     out: list[FloatArray] = []
     for seen in reversed(forward):
@@ -140,9 +143,9 @@ def bands_of(mss: float) -> float:
     """Number of bands of equal slope variance for a sea of total slope variance ``mss`` [1]: ``1.3 + 98 mss``, 4.6 at most.
 
     Fitted to brute force in the vertical plane of the Sun, on Gaussian seas with the shape of Elfouhaily's spectrum down to 1 cm and the
-    slope variances of Cox and Munk: depressions of 0.5-10 deg, Suns 1-30 deg high. Seen and lit, of what brute force has: within 15 % at
-    2-7 m/s, at 3 and 12 m/s within 12 % above a tenth of Smith's law, 35 % below, as ``low_sun.csv`` and
-    ``docs/figures/hidden_facets.py`` tell. Rougher seas carry more of their slopes in ripples, apart in scale from the waves.
+    slope variances of Cox and Munk: depressions of 0.5-10 deg, Suns 1-30 deg high. The visible and lit share agrees with brute force
+    within 15 % at 2-7 m/s, at 3 and 12 m/s within 12 % above a tenth of Smith's law and 35 % below (``low_sun.csv``,
+    ``docs/figures/hidden_facets.py``). Rougher seas carry more of their slopes in ripples, apart in scale from the waves.
 
     >>> round(bands_of(0.0286), 1)
     4.1
@@ -153,7 +156,7 @@ def bands_of(mss: float) -> float:
 def bands_of_breadth(breadth: float) -> float:
     """Number of bands [1] for waves of a breadth along the view: ``2.17 breadth - 0.4``, 1.3 to 4.6.
 
-    The breadth is that of :func:`seaglint.sea.shadowing.facet_lean.breadth`.
+    The breadth is computed by :func:`seaglint.sea.shadowing.facet_lean.breadth`.
 
     Fitted to brute force in the vertical plane of the Sun, 0.5-10 deg down, Suns 2-20 deg high: isotropic and directional Elfouhaily seas
     of 2-12 m/s, and the seas of scenarios, whose ripples make up Cox and Munk's slopes.
@@ -167,27 +170,27 @@ def bands_of_breadth(breadth: float) -> float:
 def bands_of_facets(share: float, bands: float) -> float:
     """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.02 (1 - share)^0.5]``.
 
-    Geometry hides in more ways than its share of ``bands`` says, most of all the longest waves. Below 1 the facets hide less than Smith's
-    law has it: the waves that they ride on fall away from where they are seen. 0 where they hide nothing of each other.
+    Geometry hides more than in proportion to its share of ``bands``, the longest waves most of all. Below 1 the facets hide less than by
+    Smith's law: the waves on which they ride fall away from the viewer. At 0 they do not hide each other.
 
     Fitted in the vertical plane of the Sun: seas as for :func:`bands_of` with waves down to 0.25-30 m as geometry and facets on them,
-    against all waves as geometry. Seen and lit, views of 0.5-7 deg, Suns 1-15 deg high: 5-25 % rms of what brute force has, the largest
-    differences with both at 1 deg or below; within 20 % from 3 and 5 deg on. ``docs/figures/hidden_facets.py`` makes the table anew.
+    against all waves as geometry. The visible and lit share in views of 0.5-7 deg, Suns 1-15 deg high, is within 5-25 % rms of brute force,
+    the largest differences with both at 1 deg or below; within 20 % from 3 and 5 deg on. ``docs/figures/hidden_facets.py`` computes the table.
 
     >>> round(bands_of_facets(0.66, 4.8), 1)
     1.9
     """
-    # fewer bands than any sea has approach Smith's law, whose facets stay Smith's
+    # below 2.6 bands, towards Smith's law at one band, the loss fades out: facets on a sea of Smith's law obey it too
     lost = 1.02 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
     return float(max(bands * (1.0 - lost * math.sqrt(1.0 - min(share, 1.0))), 0.0))
 
 
 class Shelter(NamedTuple):
-    """Shelter that geometry gives to the facets on it: of :func:`shelter_of_facets`."""
+    """Shelter that geometry gives to the facets on it; see :func:`shelter_of_facets`."""
 
     slack: float  #: Share of the square of a low Sun's elevation over a facet that does not count.
     least: float  #: Least elevation of the Sun that counts, in rms slopes of the facets.
-    together: float  #: Excess of facets that are both seen and lit, times both elevations in rms slopes.
+    together: float  #: Excess of facets that are both visible and lit, times both elevations in rms slopes.
 
 
 NO_SHELTER: Final = Shelter(0.0, 0.0, 0.0)  #: Shelter of facets that carry all slopes.
@@ -200,9 +203,9 @@ LOWEST: Final = 0.1  #: Elevation in rms slopes of facets below which :attr:`She
 def shelter_of_facets(share: float) -> Shelter:
     r"""Shelter of facets with a ``share`` of the slope variance, longer waves being geometry.
 
-    Where geometry lights a facet that faces away the sea falls off towards the Sun, so that ripples hide less than Smith's law about the
-    facet's tilt has it; facets that face the Sun are hidden more, as other waves stand before them. The elevation :math:`\mu` of the Sun
-    over the facet counts as :func:`counted_kernel`, and the share that is seen and lit is :math:`1 + b/(\mu_v \mu_s)` times that of the
+    Where geometry lights a facet that faces away the sea falls off towards the Sun, so that ripples hide less than by Smith's law about
+    the facet's tilt; facets that face the Sun are hidden more, as other waves are in front of them. The elevation :math:`\mu` of the Sun
+    over the facet counts as :func:`counted_kernel`, and the visible and lit share is :math:`1 + b/(\mu_v \mu_s)` times the share by the
     law, with :math:`a = 0.60\,u`, :math:`m = 0.215\,u`, :math:`u = (1 - share)^{1/4}` and :math:`b = 0.058\,(1 - share)^{1/2}`.
 
     Fitted as :func:`bands_of_facets` is.
@@ -245,7 +248,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
 
 @cached_table
 def _ratios(bands: int) -> FloatArray:
-    """Table for two or more bands, 0.1 s of processor time each; a scene asks for four."""
+    """Table for two or more bands, 0.1 s of processor time each; a scene needs four."""
     t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - REACH, dtype=np.float64)
     return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
 
@@ -257,12 +260,12 @@ def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArra
     Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
     """
     whole = max(int(bands), 1)
-    more = max(bands, 1.0) - whole
-    if more == 0.0:
+    remainder = max(bands, 1.0) - whole
+    if remainder == 0.0:
         return table(whole)
     high = table(whole + 1)
     low = table(whole) if whole > 1 else np.zeros_like(high)
-    return np.asarray(np.logaddexp(low + math.log1p(-more), high + math.log(more)))
+    return np.asarray(np.logaddexp(low + math.log1p(-remainder), high + math.log(remainder)))
 
 
 @kernel
@@ -284,6 +287,7 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
     """
     if table.size == 0 or edge >= HIGHEST * deviation:
         return 1.0
+    # one row and column of the table lie before the first ones in use, so that the cubic has a point on each side
     column = (min(max(slope / deviation, -REACH), REACH) + REACH) / _STEP + 1.0
     row = max(edge, 0.0) / deviation / _STEP + 1.0
     i, j = min(int(row), table.shape[0] - 3), min(int(column), table.shape[1] - 3)
@@ -302,7 +306,7 @@ def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: F
         return 0.0
     column = (min(max(slope / deviation, -REACH), REACH) + REACH) / _STEP + 1.0
     row = max(edge, 0.0) / deviation / _STEP + 1.0
-    # unsigned addresses are spared the compiler's care for those that count from the end
+    # unsigned addresses spare the compiler's check for indices that count from the end
     i, j = np.uint64(min(int(row), table.shape[0] - 2)), np.uint64(min(int(column), table.shape[1] - 2))
     i1, j1 = np.uint64(i + _ONE), np.uint64(j + _ONE)
     f, g = row - float(i), column - float(j)
@@ -318,14 +322,14 @@ def _map_ratio(slope: FloatArray, edge: FloatArray, deviation: FloatArray, table
 
 
 def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: ArrayLike, bands: float = BANDS) -> FloatArray:
-    """Ratio of the visible slope density of a nested sea to that of Smith's law.
+    """Ratio of the visible slope density of a nested sea to the density by Smith's law.
 
     ``p_N(s) = ratio * p(s) max(0, v_z - v_h . s) / A+``
 
     Parameters
     ----------
     slope_along : array_like
-        Slope along the view azimuth, positive where the sea rises towards the viewer [1]; facets seen have ``v_z > |v_h| s``.
+        Slope along the view azimuth, positive where the sea rises towards the viewer [1]; visible facets have ``v_z > |v_h| s``.
     view_zenith : array_like
         Zenith angle of the direction to the viewer [rad], 0..pi/2.
     mss_along : array_like
@@ -379,11 +383,12 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
 
 @lru_cache(maxsize=16)
 def _moments(bands: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Ratios to A+ of what skewness and excess along the view add to the visible area of a nested sea, against the edge in rms slopes."""
+    """Contributions of skewness and excess along the view to the visible area of a nested sea, over A+, against the edge in rms slopes."""
     ratio = np.exp(between_bands(ratio_table, bands)) - 1.0
     t: FloatArray = np.asarray(_STEP * (np.arange(_COLUMNS) - 1.0) - REACH, dtype=np.float64)
     edge: FloatArray = np.asarray(_STEP * (np.arange(_ROWS) - 1.0), dtype=np.float64)
     weight = ratio * np.maximum(edge[:, None] - t, 0.0) * _density(t) * _STEP / _area(edge)[:, None]
+    # Hermite polynomials of the series: He3/6 for skewness, He4/24 for excess
     return edge, weight @ ((t**3 - 3.0 * t) / 6.0), weight @ ((t**4 - 6.0 * t * t + 3.0) / 24.0)
 
 
@@ -423,5 +428,5 @@ def nested_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeSt
     with np.errstate(divide="ignore"):
         x = np.cos(zenith) / (np.sin(zenith) * np.sqrt(variance))
     edge, third, fourth = _moments(bands)
-    more = skewness * np.interp(x, edge, third, right=0.0) + excess * np.interp(x, edge, fourth, right=0.0)
-    return np.asarray(area + projected_area(zenith, variance) * more)
+    correction = skewness * np.interp(x, edge, third, right=0.0) + excess * np.interp(x, edge, fourth, right=0.0)
+    return np.asarray(area + projected_area(zenith, variance) * correction)

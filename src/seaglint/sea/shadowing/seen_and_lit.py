@@ -1,6 +1,6 @@
-"""Facets that are both seen and lit, wave band by wave band: ratio tables of the joint law to the two legs taken alone.
+"""Facets that are both visible and lit, wave band by wave band: ratio tables of the joint law to the two legs taken alone.
 
-The law stands in :mod:`seaglint.sea.shadowing.nested`.
+The law is derived in :mod:`seaglint.sea.shadowing.nested`.
 """
 
 from __future__ import annotations
@@ -32,15 +32,16 @@ def _area_kernel(x: float) -> float:
 
 @kernel
 def _onward(view: float, sun: float, width: float) -> float:
-    """Seen and lit share of a band's facets per projected area, ``1/[(1 + Lambda_v + Lambda_s) (v_z - v_h . s_0)]``, about a tilt from
-    which viewer and Sun stand ``view`` and ``sun`` above the facet (cotangents).
+    """Visible and lit share of a band's facets per projected area, ``1/[(1 + Lambda_v + Lambda_s) (v_z - v_h . s_0)]``.
+
+    About a tilt relative to which viewer and Sun are ``view`` and ``sun`` above the facet (cotangents of their zenith angles).
     """
     return float(1.0 / (width * _area_kernel(view / width) + view * (width * _area_kernel(sun / width) / sun - 1.0)))
 
 
 @kernel
 def _pair_elevation(node: int) -> float:
-    """Elevation at a node in rms slopes, at least 1e-3, as nothing is visible at an elevation of 0."""
+    """Elevation at a node in rms slopes, at least 1e-3, as no facet is visible at an elevation of 0."""
     return max(_PAIR_TOP * (node / (_PAIR_NODES - 1)) ** 2, 1e-3)
 
 
@@ -48,6 +49,7 @@ def _pair_elevation(node: int) -> float:
 def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArray, slopes: FloatArray, out: FloatArray) -> None:
     """Logarithms of the joint density over Smith's at ``slopes``, for viewer and Sun ``view`` and ``sun`` rms slopes high, oppositely."""
     width = 1.0 / math.sqrt(bands)
+    # slopes from the one that hides the Sun to the one that hides the viewer
     low, high = -min(sun, REACH), min(view, REACH)
     half = 0.5 * (high - low)
     n = x.size
@@ -69,6 +71,7 @@ def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArr
                 total += step[i, j] * seen[j]
             other[i] = total
         seen, other = other, seen
+    # the same for one band is Smith's law for two legs, over which the ratio is taken
     base = math.log(_onward(view, sun, 1.0) / math.sqrt(2.0 * math.pi))
     for k in range(slopes.size):
         total = 0.0
@@ -88,6 +91,7 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
                 slopes[k] = (view + sun) * k / (shares - 1) - sun
             _pair_ratios(view, sun, bands, x, w, slopes, out[i, j])
             for k in range(shares):
+                # the ratios of either leg alone are divided out; the Sun is opposite, so its slope has the other sign
                 out[i, j, k] -= math.log(nested_ratio_kernel(slopes[k], view, 1.0, alone))
                 out[i, j, k] -= math.log(nested_ratio_kernel(-slopes[k], sun, 1.0, alone))
 
@@ -110,7 +114,7 @@ def coupled_bands(view: FloatArray, sun: FloatArray, bands: float, deviation: fl
     With :math:`c = \min[(\sigma/0.14)^{1.44}, 1.6]`, N the ``bands`` of each leg, ``view`` and ``sun`` the elevations :math:`\mu` of viewer
     and Sun in rms slopes and ``deviation`` the rms slope :math:`\sigma` of the whole sea along one direction [1].
 
-    The lower both are the more often shadows of both fall on the same facets: then the legs are those of a sea of one band. Fitted to
+    The lower both are, the more often shadows of both fall on the same facets, as on a sea of one band. Fitted to
     brute force in the vertical plane of the Sun; see :func:`coupling_table`.
     """
     steep = min((deviation / 0.14) ** 1.44, 1.6)
@@ -119,7 +123,7 @@ def coupled_bands(view: FloatArray, sun: FloatArray, bands: float, deviation: fl
 
 @lru_cache(maxsize=16)
 def coupling_table(bands: float, deviation: float) -> FloatArray:
-    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets seen and lit over the product of the two legs alone.
+    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: visible and lit facets over the product of the two legs alone.
 
     .. math::
 
@@ -133,10 +137,10 @@ def coupling_table(bands: float, deviation: float) -> FloatArray:
     if bands <= 1.0:
         return np.zeros((0, 0, 0))
     elevation = np.array([_pair_elevation(i) for i in range(_PAIR_NODES)])
-    many = coupled_bands(elevation[:, None], elevation, bands, deviation)[..., None]
+    coupled = coupled_bands(elevation[:, None], elevation, bands, deviation)[..., None]
     out = np.zeros((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
-    for whole in range(2, int(np.ceil(many.max())) + 1):
-        out += np.maximum(1.0 - np.abs(many - whole), 0.0) * _pair_table(whole)
+    for whole in range(2, int(np.ceil(coupled.max())) + 1):
+        out += np.maximum(1.0 - np.abs(coupled - whole), 0.0) * _pair_table(whole)
     return out
 
 
@@ -146,12 +150,13 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
     in rms slopes; both elevations at least 0, the Sun opposite to the viewer. 0 from the empty table of one band, and from
-    the single zero that stands for it in a stack.
+    the single zero that represents it in a stack.
     """
     if table.shape[0] < _PAIR_NODES:
         return 0.0
     a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
     x, y = (_PAIR_NODES - 1) * math.sqrt(a / _PAIR_TOP), (_PAIR_NODES - 1) * math.sqrt(b / _PAIR_TOP)
+    # position of the slope between the Sun's edge (0) and the viewer's (1)
     z = min(max((slope + b) / max(a + b, 2e-3), 0.0), 1.0) * (_PAIR_SHARES - 1)
     i, j = np.uint64(min(int(x), _PAIR_NODES - 2)), np.uint64(min(int(y), _PAIR_NODES - 2))
     k = np.uint64(min(int(z), _PAIR_SHARES - 2))

@@ -4,7 +4,7 @@ With ``v`` the unit vector to the viewer, the projected area of facets turned to
 
     A+ = <max(0, v_z - v_h . s)>  =  m Phi(m/d) + d phi(m/d),      m = v_z - v_h . <s>,  d = |v_h| sigma_1
 
-(``sigma_1`` the rms slope along the view azimuth). Only ``m`` of it can be seen, so the seen share is ``m/A+ = 1/(1 + Lambda)``.
+(``sigma_1`` the rms slope along the view azimuth). Only ``m`` of it is visible, so the visible share is ``m/A+ = 1/(1 + Lambda)``.
 ``A+`` is smooth through the horizon, where it is ``sigma_1/sqrt(2 pi)`` (Zeisse 1995), and beyond it; ``Lambda`` is infinite there.
 
 For a Gram-Charlier density the slope along any azimuth has a Gram-Charlier density too, of skewness ``h3`` and excess ``h4``
@@ -12,7 +12,7 @@ For a Gram-Charlier density the slope along any azimuth has a Gram-Charlier dens
 
     A+ = m Phi(x) + d phi(x) [1 + h3 x/6 + h4 (x^2 - 1)/24],      x = m/d.
 
-Negative values of the series count as 0 in the density, so here too: their share of ``A+`` is a small function of ``x`` and of the
+Negative values of the series count as 0 in the density, and also in this area: their share of ``A+`` is a small function of ``x`` and the
 azimuth, integrated once per set of coefficients and interpolated.
 
 References
@@ -59,6 +59,7 @@ def visible_area_kernel(mean: float, deviation: float) -> float:
     """Mean of ``max(0, X)`` for a normal ``X`` of given mean and standard deviation: A+ with ``m`` and ``d`` of the module's formula."""
     if deviation <= 0.0:
         return max(mean, 0.0)
+    # with this x, erfc(-x)/2 is Phi(m/d)
     x = mean / (math.sqrt(2.0) * deviation)
     if x > 6.0:  # the tail is below 1e-17 of the mean
         return mean
@@ -107,13 +108,13 @@ def smith_lambda_kernel(nu: float) -> float:
 def leg_passage_kernel(relative_azimuth: float) -> float:
     """Weight ``a`` of the second leg's own shadows [1], 0 for legs on one side to 1 for opposite sides.
 
-    The share of the facets turned to both viewer and Sun that is seen by the one and lit by the other is
+    The share of the facets turned to both viewer and Sun that is visible to the one and lit by the other is
 
     ``S = 1/[1 + max(Lambda_v, Lambda_s) + a(phi) min(Lambda_v, Lambda_s)]``,
     ``a(phi) = [4.41 phi/(4.41 phi + 1)] / [4.41 pi/(4.41 pi + 1)]``
 
-    On the same side (``phi = 0``) what is seen along the lower ray is lit by the higher one; at opposite azimuths the legs are
-    independent given the height, ``1/(1 + Lambda_v + Lambda_s)``. The passage is that of van Ginneken et al., divided by its value
+    On the same side (``phi = 0``) facets that the lower ray reaches are reached by the higher one; at opposite azimuths the legs are
+    independent given the height, ``1/(1 + Lambda_v + Lambda_s)``. The passage follows van Ginneken et al., divided by its value
     at ``pi`` (0.933) so that the opposite side is Smith's exactly. Symmetric in viewer and Sun (reciprocal).
 
     References
@@ -141,7 +142,7 @@ def _map_area(mean: FloatArray, deviation: FloatArray, out: FloatArray) -> None:
 def _flat_broadcast(*arrays: ArrayLike) -> tuple[tuple[int, ...], list[FloatArray]]:
     """Return the broadcast shape and the flattened float64 copies."""
     parts = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in arrays))
-    # copies: broadcast views are read-only soon, and kernels are compiled for arrays that are not
+    # copies: broadcast views will become read-only in NumPy, and kernels are compiled for writable arrays
     return parts[0].shape, [np.array(p, order="C").ravel() for p in parts]
 
 
@@ -178,7 +179,7 @@ def smith_nu(zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
     cosine, sine = np.cos(theta), np.sin(theta)
     with np.errstate(divide="ignore", invalid="ignore"):
         nu = cosine / (sine * np.sqrt(2.0 * variance))
-    # a flat sea seen exactly along the horizon (0/0) is past it
+    # a flat sea viewed exactly along the horizon (0/0) is past it
     return np.asarray(np.where(np.isnan(nu) & ~np.isnan(theta + variance), -np.inf, nu))
 
 
@@ -222,26 +223,27 @@ def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[f
     step = 0.04
     axis = np.arange(-_REACH + 0.5 * step, _REACH, step)
     xi, eta = np.meshgrid(axis, axis)
-    part = np.exp(-0.5 * (xi * xi + eta * eta)) / (2.0 * np.pi) * np.maximum(-gram_charlier(xi, eta, coefficients), 0.0) * step * step
-    keep = (part > 0.0) & (xi * xi + eta * eta < _REACH**2)
-    xi, eta, part = xi[keep], eta[keep], part[keep]
+    negative = np.exp(-0.5 * (xi * xi + eta * eta)) / (2.0 * np.pi) * np.maximum(-gram_charlier(xi, eta, coefficients), 0.0) * step * step
+    inside = (negative > 0.0) & (xi * xi + eta * eta < _REACH**2)
+    xi, eta, negative = xi[inside], eta[inside], negative[inside]
     count = round(2.0 * _REACH / _X_STEP) + 3  # a node to spare on each side
     table = np.empty((_TURNS, count))
     for row, psi in enumerate(np.linspace(0.0, np.pi, _TURNS)):
+        # slopes of the negative part along the view, as cells of the table
         place = (xi * np.sin(psi) - eta * np.cos(psi) + _REACH) / _X_STEP + 1.0
         cell = np.floor(place).astype(np.intp)
         beyond = place - cell
         # split between two nodes, which keeps mass and mean; the two sums integrate twice
-        density = np.bincount(cell, part * (1.0 - beyond), count) + np.bincount(cell + 1, part * beyond, count)[:count]
+        density = np.bincount(cell, negative * (1.0 - beyond), count) + np.bincount(cell + 1, negative * beyond, count)[:count]
         table[row, 0] = 0.0
         table[row, 1:] = _X_STEP * np.cumsum(np.cumsum(density))[:-1]
     table.setflags(write=False)
-    return float(part.sum()), float((part * eta).sum()), table
+    return float(negative.sum()), float((negative * eta).sum()), table
 
 
 @kernel
 def _series_area_kernel(zenith: float, turn: float, series: _Series) -> float:
-    """Visible area A+ of a Gram-Charlier density seen from ``zenith`` at an azimuth ``turn`` from the wind's."""
+    """Visible area A+ of a Gram-Charlier density from ``zenith`` at an azimuth ``turn`` from the wind's."""
     cosine, sine = math.cos(zenith), math.sin(zenith)
     up, cross = series.deviation_up * math.cos(turn), series.deviation_cross * abs(math.sin(turn))
     sigma = math.hypot(up, cross)
@@ -250,6 +252,7 @@ def _series_area_kernel(zenith: float, turn: float, series: _Series) -> float:
     area = visible_area_kernel(cosine, deviation)
     if deviation < 1e-12:
         return area + series.mass * max(cosine, 0.0)
+    # skewness h3 and excess h4 of the slope along the view, as in the module's text
     x = cosine / deviation
     c = series.coefficients
     if abs(x) < 30.0:
@@ -302,7 +305,7 @@ def visible_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeS
 
     Notes
     -----
-    Within 1e-5 of the integral above the horizon; past it to 1e-6 of ``sigma_1``, where the whole area is soon nothing.
+    Within 1e-5 of the integral above the horizon; past it to 1e-6 of ``sigma_1``, where the whole area soon vanishes.
 
     References
     ----------

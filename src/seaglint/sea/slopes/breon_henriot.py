@@ -32,7 +32,7 @@ def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 
     height : float
         Height at which ``wind_speed`` holds [m].
     extrapolate : bool
-        Accept winds beyond that range.
+        Whether winds beyond that range are accepted.
 
     Returns
     -------

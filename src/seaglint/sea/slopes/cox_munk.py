@@ -57,9 +57,9 @@ def cox_munk_isotropic(wind_speed: float, *, height: float = 10.0, extrapolate: 
     wind_speed : float
         Neutral wind speed at ``height`` [m s⁻¹]; 0-20 m/s.
     height : float
-        Height at which ``wind_speed`` holds [m]. 12.5 takes the number as it is (the source article's way).
+        Height at which ``wind_speed`` holds [m]. 12.5 takes the number unchanged, as the source article does.
     extrapolate : bool
-        Accept winds beyond the range of the fit.
+        Whether winds beyond the range of the fit are accepted.
 
     Returns
     -------

@@ -15,11 +15,11 @@ from seaglint.sea.tiles import resolve_limit
 
 _LENGTHS: Final = 24  #: Number of wavelengths at which covariances are taken.
 
-_RIPPLES: Final = 13  #: Number of those of the ripples.
+_RIPPLES: Final = 13  #: Number of wavelengths of the ripples.
 
 #: Width of ripples without a spectrum in the logarithm of the wavenumber: a first part, and one by the slope variance up to an end.
 #:
-#: Even ones of this width have the breadth that Elfouhaily's seas have, to which the number of bands by slope variance belongs.
+#: Ripples that are even over this width have the breadth of Elfouhaily's seas, to which the number of bands by slope variance belongs.
 _BREADTH: Final = (2.7, 156.0, 0.0337)
 
 
@@ -59,11 +59,11 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
 
     They are the ``nesting`` of :class:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics`: of the spectrum up to where they reach 0.8
     of the slopes' variances, and ripples that make up the slopes. These have the spectrum's shares of every shorter length as far as its
-    shorter waves go; what no wave of the spectrum accounts for, swell alone being given, is even over the logarithm of the wavenumber, as
-    broad as seas of these slopes are (:data:`_BREADTH`).
+    shorter waves suffice; variance that no wave of the spectrum accounts for, as with swell alone, is even over the logarithm of the
+    wavenumber, as broad as seas of these slopes are (:data:`_BREADTH`).
 
     In light winds, where slopes are :attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.directed` in part, that part has these
-    covariances and the rest has what is left without the wind sea, so that the sea passes to a calm without a step.
+    covariances and the rest has the covariances without the wind sea, so that the sea passes to a calm without a step.
 
     Parameters
     ----------
@@ -72,21 +72,23 @@ def nested_in(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None, cal
     spectrum : DirectionalSpectrum, optional
         Waves of the same sea; None without waves.
     calm : DirectionalSpectrum, optional
-        Those of them that do not depend on the wind, a swell; None where there are none.
+        The waves among them that do not depend on the wind, a swell; None without such waves.
 
     Returns
     -------
     SlopeStatistics
-        The same slopes; flat ones as they are.
+        The same slopes; flat slopes are returned unchanged.
     """
     if min(slopes.mss_up, slopes.mss_cross) <= 0.0:
         return slopes
     directed = 1.0 if slopes.directed is None else slopes.directed
     grown = _grown(slopes, spectrum)
     if directed < 1.0:
-        still = _grown(slopes, calm)
-        k = np.unique(np.concatenate([grown[:, 0], still[:, 0]]))
-        both = [np.stack([np.interp(np.log(k), np.log(part[:, 0]), column) for column in part.T[1:]], axis=1) for part in (grown, still)]
+        calm_grown = _grown(slopes, calm)
+        k = np.unique(np.concatenate([grown[:, 0], calm_grown[:, 0]]))
+        both = [
+            np.stack([np.interp(np.log(k), np.log(table[:, 0]), column) for column in table.T[1:]], axis=1) for table in (grown, calm_grown)
+        ]
         grown = np.column_stack([k, directed * both[0] + (1.0 - directed) * both[1]])
     rows = ((float(k), float(up), float(cross), float(both)) for k, up, cross, both in grown)
     return replace(slopes, nesting=tuple(rows))
@@ -100,8 +102,9 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
         return np.column_stack([SHORTEST * np.exp(width * (share - 1.0)), np.outer(share, [slopes.mss_up, slopes.mss_cross, 0.0])])
     low, limit = spectrum.wavenumber_range[0], resolve_limit(spectrum, slopes)
     if slopes.directed is not None:
-        # all waves of a vanishing wind sea are below the limit: without this, ripples of its residual variance would be those above 1e4
+        # all waves of a vanishing wind sea are below the limit: without this, its residual variance would be in ripples above 1e4 rad/m
         limit = min(limit, SHORTEST)
+    # covariances are turned from the spectrum's axes to the axes of the slopes
     turn = spectrum.wind_to_azimuth - slopes.wind_to_azimuth
     c, s = float(np.cos(turn)), float(np.sin(turn))
     top = max(SHORTEST, 2.0 * limit)
@@ -115,20 +118,21 @@ def _grown(slopes: SlopeStatistics, spectrum: DirectionalSpectrum | None) -> Flo
     )
     grown, shorter = np.zeros((edges.size, 3)), np.zeros(edges.size)
     for i, (least, most) in enumerate(pairwise(edges), start=1):
-        along, beside = spectrum.mss(float(most), float(least))
+        along, across = spectrum.mss(float(most), float(least))
         mixed = spectrum.slope_covariance(float(most), float(least))
         parts = (
-            along * c * c - 2.0 * mixed * c * s + beside * s * s,
-            along * s * s + 2.0 * mixed * c * s + beside * c * c,
-            (along - beside) * c * s + mixed * (c * c - s * s),
+            along * c * c - 2.0 * mixed * c * s + across * s * s,
+            along * s * s + 2.0 * mixed * c * s + across * c * c,
+            (along - across) * c * s + mixed * (c * c - s * s),
         )
+        # waves above the limit only give the ripples their shape
         longer = most <= limit * (1.0 + 1e-9)
         grown[i] = grown[i - 1] + (parts if longer else 0.0)
-        shorter[i] = shorter[i - 1] + (0.0 if longer else along + beside)
-    left = np.array([slopes.mss_up, slopes.mss_cross, 0.0]) - grown[-1]
-    needed = max(float(left[0] + left[1]), 1e-300)
-    given = min(float(shorter[-1]) / needed, 1.0)
+        shorter[i] = shorter[i - 1] + (0.0 if longer else along + across)
+    missing = np.array([slopes.mss_up, slopes.mss_cross, 0.0]) - grown[-1]
+    needed = max(float(missing[0] + missing[1]), 1e-300)
+    supplied = min(float(shorter[-1]) / needed, 1.0)
     even = np.clip(1.0 + np.log(edges / top) / width, 0.0, 1.0)
-    ripples = given * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - given) * even
-    grown += np.outer(ripples, left)
+    ripples = supplied * shorter / max(float(shorter[-1]), 1e-300) + (1.0 - supplied) * even
+    grown += np.outer(ripples, missing)
     return np.column_stack([edges, grown])

@@ -1,21 +1,19 @@
-r"""Record of sea slope statistics: variances along and across the wind, Gram-Charlier coefficients, and the density they define.
+r"""Slope statistics of the sea: variances along and across the wind, Gram-Charlier coefficients, and the density that they define.
 
-Slopes of a sea in light winds, where fits to the wind lose their meaning: without wind no direction is left.
+**Light winds.** The straight lines through measured slope variances end at 0 m/s in an unphysical sea: Cox and Munk's has 0.003 across
+the wind and no variance along it, so that a picture would depend on a wind direction that does not exist. Below the winds at which a fit
+stops making sense slopes follow from measured numbers alone:
 
-The straight lines through measured slope variances end at 0 m/s in a sea that no one has seen: Cox and Munk's has 0.003 across the wind
-and nothing along it, so that the picture would hang on where no wind comes from. Below the winds at which a fit stops to make sense
-slopes follow from what was measured, and no further number is needed:
-
-- Waves are never steeper across the wind than along it. Cox and Munk's ratio of the crosswind variance to the upwind one lies between
+- Waves are never steeper across the wind than along it. Cox and Munk's ratio of the crosswind variance to the upwind one is between
   0.54 and 1.0 in their photographs (mean 0.75), in light winds too. Below the wind at which the lines cross, 2.42 m/s, both directions have
-  half of the fit's total: 0.003 in all at 0 m/s, which Cox and Munk's isotropic law has too.
-- A film damps waves and never makes them. In no direction has a slick sea more slope variance than a clean one.
-- Skewness and peakedness are the wind's. They fall in proportion to the wind below the same speed, to a Gaussian sea in a calm.
+  half of the fit's total: 0.003 in all at 0 m/s, as in Cox and Munk's isotropic law.
+- A film damps waves and never raises them. In no direction has a slick sea more slope variance than a clean one.
+- Skewness and peakedness are caused by the wind. They fall in proportion to the wind below the same speed, to a Gaussian sea in a calm.
 - Wind seas of the models end at 0.5 m/s. From there to 0 the direction of long waves, which the law of shadowing takes into account,
   falls in proportion to the wind (:attr:`~seaglint.sea.slopes.slope_statistics.SlopeStatistics.directed`).
 
-At most 0.0015 is so moved from one direction to the other, at 0 m/s; Cox and Munk state 0.002 (across) and 0.004 (along) as the standard
-deviations of their observations from the lines. Above the joining wind a fit is used as published.
+At most 0.0015 is moved from one direction to the other in this way, at 0 m/s; Cox and Munk state 0.002 (across) and 0.004 (along) as the
+standard deviations of their observations from the lines. Above the joining wind a fit is used as published.
 
 References
 ----------
@@ -35,6 +33,11 @@ from seaglint.base.errors import DomainError
 
 SHORTEST: Final = 2.0 * np.pi / 0.01  #: Wavenumber of the shortest waves that carry slopes [rad/m].
 
+RESIDUAL: Final = 0.003  #: Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s.
+
+#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind.
+LIGHTEST: Final = 0.5
+
 
 @dataclass(frozen=True)
 class SlopeStatistics:
@@ -53,8 +56,8 @@ class SlopeStatistics:
     #: Wavenumbers [rad/m], and covariances of the slopes of all longer waves, up, cross and both [1], from none to all waves; see
     #: :meth:`growth`.
     nesting: tuple[tuple[float, float, float, float], ...] = ()
-    #: Share of their direction that long waves have in a light wind, from 0 without wind to 1 [1]; where nothing is given they have all of
-    #: it, or none on an isotropic sea.
+    #: Share of their direction that long waves have in a light wind, from 0 without wind to 1 [1]; by default 1, or 0 on an isotropic
+    #: sea.
     directed: float | None = None
 
     def __post_init__(self) -> None:
@@ -115,9 +118,9 @@ class SlopeStatistics:
     def growth(self) -> FloatArray:
         r"""Wavenumbers [rad/m], and covariances of the slopes of longer waves [1, (n, 4)]: up, cross, and of both, from none to all.
 
-        Those of :attr:`nesting` where a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`). Without a spectrum a
-        shape: with x the share of the total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of it by
-        which waves along the wind exceed those across it,
+        The numbers of :attr:`nesting` if a spectrum gave them (:func:`~seaglint.sea.slopes.from_spectrum.nested_in`). Without a spectrum
+        a fitted shape: with x the share of the total variance, even over the logarithm of the wavenumber within exp(8.5), and a the part of
+        it by which waves along the wind exceed waves across it,
 
         .. math:: \frac{a(x)}{x} = a(1) + n(x) - n(1), \qquad n(x) = \frac{\max[0, 1/2 - |a(1)|]}{1 + (x\,\sigma^2/0.0108)^{2.2}}
 
@@ -147,7 +150,7 @@ class SlopeStatistics:
     def density(self, slope_east: ArrayLike, slope_north: ArrayLike) -> FloatArray:
         r"""Probability density of the slope vector (dz/dx east, dz/dy north), per unit area of the sea [1/slope²].
 
-        With ``xi`` the slope across the wind over its rms value, and ``eta`` that towards where the wind comes FROM over its own,
+        With ``xi`` the slope across the wind and ``eta`` the slope towards where the wind comes FROM, each over its rms value,
 
         .. math::
 
@@ -166,7 +169,7 @@ class SlopeStatistics:
         Notes
         -----
         The series itself integrates to 1 and has the stated variances; setting its negative values to 0 adds mass, as
-        a model's notes say. No factor makes up for it, so that the density is the printed one;
+        a model's notes state. No factor compensates for it, so that the density is the printed one;
         the areas of :mod:`seaglint.sea.shadowing.smith` are integrals over this same density, which is what conserves energy.
 
         References
@@ -218,7 +221,7 @@ def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth:
     up, cross : float
         Variances along the wind and to the right of it [1].
     covariance : float
-        Covariance of the two [1]; without it the directions are those of the wind.
+        Covariance of the two [1]; without it the axes are along and across the wind.
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
 
@@ -230,20 +233,15 @@ def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth:
     """
     if covariance == 0.0:
         return SlopeStatistics(up, cross, wind_to_azimuth)
-    middle, half = 0.5 * (up + cross), 0.5 * (up - cross)
-    away = float(np.hypot(half, covariance))
-    return SlopeStatistics(middle + away, middle - away, wind_to_azimuth + 0.5 * float(np.arctan2(covariance, half)))
+    # principal axes of the 2 x 2 covariance: its mean plus and minus the radius of Mohr's circle
+    mean, half = 0.5 * (up + cross), 0.5 * (up - cross)
+    radius = float(np.hypot(half, covariance))
+    return SlopeStatistics(mean + radius, mean - radius, wind_to_azimuth + 0.5 * float(np.arctan2(covariance, half)))
 
 
 def flat() -> SlopeStatistics:
     """Slope statistics of a flat sea, a mirror."""
     return SlopeStatistics(0.0, 0.0)
-
-
-RESIDUAL: Final = 0.003  #: Slope variance of a clean sea without wind, in all directions together [1]: Cox and Munk's total at 0 m/s.
-
-#: Lightest wind at 10 m that the models of wind seas allow [m/s]; below it waves lose their direction in proportion to the wind.
-LIGHTEST: Final = 0.5
 
 
 def joined_in_calm(
@@ -276,6 +274,7 @@ def joined_in_calm(
     if wind >= join:
         return SlopeStatistics(*variances, wind_to_azimuth, *coefficients)
     up, cross = variances
+    # waves are never steeper across the wind than along it
     if cross > up:
         up = cross = 0.5 * (up + cross)
     c21, c03, c40, c22, c04 = (wind / join * coefficient for coefficient in coefficients)

@@ -1,8 +1,8 @@
 """Spectra given on frequencies and directions, as wave models write them or spread by a cosine about a stated direction.
 
 Two seas that cross within one frequency stay two, which two moments would blur. Between directions the density is a monotone cubic, never
-negative, drawn finely: linear between bins of 15 degrees would make a wind sea's directions 1.8 % wider than they are, this 0.2 %. Every
-band keeps its energy. Frequencies, tail and wavenumbers are those of a measured spectrum.
+negative, sampled finely: linear interpolation between bins of 15 degrees would widen a wind sea's directions by 1.8 %, the cubic by
+0.2 %. Every band conserves its energy. Frequencies, tail and wavenumbers are as in a measured spectrum.
 """
 
 from __future__ import annotations
@@ -34,11 +34,12 @@ class BinnedSpectrum(MeasuredSpectrum):
     share: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """Directional distribution [rad⁻¹], linear in direction and wavenumber; that of the tail beyond the measured range."""
+        """Directional distribution [rad⁻¹], linear in direction and wavenumber; beyond the measured range the distribution of the tail."""
         k, angle = np.broadcast_arrays(np.asarray(wavenumber, dtype=np.float64), np.asarray(azimuth, dtype=np.float64))
         rows = self._k.size
         lower = np.clip(np.searchsorted(self._k, k, side="right") - 1, 0, rows - 2)
         step = np.clip((k - self._k[lower]) / (self._k[lower + 1] - self._k[lower]), 0.0, 1.0)
+        # the last row is the tail's distribution
         shares = np.vstack([self.share, self._tail_share()])
         tail = k >= self.tail_wavenumber
         low, high = np.where(tail, rows, lower), np.where(tail, rows, lower + 1)
@@ -70,7 +71,7 @@ def of_bins(frequency_hz: FloatArray, azimuth: FloatArray, density: FloatArray, 
     azimuth : ndarray
         Evenly spaced azimuths waves travel TO, in any order, over the whole turn or a sector of it [rad, (n,)].
     density : ndarray
-        Height variance per hertz and radian [m² Hz⁻¹ rad⁻¹, (m, n)]; a sector has none outside.
+        Height variance per hertz and radian [m² Hz⁻¹ rad⁻¹, (m, n)]; a sector has no energy outside.
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
 
@@ -121,7 +122,7 @@ def of_cosine(
     Raises
     ------
     DomainError
-        Widths outside those of :mod:`seaglint.sea.spectra.directional`.
+        Widths outside :data:`seaglint.sea.spectra.directional.WIDTHS`.
     DataError
         Values that are missing or negative.
     """
@@ -153,6 +154,7 @@ def _sorted_directions(azimuth: FloatArray) -> tuple[FloatArray, float]:
 
 def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
     """Directions of a sector completed to the full circle, or with an empty bin at each end."""
+    # the sector starts after the widest gap
     beginning = int(np.argmax(np.diff(azimuth, append=azimuth[0] + 2.0 * np.pi))) + 1
     azimuth, values = np.roll(azimuth, -beginning), np.roll(values, -beginning, axis=1)
     azimuth = azimuth[0] + (azimuth - azimuth[0]) % (2.0 * np.pi)
@@ -170,6 +172,7 @@ def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tu
 def _refined(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray, float]:
     """Directions dense enough for linear interpolation, the densities there, and their step [rad]."""
     parts = int(np.ceil(step / _FINE))
+    # two neighbours beyond each end make the cubic periodic
     around = np.concatenate([azimuth[-2:] - 2.0 * np.pi, azimuth, azimuth[:2] + 2.0 * np.pi])
     periodic = np.hstack([values[:, -2:], values, values[:, :2]])
     turn = azimuth.size * step > 2.0 * np.pi - 0.5 * step
@@ -179,7 +182,7 @@ def _refined(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[Floa
 
 
 def _filled(values: FloatArray, energy: FloatArray) -> FloatArray:
-    """Directional distribution of every band [rad⁻¹]; a band without energy takes that of the nearest band with energy."""
+    """Directional distribution of every band [rad⁻¹]; a band without energy takes the distribution of the nearest band with energy."""
     known = np.flatnonzero(energy > 0.0)
     if known.size == 0:
         raise DataError("energy of a measured spectrum must not be zero everywhere; for a calm sea use the flat spectrum")

@@ -1,7 +1,4 @@
-"""Wind waves under winds too light for a model: its sea at the lightest wind that it allows, with less energy.
-
-Several wave systems on one sea: wind sea and swells, each with its own directions.
-"""
+"""Spectra made from other spectra: a model's sea with less energy in very light winds, and wind sea and swells on one sea."""
 
 from __future__ import annotations
 
@@ -21,8 +18,8 @@ from seaglint.sea.spectra.directional import DirectionalSpectrum
 class CalmSpectrum(DirectionalSpectrum):
     """Spectrum of a model with a share of its energy, ``S(k) = share S_0(k)``; lengths and spreading stay.
 
-    Light winds have no spectrum of their own in the models, which begin at 0.5 m/s; there the significant height is 6 mm. From there to no
-    wind and no waves its energy, and so its slope variance, falls in proportion to the wind, as the measured slope variances of Cox and
+    The models begin at 0.5 m/s, where the significant height is 6 mm; lighter winds have no spectrum. From there to no
+    wind and no waves the energy, and so its slope variance, falls in proportion to the wind, as the measured slope variances of Cox and
     Munk (1954, J. Opt. Soc. Am. 44, 838) do. Below 0.5 m/s this is an interpolation, not a measurement.
 
     Examples
@@ -37,7 +34,7 @@ class CalmSpectrum(DirectionalSpectrum):
     share: float  #: Share of the energy, 0-1 [1].
 
     def __post_init__(self) -> None:
-        """Refuse shares that are none."""
+        """Refuse shares outside 0-1."""
         if not 0.0 <= self.share <= 1.0:
             raise DomainError(f"share of the energy = {self.share:g} is not within 0-1", name="share", value=self.share, allowed=(0.0, 1.0))
 
@@ -134,6 +131,7 @@ class CombinedSpectrum(DirectionalSpectrum):
     def _mean(self, wavenumber: ArrayLike, of: Callable[[DirectionalSpectrum], FloatArray]) -> FloatArray:
         """Mean of a property of the systems, weighted with their energy; unweighted where there is no energy."""
         energy = np.array([system.omnidirectional(wavenumber) for system in self.systems])
+        # equal weights where no system has energy, instead of 0/0
         energy = np.where(energy.sum(axis=0) > 0.0, energy, 1.0)
         values = np.array([of(system) for system in self.systems])
         weights = energy.reshape(energy.shape[:1] + (1,) * (values.ndim - energy.ndim) + energy.shape[1:])

@@ -1,16 +1,16 @@
-"""Interface of a directional wave spectrum, and the integrals that follow from it.
+"""Interface of a directional wave spectrum, the integrals that follow from it, and spreading by a power of the cosine.
 
     Psi(k_east, k_north) = S(k)/k D(k, phi),     int S dk = <zeta^2>,     int D dphi = 1
 
 ``phi`` is the azimuth a wave travels TO, so opposite wave vectors are different waves and a spectrum with all its energy downwind moves
 downwind. For real surfaces at one instant only ``Psi(k) + Psi(-k)`` matters.
 
-Distribution of wave energy over directions by the cosine to a power (Longuet-Higgins, Cartwright and Smith 1963).
+The cosine to a power (Longuet-Higgins, Cartwright and Smith 1963) spreads energy over directions as
 
-``D = Gamma(s + 1)/[2 sqrt(pi) Gamma(s + 1/2)] cos^2s((phi - phi_0)/2)``
+    D = Gamma(s + 1)/[2 sqrt(pi) Gamma(s + 1/2)] cos^2s((phi - phi_0)/2)
 
 Its width is the circular one, ``sigma = sqrt(2 (1 - |c1|))`` with the first moment ``|c1| = s/(s + 1)`` (Kuik, van Vledder and
-Holthuijsen 1988, Eq. 33), as buoys and wave models do.
+Holthuijsen 1988, Eq. 33), as buoys and wave models report it.
 """
 
 from __future__ import annotations
@@ -26,9 +26,16 @@ from scipy.special import gammaln
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
+#: Wavenumber at which spectra of gravity waves end [rad/m], 1.7 cm: beyond it surface tension dominates, and the slope variance of ``k^-3``
+#: would grow without limit.
+GRAVITY_WAVES_END: Final = 370.0
+
 _PANELS_PER_DECADE: Final = 16
 _ORDER: Final = 8  # smooth spectra are integrated to 1e-9, tabulated ones exactly to their break points
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(_ORDER)
+
+#: Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction.
+WIDTHS: Final = (float(np.radians(1.0)), float(np.radians(80.0)))
 
 
 class DirectionalSpectrum(ABC):
@@ -60,7 +67,7 @@ class DirectionalSpectrum(ABC):
 
     @abstractmethod
     def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """Mean of ``cos 2(phi - phi_wind)`` over the spreading [1]: (1 + it)/2 is the upwind share of slope variance."""
+        """Mean of ``cos 2(phi - phi_wind)`` over the spreading [1], ``a2``; ``(1 + a2)/2`` is the upwind share of slope variance."""
 
     def cross_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
         """Mean of ``sin 2(phi - phi_wind)`` over the spreading [1]; 0 where energy lies evenly on both sides of the wind."""
@@ -91,6 +98,7 @@ class DirectionalSpectrum(ABC):
         if low >= high:
             return 0.0
         panels = int(np.ceil(_PANELS_PER_DECADE * np.log10(high / low))) + 1
+        # a panel never crosses a kink, so that every one integrates a smooth function
         breaks = self.breakpoints()
         breaks = breaks[(breaks > low) & (breaks < high)]
         edges = np.unique(np.concatenate([np.linspace(np.log(low), np.log(high), panels + 1), np.log(breaks)]))
@@ -124,13 +132,9 @@ class DirectionalSpectrum(ABC):
 
 
 def downwind(angle: ArrayLike) -> FloatArray:
-    """Weight [1] of the half plane around the wind's direction: 1 inside, 0 behind, 1/2 between (so k and -k share that energy once)."""
+    """Weight [1] of the half plane around the wind's direction: 1 inside, 0 behind, 1/2 on its edge (k and -k share that energy)."""
     c = np.cos(np.asarray(angle, dtype=np.float64))
     return np.asarray(np.where(np.abs(c) < 1e-9, 0.5, (c > 0.0).astype(np.float64)))
-
-
-#: Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction.
-WIDTHS: Final = (float(np.radians(1.0)), float(np.radians(80.0)))
 
 
 def power_of_width(width: ArrayLike) -> FloatArray:

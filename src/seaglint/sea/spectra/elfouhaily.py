@@ -98,6 +98,7 @@ class ElfouhailySpectrum(DirectionalSpectrum):
         k = np.asarray(wavenumber, dtype=np.float64)
         low, high = self.wavenumber_range
         inside = (k >= low) & (k <= high)
+        # outside the range any valid number serves: the result is set to 0 below
         k = np.where(inside, k, self.peak_wavenumber)
         oc, kp, speed = self.inverse_wave_age, self.peak_wavenumber, _phase_speed(k)
         root = np.sqrt(k / kp)
@@ -110,6 +111,7 @@ class ElfouhailySpectrum(DirectionalSpectrum):
 
     def _short_wave_level(self) -> float:
         """Equilibrium parameter of short waves, alpha_m [1] (Eq. 44)."""
+        # the law is negative in the lightest winds, where short waves vanish
         ratio = self.friction_velocity / _C_M
         return max(0.01 * (1.0 + (1.0 if ratio < 1.0 else 3.0) * float(np.log(ratio))), 0.0)
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.sea.spectra.directional import DirectionalSpectrum, cosine_power, power_of_width, second_moment
+from seaglint.sea.spectra.directional import GRAVITY_WAVES_END, DirectionalSpectrum, cosine_power, power_of_width, second_moment
 
 HEIGHTS: Final = (0.01, 30.0)  #: Allowed significant heights [m].
 
@@ -24,7 +24,6 @@ PEAK_FACTORS: Final = (1.0, 20.0)
 STEEPEST: Final = 0.07  #: Largest allowed ratio of significant height to the peak's wavelength [1]; young seas in a gale reach 0.06.
 
 _SIDES: Final = (0.07, 0.09)  # width of the peak below and above its frequency
-_K_MAX: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     Raises
     ------
     DomainError
-        Height, period, enhancement or width outside what is taken; waves too steep to stand.
+        Height, period, enhancement or width outside the allowed ranges; waves too steep to exist.
 
     Notes
     -----
@@ -58,7 +57,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     to_azimuth: float  #: Azimuth the waves travel TO [rad].
     gamma: float = 3.3  #: Peak enhancement [1].
     width: float = float(np.radians(30.0))  #: Circular width of the directions [rad]; see :mod:`seaglint.sea.spectra.directional`.
-    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to distinguish upwind from crosswind.
 
     def __post_init__(self) -> None:
         """Refuse values outside the ranges, and waves that would break."""
@@ -80,7 +79,7 @@ class JonswapSpectrum(DirectionalSpectrum):
         most = STEEPEST * GRAVITY * self.peak_period**2 / (2.0 * np.pi)
         if self.height > most:
             raise DomainError(
-                f"height = {self.height:g} m at a peak period of {self.peak_period:g} s is steeper than waves stand; allowed: up to "
+                f"height = {self.height:g} m at a peak period of {self.peak_period:g} s is steeper than waves can be; allowed: up to "
                 f"{most:.3g} m ({100 * STEEPEST:g} % of the peak's wavelength); give a longer period or less height",
                 name="height",
                 value=self.height,
@@ -95,10 +94,11 @@ class JonswapSpectrum(DirectionalSpectrum):
     @property
     def wavenumber_range(self) -> tuple[float, float]:
         """Range from a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
-        return self.peak_wavenumber / 6.0, _K_MAX
+        return self.peak_wavenumber / 6.0, GRAVITY_WAVES_END
 
     def breakpoints(self) -> FloatArray:
         """Peak wavenumber, where the peak width changes, and the sides of the narrow peak [rad m⁻¹]."""
+        # the width jumps at the peak; the other points keep panels short across it
         low, high = _SIDES
         return np.asarray(self.peak_wavenumber * np.array([1 - 3 * low, 1 - low, 1.0, 1 + high, 1 + 3 * high]) ** 2)
 

@@ -2,9 +2,9 @@
 
 A buoy gives, per frequency band, the energy density and two Fourier moments of the directional distribution. The distribution used is the
 one of maximum entropy with exactly these moments, positive everywhere; the slope variances along and across the wind depend on the second
-moment alone. What is given on directions instead is in :mod:`seaglint.sea.spectra.binned`. Above the last band with energy the spectrum
-goes on as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958, with the mean level and the mean directions of the last bands that
-have energy.
+moment alone. Spectra given on directions are in :mod:`seaglint.sea.spectra.binned`. Above the last band with energy the spectrum
+continues as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958, with the mean level and the mean directions of the last bands
+that have energy.
 
 References
 ----------
@@ -24,12 +24,11 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
-from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.spectra.directional import GRAVITY_WAVES_END, DirectionalSpectrum
 
 ComplexArray = NDArray[np.complex128]
 
 TAIL_BANDS: Final = 5  # the last band alone is one or two units of the last printed digit
-_TAIL_END: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
 _SHARPEST: Final = 0.95  # of the largest second moment compatible with the first: a distribution at the limit is a pair of spikes
 
 
@@ -51,7 +50,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
     #: ``first``, ``second``: ``int D exp(i phi) dphi`` and ``int D exp(2 i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
     first: ComplexArray
     second: ComplexArray
-    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
+    wind_to_azimuth: float = 0.0  #: Azimuth the wind blows TO [rad]; used only to distinguish upwind from crosswind.
 
     def __post_init__(self) -> None:
         """Refuse columns that are not a valid spectrum."""
@@ -94,7 +93,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
     @property
     def wavenumber_range(self) -> tuple[float, float]:
         """Range from the first frequency to 370 rad/m, where surface tension dominates [rad m⁻¹]."""
-        return float(self._k[0]), _TAIL_END
+        return float(self._k[0]), GRAVITY_WAVES_END
 
     def breakpoints(self) -> FloatArray:
         """The measured frequencies as wavenumbers [rad/m]: energy is linear between them."""
@@ -122,6 +121,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
         """Maximum-entropy distribution of the two moments [rad⁻¹] (Lygre and Krogstad 1986, Eqs. 13-14)."""
         first, second = self._moments(wavenumber)
         turn = np.exp(-1j * np.asarray(azimuth, dtype=np.float64))
+        # coefficients of an autoregressive model with these two moments, phi_1 and phi_2 of the reference
         a = (first - second * np.conj(first)) / (1.0 - np.abs(first) ** 2)
         b = second - first * a
         level = (1.0 - a * np.conj(first) - b * np.conj(second)).real
@@ -157,6 +157,7 @@ def possible_moments(first: ComplexArray, second: ComplexArray) -> tuple[Complex
     these limits are moved to 95 %.
     """
     size = np.abs(first)
+    # moments keep their direction; only their size is reduced
     first = first * np.minimum(1.0, 0.99 / np.maximum(size, 0.99))
     room = _SHARPEST * (1.0 - np.abs(first) ** 2)
     offset = second - first**2

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.sea.spectra.directional import DirectionalSpectrum, downwind
+from seaglint.sea.spectra.directional import GRAVITY_WAVES_END, DirectionalSpectrum, downwind
 from seaglint.sea.wind_profile import require_wind, wind_at_height
 
 VALID_WIND: Final = (0.5, 34.0)  #: Winds at 19.5 m for which the model is evaluated [m/s]; the data behind it are of 10-20 m/s.
@@ -20,7 +20,6 @@ WIND_HEIGHT: Final = 19.5  #: Height of the weather ships' anemometers behind th
 
 _ALPHA: Final = 8.10e-3
 _BETA: Final = 0.74
-_K_MAX: Final = 370.0  # gravity waves only: the slope variance of k^-3 grows without limit
 
 
 @dataclass(frozen=True)
@@ -75,7 +74,7 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
     @property
     def wavenumber_range(self) -> tuple[float, float]:
         """Range from a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
-        return self.peak_wavenumber / 6.0, _K_MAX
+        return self.peak_wavenumber / 6.0, GRAVITY_WAVES_END
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
         """Omnidirectional spectrum ``S(k) = alpha/(2 k^3) exp[-beta (g/(k U^2))^2]`` [m³]."""
