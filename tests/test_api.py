@@ -68,7 +68,11 @@ def test_a_number_of_workers_is_that_of_processes(tmp_path, monkeypatch, workers
         raise Asked(workers)
 
     monkeypatch.setattr("seaglint.cluster.LocalProcesses", processes)
-    for name in ("sequence.sensed_sequence.render", "ensemble.render_ensemble.render_ensemble", "ensemble.ensemble_dataset.ensemble_dataset"):
+    for name in (
+        "sequence.sensed_sequence.render",
+        "ensemble.render_ensemble.render_ensemble",
+        "ensemble.ensemble_dataset.ensemble_dataset",
+    ):
         monkeypatch.setattr(f"seaglint.studies.{name}", done)
     few = {"base": SCENE, "ensemble": {"scenes": 2}}
     (tmp_path / "few.toml").write_text("base = { preset = 'glint' }\n[ensemble]\nscenes = 2\n")

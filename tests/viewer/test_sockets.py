@@ -12,10 +12,7 @@ import pytest
 uvicorn = pytest.importorskip("uvicorn", reason="the viewer's extra is not installed")
 
 from seaglint.viewer.library import Library  # noqa: E402
-from seaglint.viewer.server import (
-    MOST_BODY,
-    make_app,
-)
+from seaglint.viewer.server import MOST_BODY, make_app  # noqa: E402
 
 from .conftest import COLUMNS, ROWS  # noqa: E402
 

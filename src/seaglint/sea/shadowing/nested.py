@@ -175,7 +175,7 @@ def bands_of_facets(share: float, bands: float) -> float:
 
     Fitted in the vertical plane of the Sun: seas as for :func:`bands_of` with waves down to 0.25-30 m as geometry and facets on them,
     against all waves as geometry. The visible and lit share in views of 0.5-7 deg, Suns 1-15 deg high, is within 5-25 % rms of brute force,
-    the largest differences with both at 1 deg or below; within 20 % from 3 and 5 deg on. ``docs/figures/hidden_facets.py`` computes the table.
+    the largest differences with both at 1 deg or below; within 20 % from 3 and 5 deg on (``docs/figures/hidden_facets.py``).
 
     >>> round(bands_of_facets(0.66, 4.8), 1)
     1.9
