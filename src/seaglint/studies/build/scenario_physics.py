@@ -1,0 +1,496 @@
+"""A sensor's track on the waves, where its platform floats, at heights that the air covers.
+
+From a scenario to the records of physics: units become SI, names become models.
+
+Refraction of a scenario's pictures: standard, or by the profile of its air.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final, assert_never
+
+import numpy as np
+
+from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.profile.profile_atmosphere import ProfileAtmosphere
+from seaglint.air.protocol import Atmosphere, wavenumber_grid
+from seaglint.air.vacuum import VacuumAtmosphere
+from seaglint.base.conventions import FloatArray, surface_range
+from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.base.free_form import Attributes, JsonObject
+from seaglint.base.limits import LOWTRAN_HEIGHTS, PROFILE_HEIGHTS
+from seaglint.facet.legs import VIEWER, Shadowing
+from seaglint.facet.sea_view import SeaView
+from seaglint.formats.tables.input_tables import read_track
+from seaglint.formats.tables.spectra import read_response
+from seaglint.imaging.camera.imager import Attitude, Camera, Imager
+from seaglint.imaging.camera.pose import Track
+from seaglint.imaging.refraction import Bending
+from seaglint.imaging.scene import Accuracy
+from seaglint.imaging.sparkle import Sparkles
+from seaglint.objects.floating import MOST_SAMPLES, FloatingTrack, Swell
+from seaglint.optics import sea_water
+from seaglint.optics.band import Band
+from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.variance import capillary_length, correlation_length
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records import atmosphere_table as wanted_air
+from seaglint.scenario.records import sea_tables as wanted_slopes
+from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
+from seaglint.scenario.records.view_tables import Keyframe
+from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
+from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.wave_field import WaveField
+from seaglint.studies.build.profile_air import profile_atmosphere, program_sounding
+from seaglint.studies.build.waves_and_slopes import Waves, slopes, waves
+
+
+def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:
+    """The track itself, or afloat.
+
+    Raises
+    ------
+    ScenarioError
+        Heights that leave the atmosphere's; ``where`` begins the text.
+    """
+    platform, sensor = scenario.platform, scenario.sensor
+    if platform is not None and platform.floats and waves is not None:
+        width, length = platform.waterline_m
+        heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
+        times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
+        floating = FloatingTrack.create(floating, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
+    covered = {"table": PROFILE_HEIGHTS, "lowtran": PROFILE_HEIGHTS, "lowtran-fortran": LOWTRAN_HEIGHTS}
+    lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
+    if floating.lowest < lowest or floating.highest > highest:
+        raise ScenarioError(
+            f"{where}heights of {floating.lowest:g} to {floating.highest:g} m leave those of "
+            f"atmosphere.source = '{scenario.atmosphere.source}'; allowed: {lowest:g} to {highest:g} m"
+        )
+    return floating
+
+
+RESOLVED_SHARE = 0.8  #: Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest.
+
+ANGLES = ("azimuth", "elevation", "roll")  #: Angles of the sensor, by the names of its keys without their unit.
+
+
+@dataclass(frozen=True)
+class PreparedSea:
+    """Resolved waves, and the decisions behind them."""
+
+    waves: WaveField | None
+    report: JsonObject  #: For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances.
+    reason: str = ""  #: Reason why no waves are resolved although the scenario requests them.
+
+
+def band(scenario: Scenario) -> Band:
+    """Spectral response."""
+    if scenario.band.response is not None:
+        return read_response(scenario.band.response)
+    assert scenario.band.min_um is not None  # the model fills both edges where no file is given
+    assert scenario.band.max_um is not None
+    return Band.rectangular(scenario.band.min_um, scenario.band.max_um)
+
+
+def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
+    """The air, sampled over a band."""
+    match scenario.atmosphere:
+        case wanted_air.TableAtmosphereSettings() | wanted_air.LowtranAtmosphere() as wanted:
+            return profile_atmosphere(wanted, scenario, over)
+        case wanted_air.LowtranFortranAtmosphere() as wanted:
+            return _lowtran(scenario, wanted, over)
+        case wanted_air.FileAtmosphere(path=path):
+            from seaglint.formats.air_file import read_atmosphere
+
+            air, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            if air.scattered is not None:
+                air.scattered.require_sun(sun_position(scenario).zenith, str(path))
+            return air if seen is None else air.seen_between(*seen)
+        case wanted_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
+            return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
+        case wanted_air.NoAtmosphere():
+            return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
+        case other:
+            assert_never(other)
+
+
+def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
+    """Arcs along the sea of the nearest and farthest pixel [m], the latter None where the horizon is in view; None for moving sensors."""
+    if scenario.platform is not None:
+        return None
+    pose, pixels = track(scenario).at(0.0), imager(scenario)
+    # The extremes stand on the border, or at the nadir: a grid of pixels has both closely enough.
+    across, down = (np.linspace(0.5, n - 0.5, min(n, 129)) for n in (pixels.columns, pixels.rows))
+    sight = pixels.directions(pose.attitude, across, down[:, None])
+    arc = surface_range(pose.height, -np.arcsin(np.clip(sight[..., 2], -1.0, 1.0)))
+    sea = np.isfinite(arc)
+    return (float(arc[sea].min()), float(arc.max()) if sea.all() else None) if sea.any() else None
+
+
+def _lowtran(scenario: Scenario, source: wanted_air.LowtranFortranAtmosphere, over: Band) -> Atmosphere:
+    """LOWTRAN7's runs for this sensor height, band and wind, from the cache where it has them."""
+    from seaglint.formats.lowtran.deck import Aerosol
+    from seaglint.formats.lowtran.lowtran_sample import lowtran_atmosphere
+
+    wind, longer = scenario.wind.speed_m_s, source.wind_24h_m_s
+    return lowtran_atmosphere(
+        source.model,
+        Aerosol(source.haze, source.visibility_km, source.air_mass_character, wind, wind if longer is None else longer),
+        scenario.sensor.height_m,
+        (over.min_um, over.max_um),
+        levels=program_sounding(source, scenario, over),
+        name=f"LOWTRAN7 ({source.model if source.sounding is None else source.sounding})",
+    )
+
+
+def water(scenario: Scenario) -> WaterIndex:
+    """Refractive index of the sea."""
+    match scenario.sea.water:
+        case "hale-querry-sea":
+            return sea_water.hale_querry_sea()
+        case "segelstein":
+            return sea_water.segelstein()
+        case "article":
+            return sea_water.article()
+        case other:
+            assert_never(other)
+
+
+def glint_length(scenario: Scenario) -> float:
+    """Correlation length of glint on the sea [m]."""
+    glint = scenario.sea.glint
+    if glint.cell_m is not None:
+        return glint.cell_m
+    match glint.dispersion:
+        case "full":
+            return correlation_length(glint.correlation_time_s)
+        case "article":
+            return capillary_length(glint.correlation_time_s)
+        case other:
+            assert_never(other)
+
+
+def sparkles(scenario: Scenario) -> Sparkles:
+    """Sparkles below a pixel, as the scenario wants them; none by themselves in the mean picture, without resolved waves."""
+    mode = scenario.render.subpixel_glint
+    mode = "off" if mode == "auto" and not scenario.sea.resolve_waves else mode
+    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode)
+
+
+def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
+    """Sea, air and Sun as a sensor sees them from any height [m] on the platform's way; what does not depend on it is made once."""
+    first = view(scenario)
+
+    def at(height: float) -> SeaView:
+        if height == first.sensor_height:
+            return first
+        match scenario.atmosphere:
+            case wanted_air.LowtranFortranAtmosphere():
+                return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
+            case wanted_air.FileAtmosphere():
+                raise ScenarioError(
+                    f"platform: the sensor's height changes (sensor.height_m = {first.sensor_height:g}, platform {height:g} m), and "
+                    "atmosphere.source = 'file' is made for one height; keep the height, or use another atmosphere"
+                )
+            case _:
+                return replace(first, sensor_height=height)
+
+    return at
+
+
+def standing_view(scenario: Scenario, height: float) -> SeaView:
+    """Sea, air and Sun as a sensor sees them that stands at one height [m] of its platform's way, as from a scenario without platform."""
+    if scenario.platform is None or isinstance(scenario.atmosphere, wanted_air.FileAtmosphere):
+        return view_at(scenario)(height)
+    sensor = scenario.sensor.model_copy(update={"height_m": height})
+    return view(scenario.model_copy(update={"sensor": sensor, "platform": None}))
+
+
+def imager(scenario: Scenario) -> Imager:
+    """The camera's pixels, whatever its attitude."""
+    sensor = scenario.sensor
+    width, height = (float(np.radians(angle)) for angle in sensor.fov_deg)
+    return Imager(sensor.projection, width, height, *sensor.pixels)
+
+
+def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
+    """Where the sensor is and how it is turned, over the time of the scenario's frames; a platform that floats rides on ``waves``.
+
+    Raises
+    ------
+    ScenarioError
+        Keyframes that overlap, jump, are not finite, leave the atmosphere's heights, or do not reach the last frame.
+    """
+    sensor, platform = scenario.sensor, scenario.platform
+    rest = {"east_m": 0.0, "north_m": 0.0, "height_m": sensor.height_m, "azimuth_deg": sensor.azimuth_deg}
+    rest |= {"elevation_deg": sensor.elevation_deg, "roll_deg": sensor.roll_deg}
+    if platform is None:
+        return Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
+    if platform.track is None and platform.keyframes is None:
+        still = Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
+        return afloat(scenario, still, waves, "platform: ")
+    columns: dict[str, FloatArray]
+    if platform.track is not None:
+        columns, names = read_track(platform.track)
+        where = f"{platform.track}: "
+    else:
+        keyframes = platform.keyframes or ()
+        given = [name for name in Keyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
+        columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
+        names, where = [f"keyframes[{i}]" for i in range(len(keyframes))], "platform: "
+    size = len(names)
+    filled = {name: columns.get(name, np.full(size, value)) for name, value in ({"time_s": 0.0} | rest).items()}
+    values = {name.rsplit("_", 1)[0]: np.radians(v) if name.endswith("_deg") else v for name, v in filled.items()}
+    try:
+        keyframed = Track.create(values, names)
+        keyframed.at(0.0)
+        keyframed.at((sensor.frames - 1) / sensor.frame_rate_hz)
+    except DomainError as error:
+        mistake = Mistake("platform", error.value, error.allowed, f"{where}{error}")
+        raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
+    return afloat(scenario, keyframed, waves, where)
+
+
+def scatters(scenario: Scenario) -> bool:
+    """Return True where sunlight scattered by the air is included."""
+    return scenario.atmosphere.scattered_sunlight
+
+
+def view(scenario: Scenario) -> SeaView:
+    """Sea, air and Sun as one sensor height sees them."""
+    over = band(scenario)
+    sun = sun_position(scenario)
+    return SeaView(
+        atmosphere=atmosphere(scenario, over),
+        band=over,
+        water=water(scenario),
+        slopes=slopes(scenario),
+        sea_temperature=scenario.sea.temperature_k,
+        sensor_height=scenario.sensor.height_m,
+        solar_zenith=sun.zenith,
+        solar_azimuth=sun.azimuth,
+        sun_distance_factor=sun.irradiance_factor,
+        shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
+        scattering=scatters(scenario),
+    )
+
+
+def under(view: SeaView, sun: SunPosition) -> SeaView:
+    """Return a view with another Sun over the same sea and air."""
+    return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor)
+
+
+def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
+    """A view, the scenario's own by default, in the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and
+    sky, one leg shadowed.
+
+    The water stays the scenario's; ``sea.water = "article"`` is the article's own. A mirror stays a mirror.
+    """
+    kind = scenario.sea.slopes
+    isotropic = (
+        flat()
+        if isinstance(kind, wanted_slopes.FlatSlopes)
+        else cox_munk_isotropic(
+            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, wanted_slopes.SpectrumSlopes) and kind.extrapolate
+        )
+    )
+    return replace(seen or view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
+
+
+def upright_camera(scenario: Scenario) -> Camera | None:
+    """The image grid of a standing sensor with equal steps of azimuth and elevation, upright; None for any other sensor."""
+    if scenario.platform is not None:
+        return None
+    pose = track(scenario).at(0.0)
+    return imager(scenario).camera(pose.height, pose.attitude)
+
+
+def gliding_camera(scenario: Scenario) -> Camera | None:
+    """The image grid of a scanner whose columns have places of their own: upright, at one height, wherever it is; None for one that turns
+    or rises on its platform, or is rolled.
+
+    Raises
+    ------
+    ScenarioError
+        A plane picture: columns of a scanner are equal steps of azimuth.
+    """
+    if scenario.sensor.projection != "equal-angle":
+        raise ScenarioError(
+            f"sensor.projection = '{scenario.sensor.projection}': the columns of a scanner (sensor.scan) are equal steps of azimuth; set "
+            "sensor.projection = 'equal-angle'"
+        )
+    return _level_camera(scenario)
+
+
+def swept_camera(scenario: Scenario) -> Camera | None:
+    """The image grid of a sensor that is drawn without turning its picture: upright, equal steps of angle, at one height, standing or on a
+    platform that neither turns nor rises; None for any other.
+    """
+    return _level_camera(scenario) if scenario.sensor.projection == "equal-angle" else None
+
+
+def _level_camera(scenario: Scenario) -> Camera | None:
+    way = track(scenario)
+    pose = way.at(float(way.time[0]))
+    floats = scenario.platform is not None and scenario.platform.floats
+    return None if floats or way.turns or way.highest > way.lowest else imager(scenario).camera(pose.height, pose.attitude)
+
+
+def camera(scenario: Scenario) -> Camera:
+    """Return the image grid of a standing, upright sensor; refuse any other sensor.
+
+    Raises
+    ------
+    ScenarioError
+        For any other sensor.
+    """
+    upright = upright_camera(scenario)
+    if upright is None:
+        raise ScenarioError(
+            "sensor.projection, sensor.roll_deg or [platform] leave no grid of equal steps of azimuth and elevation, which is wanted here; "
+            "leave them out"
+        )
+    return upright
+
+
+def accuracy(scenario: Scenario) -> Accuracy:
+    """How finely images are drawn."""
+    settings = scenario.render
+    return Accuracy(
+        step=settings.step_m,
+        lines_per_column=settings.lines_per_column,
+        shortest_wave_columns=settings.shortest_wave_columns,
+        variance_error=settings.variance_error,
+    )
+
+
+def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
+    """The waves to be geometry: as short as asked for, but never more slope variance than the energy rule allows.
+
+    Raises
+    ------
+    DomainError
+        If waves are to be resolved on a mirror, or the tiles cannot hold them.
+    """
+    resolved = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
+    spectral = resolved.spectrum
+    facts: JsonObject = {"facet_density": facet_density(statistics)}
+    if resolved.sources:
+        facts["wave_spectra"] = json.dumps(resolved.sources)  # NetCDF has no lists of tables
+    none = {
+        "resolved_mss_up": 0.0,
+        "resolved_mss_cross": 0.0,
+        "facet_mss_up": statistics.mss_up,
+        "facet_mss_cross": statistics.mss_cross,
+        **facts,
+    }
+    if spectral is None:
+        return PreparedSea(None, {"waves": "none", **none})
+    if statistics.is_flat:
+        raise DomainError(
+            'sea.slopes.kind = "flat" leaves no slopes for waves; set sea.spectrum.kind = "flat" or sea.resolve_waves = false'
+        )
+    requested = 2.0 * np.pi / scenario.sea.shortest_wave_m
+    limit = resolve_limit(spectral, statistics, RESOLVED_SHARE)
+    cut = min(requested, limit, spectral.wavenumber_range[1])
+    if cut <= longest_wave_number(spectral):
+        reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
+        return PreparedSea(None, {"waves": reason, **none}, reason)
+    field = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed, wander=True)
+    up, cross = field.resolved_mss()
+    return PreparedSea(
+        field,
+        {
+            "waves": "geometry down to the cut, facets below it",
+            "cut_wavenumber_rad_m": cut,
+            "cut_by": "sea.shortest_wave_m" if cut == requested else f"{100 * RESOLVED_SHARE:g} % of the slope variance",
+            "tile_length_m": [t.length for t in field.tiles],
+            "tile_turn_deg": [float(np.degrees(t.rotation)) for t in field.tiles],
+            "tile_shortest_wave_m": [2.0 * np.pi / t.k_max for t in field.tiles],
+            "resolved_significant_height_m": field.significant_height,
+            "resolved_mss_up": up,
+            "resolved_mss_cross": cross,
+            "resolved_slope_covariance": field.resolved_covariance(),
+            "facet_mss_up": statistics.mss_up - up,
+            "facet_mss_cross": statistics.mss_cross - cross,
+            **facts,
+        },
+    )
+
+
+def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:
+    """Refuse to draw a slope model with skewness and peakedness by its variances alone, unless the scenario asks for it.
+
+    Raises
+    ------
+    ScenarioError
+        For a model that is not Gaussian.
+    """
+    kind = scenario.sea.slopes.kind
+    if not (statistics.is_gaussian or scenario.render.gaussian_facets):
+        raise ScenarioError(
+            f"sea.slopes.kind = '{kind}' has skewness and peakedness, which the facets of images do not have (up to twice too little glint "
+            "in the far tail); choose 'cox-munk-anisotropic', or set render.gaussian_facets = true to draw its variances alone"
+        )
+
+
+def facet_density(statistics: SlopeStatistics) -> str:
+    """Return the slope density from which image facets are drawn, in words: always Gaussian."""
+    if statistics.is_gaussian:
+        return "Gaussian"
+    return "Gaussian of the slope model's variances; its skewness and peakedness are in mean maps only"
+
+
+def atmosphere_provenance(air: Atmosphere) -> Attributes:
+    """Return the provenance that the atmosphere's table holds."""
+    return dict(air.provenance)
+
+
+AIR_AT: Final = 10.0  #: Height of the air whose temperature stands for the lowest air [m].
+
+
+def bends_by_profile(scenario: Scenario) -> bool:
+    """Return true where lines of sight are to bend as in the scenario's own air."""
+    air = scenario.atmosphere
+    return isinstance(air, wanted_air.TableAtmosphereSettings | wanted_air.LowtranAtmosphere) and air.refraction == "profile"
+
+
+def bending(scenario: Scenario, view: SeaView) -> Bending | None:
+    """Bending of the lines of sight of an upright sensor; None with standard refraction.
+
+    Raises
+    ------
+    ScenarioError
+        Shadows of objects, which are drawn with standard refraction alone.
+    """
+    if not bends_by_profile(scenario):
+        return None
+    if scenario.render.object_shadows:
+        raise ScenarioError(
+            "render.object_shadows = true and atmosphere.refraction = 'profile': shadows on the glint are drawn with standard "
+            "refraction alone; leave one of them out"
+        )
+    assert isinstance(view.atmosphere, ProfileAtmosphere)  # of the two kinds of air above
+    profile = view.atmosphere.sums.profile
+    lowest = float(np.interp(min(view.sensor_height, AIR_AT), profile.height, profile.temperature))
+    return Bending(view.atmosphere.index, view.sensor_height, lowest)
+
+
+def require_standard_refraction(scenario: Scenario) -> None:
+    """Refuse refraction by the profile for cameras that are not upright scans of equal angles at one height.
+
+    Raises
+    ------
+    ScenarioError
+        Saying what it needs.
+    """
+    if bends_by_profile(scenario):
+        raise ScenarioError(
+            "atmosphere.refraction = 'profile' is for an upright camera at one height with sensor.projection = 'equal-angle' and "
+            "sensor.roll_deg = 0; change the sensor or leave atmosphere.refraction out ('standard')"
+        )
