@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.cli.analyze import refuse_report
 from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
@@ -48,7 +49,7 @@ def fit(
 
     refuse_existing(check_name(output), overwrite=request.overwrite, inputs=[recording])
     if report is not None:
-        _refuse_report(report, request.overwrite, [recording, output])
+        refuse_report(report, request.overwrite, [recording, output])
     if request.model == "autobinomial" and request.tails != "gaussian":
         raise DataError(f"--tails {request.tails}: an autobinomial texture has the histogram of its picture; leave --tails out")
     opened = reading.opened(recording)
@@ -118,7 +119,7 @@ def compare(
     if len(request.regions) > 2:
         raise DataError(f"--region is given {len(request.regions)} times; give one for A and one for B")
     if report is not None:
-        _refuse_report(report, request.overwrite, [first, second])
+        refuse_report(report, request.overwrite, [first, second])
 
     def opened(path: str | Path) -> Recording:
         recording = reading.opened(path)
@@ -166,15 +167,6 @@ def place(
         log(f"{output}: {summarise(dataset).line}")
         if dataset.attrs["texture_contrast"] == "model":
             log("the texture's standard deviation is scaled with the sea's radiance: fit it to a sea of this band and light")
-
-
-def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
-    from seaglint.base.errors import DataError
-    from seaglint.store.outputs import refuse_existing
-
-    if report.suffix.lower() not in (".html", ".htm"):
-        raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
-    refuse_existing(report, overwrite=overwrite, inputs=inputs)
 
 
 def fit_lines(result: Fitted) -> list[str]:

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.free_form import JsonObject, plain
 from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.false_alarms import BIN, RateCurve
@@ -156,6 +157,21 @@ class TailFit:
     trusted_to_sigma: float
     trusted_to_rate: float
     _draws: tuple[FloatArray, FloatArray, FloatArray]
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers; ``reason``, the reason for the absence of a fit, is None."""
+        values = {
+            "from_sigma": self.threshold,
+            "events": self.events,
+            "shape": self.fit.shape,
+            "shape_interval": self.shape_interval,
+            "scale_sigma": self.fit.scale,
+            "goodness_p": self.goodness_p,
+            "trusted_to_sigma": self.trusted_to_sigma,
+            "trusted_to_rate": self.trusted_to_rate,
+            "reason": None,
+        }
+        return plain(values)
 
     def rates(self, threshold_sigma: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Extrapolated rate and its 95 % interval [1], at thresholds of u or more [standard deviations].

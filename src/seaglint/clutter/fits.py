@@ -1,4 +1,4 @@
-"""Distributions of clutter fitted by maximum likelihood, with intervals that hold for correlated pixels.
+"""Distributions of clutter: maximum-likelihood fits and their goodness, with intervals and levels that hold for correlated pixels.
 
 ========= ======================================================= ================
 family    density (x > 0, location 0; Gaussian: all x)            parameters
@@ -10,19 +10,20 @@ k         ``2/(b Gamma(v)) (x/b)^((v-1)/2) K_(v-1)(2 sqrt(x/b))`` shape v, scale
 gaussian  ``exp(-(x-loc)^2 / (2 l^2)) / (l sqrt(2 pi))``          loc, scale l
 ========= ======================================================= ================
 
-The gamma density is that of the source article's Fig. 9, whose printed formula is garbled. The K distribution is that of an
-intensity with one look (Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its
-variance over squared mean is ``1 + 2/v``, at least 1, so data of less contrast have no K distribution; the fit says so.
+The source article's Fig. 9 uses the gamma density; its printed formula is garbled. The K distribution describes an intensity with one
+look (Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its variance over squared
+mean is ``1 + 2/v``, at least 1, so data of less contrast have no K distribution; the fit then states this reason.
 
-Goodness of fit: Kolmogorov-Smirnov and Anderson-Darling distances, with levels that hold for correlated pixels.
+Goodness of fit is measured by Kolmogorov-Smirnov and Anderson-Darling distances. Textbook levels of these distances are wrong for two
+reasons:
 
-Two things make textbook levels wrong here. Parameters were fitted to the same values, which brings the fit nearer (Lilliefors
-1967): the null distribution is therefore drawn, by a parametric bootstrap that fits each replicate. And neighbouring pixels repeat
-each other: of ``count`` values only ``effective_count`` are independent, so ``sqrt(m) D`` and ``A^2 m / n`` are compared with those of
-replicates of ``m = effective_count`` independent values (at most 2000: beyond, both have reached their limit law).
+- Parameters were fitted to the same values, which brings the fit nearer (Lilliefors 1967). The null distribution is therefore drawn, by a
+  parametric bootstrap that fits each replicate.
+- Neighbouring pixels repeat each other: of ``count`` values only ``effective_count`` are independent. ``sqrt(m) D`` and ``A^2 m / n`` are
+  therefore compared with replicates of ``m = effective_count`` independent values (at most 2000: beyond, both have reached their limit law).
 
-Replicates are fitted by one Newton step from the parameters they were drawn with, which is as good as the full maximum to
-first order in 1/m (Le Cam's one-step estimator) and some hundred times quicker.
+Replicates are fitted by one Newton step from the parameters they were drawn with, which is as good as the full maximum to first order in
+1/m (Le Cam's one-step estimator) and some hundred times quicker.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base import random
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject, plain
 
 Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]
 FAMILIES: tuple[Family, ...] = get_args(Family)
@@ -58,15 +60,16 @@ class Fit:
     shape: float | None
     loc: float | None
     scale: float | None
-    #: ``shape_interval``, ``loc_interval``, ``scale_interval``: 95 % confidence intervals; None for what was given or does not exist.
+    #: ``shape_interval``, ``loc_interval``, ``scale_interval``: 95 % confidence intervals; None for a given or absent parameter.
     shape_interval: tuple[float, float] | None
     loc_interval: tuple[float, float] | None
     scale_interval: tuple[float, float] | None
     log_likelihood: float | None  #: Sum over the values, as if independent.
-    count: int  #: Values fitted.
-    effective_count: float  #: Number of independent values the intervals are for.
-    reason: str = ""  #: Why there is no fit; empty if there is.
-    excluded: float = 0.0  #: Share of the values that is not above ``loc`` and was left out, at most 0.02 (zeros of an integer picture).
+    count: int  #: Number of fitted values.
+    effective_count: float  #: Number of independent values that the intervals assume.
+    reason: str = ""  #: Reason for the absence of a fit; empty if there is a fit.
+    excluded: float = 0.0  #: Share of the values that are not above ``loc`` and were left out, at most 0.02 (zeros of an integer picture).
+    goodness: Goodness | None = None  #: Test of the fit; None where none was made.
 
     @property
     def is_valid(self) -> bool:
@@ -91,6 +94,24 @@ class Fit:
             return (self.loc, self.scale), 0.0
         assert self.shape is not None
         return (self.shape, self.scale), self.loc
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text; numbers that do not exist are None."""
+        tested = ("ks", "ks_p", "ad", "ad_p")
+        values = {
+            "shape": self.shape,
+            "scale": self.scale,
+            "loc": self.loc,
+            "shape_interval": self.shape_interval,
+            "scale_interval": self.scale_interval,
+            "loc_interval": self.loc_interval,
+            "log_likelihood_per_value": None if self.log_likelihood is None else self.log_likelihood / max(self.count, 1),
+            "effective_count": self.effective_count,
+            "excluded": self.excluded,
+            **{name: None if self.goodness is None else getattr(self.goodness, name) for name in tested},
+            "reason": self.reason or None,
+        }
+        return plain(values)
 
 
 def fit(

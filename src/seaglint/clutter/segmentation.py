@@ -19,12 +19,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-
-BoolArray = NDArray[np.bool_]
+from seaglint.base.free_form import JsonObject, plain
+from seaglint.clutter.correlation import BoolArray
 
 METHOD = "two classes (Otsu) of smoothed brightness above a convex row background, largest connected part"
 SHORTEST_SIDE = 32  # px; the envelope below has then 24 independent patches a side at most, too few for two classes
@@ -50,16 +50,22 @@ class Segmentation:
     sky: BoolArray
     found: bool  #: Whether there is a corridor.
     #: Otsu's criterion, variance between the two classes over total variance of the envelope [1]; NaN if not decidable.
-    separability: float
-    contrast: float  #: Mean of the corridor above the background's in standard deviations of the background's pixels [1].
-    #: Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
-    texture_ratio: float
-    #: Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer half of
-    #: the background [1]; NaN where there is no border, or less contrast than a corridor has.
-    border_step: float
-    reason: str  #: Why there is none; empty if found.
-    doubt: str = ""  #: Criteria that a corridor passes only narrowly; empty where it is clear, and where there is none.
+    separability: float = np.nan
+    contrast: float = np.nan  #: Mean of the corridor above the background's in standard deviations of the background's pixels [1].
+    #: Root mean square of fine structure (in time where frames were given) in the corridor over its value in the background.
+    texture_ratio: float = np.nan
+    #: Step of brightness within the envelope's length of the border over the step between the inner half of the corridor and the outer half
+    #: of the background [1]; NaN without a border, or with less contrast than a corridor has.
+    border_step: float = np.nan
+    reason: str = ""  #: Reason for the absence of a corridor; empty if there is one.
+    doubt: str = ""  #: Criteria that a corridor passes only narrowly; empty where it is clear, and without a corridor.
     method: str = METHOD  #: One line for reports.
+
+    def as_dict(self) -> JsonObject:
+        """Return the decision with its criteria as plain numbers and text; pixels of sky are counted."""
+        values = {name: getattr(self, name) for name in ("found", "method", "separability", "contrast", "border_step")}
+        texts = {"reason": self.reason or None, "doubt": self.doubt or None}
+        return plain(values | texts | {"sky_pixels": int(self.sky.sum())})
 
 
 def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
@@ -93,10 +99,10 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     nothing = np.zeros(image.shape, dtype=bool)
     if min(image.shape) < SHORTEST_SIDE:
         reason = f"picture of {image.shape[0]} x {image.shape[1]} px is too small to tell; at least {SHORTEST_SIDE} px a side are needed"
-        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, np.nan, reason)
+        return Segmentation(nothing, valid, nothing, False, reason=reason)
     if valid.sum() < image.size / 2 or np.ptp(image[valid]) == 0.0:
         reason = "constant picture, or less than half of it has data"
-        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, np.nan, reason)
+        return Segmentation(nothing, valid, nothing, False, reason=reason)
 
     first = _rows_of_sky(np.where(valid, image, np.nan))
     sky = nothing.copy()
@@ -110,7 +116,18 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     glint = nothing.copy()
     if not reason:
         glint[sea] = corridor & valid[sea]
-    return Segmentation(glint, valid & ~sky & ~glint, sky, not reason, separability, contrast, texture, step, reason, doubt)
+    return Segmentation(
+        glint=glint,
+        background=valid & ~sky & ~glint,
+        sky=sky,
+        found=not reason,
+        separability=separability,
+        contrast=contrast,
+        texture_ratio=texture,
+        border_step=step,
+        reason=reason,
+        doubt=doubt,
+    )
 
 
 def _refusal(separability: float, contrast: float, texture: float, spanning: float, step: float) -> str:

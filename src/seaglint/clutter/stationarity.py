@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base import random
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject, plain
 
 METHOD = "likeness (Moran's I) of neighbouring independent blocks, permutation test of means and log variances"
 FEWEST_BLOCKS = 12
@@ -36,8 +37,13 @@ class Stationarity:
     mean: FloatArray
     variance: FloatArray
     block: tuple[int, int]  #: Rows and columns of a block [px].
-    reason: str  #: Why it is not decidable; empty if it is.
+    reason: str = ""  #: Reason why it is not decidable; empty if it is.
     method: str = METHOD  #: One line for reports.
+
+    def as_dict(self) -> JsonObject:
+        """Return levels, size of a block, reason and method as plain numbers and text."""
+        levels = {"p_mean": self.p_mean, "p_variance": self.p_variance, "block_px": self.block}
+        return plain(levels | {"reason": self.reason or None, "method": self.method})
 
 
 def stationarity(
