@@ -41,7 +41,7 @@ def fit(
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
 ) -> None:
-    """Fit a texture to a recording, and say how good it is."""
+    """Fit a texture to a recording and report its quality."""
     from seaglint.base.errors import DataError
     from seaglint.store.outputs import refuse_existing
     from seaglint.store.texture_file import check_name, write_texture
@@ -170,7 +170,7 @@ def place(
 
 
 def fit_lines(result: Fitted) -> list[str]:
-    """A fitted texture as a few lines of text."""
+    """Return a fitted texture as a few lines of text."""
     out = model_lines(result.stored.to_dict())
     held_out = result.held_out
     if held_out.log_pseudo_likelihood is None:
@@ -184,9 +184,9 @@ def fit_lines(result: Fitted) -> list[str]:
     return out + [f"note: {note}" for note in result.stored.notes]
 
 
-def model_lines(held: JsonObject) -> list[str]:
+def model_lines(stored: JsonObject) -> list[str]:
     """Return the model, its parameters and the data of a fit as lines of text."""
-    model, source = held["model"], held["source"]
+    model, source = stored["model"], stored["source"]
     out = [f"{source['input']}: {_frames(source['frames'])} of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
     if model["kind"] == "gauss-markov":
         slow = model["modulation"]
@@ -195,12 +195,12 @@ def model_lines(held: JsonObject) -> list[str]:
             f"Gauss-Markov field of {len(model['offsets'])} neighbour pairs, {model['marginal']['kind']} pixels{shape}"
             + ("" if slow is None else f", times a slow gamma field of shape {slow['shape']:.3g}")
         )
-        out.append(f"correlations of samples agree with the data's to {max(held['fit']['correlation_error'], 1e-9):.1g} of the variance")
+        out.append(f"correlations of samples agree with the data's to {max(stored['fit']['correlation_error'], 1e-9):.1g} of the variance")
     else:
-        errors = held["fit"]["standard_errors"]
-        parameters = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
+        errors = stored["fit"]["standard_errors"]
+        parameters = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(stored["fit"]["parameters"], errors, strict=True)]
         out.append(f"autobinomial field of {model['levels']} levels: alpha {parameters[0]}; beta {', '.join(parameters[1:])}")
-        out.append(f"couplings by {held['fit']['method']}, samples by {model['sampler']}")
+        out.append(f"couplings by {stored['fit']['method']}, samples by {model['sampler']}")
     return out
 
 
@@ -209,7 +209,7 @@ def _times(ratio: float | None) -> str:
 
 
 def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | None = None) -> list[str]:
-    """A comparison as a few lines of text."""
+    """Return a comparison as a few lines of text."""
     values = distances.marginal
     out = [f"{distances.second} against {distances.first}:"]
     for entry in distances.filtered_rates:

@@ -10,8 +10,8 @@ k         ``2/(b Gamma(v)) (x/b)^((v-1)/2) K_(v-1)(2 sqrt(x/b))`` shape v, scale
 gaussian  ``exp(-(x-loc)^2 / (2 l^2)) / (l sqrt(2 pi))``          loc, scale l
 ========= ======================================================= ================
 
-The source article's Fig. 9 uses the gamma density; its printed formula is garbled. The K distribution describes an intensity with one
-look (Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its variance over squared
+The source article's Fig. 9 uses the gamma density; its printed formula is garbled. The K distribution describes an intensity with one look
+(Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its variance over squared
 mean is ``1 + 2/v``, at least 1, so data of less contrast have no K distribution; the fit then states this reason.
 
 Goodness of fit is measured by Kolmogorov-Smirnov and Anderson-Darling distances. Textbook levels of these distances are wrong for two
@@ -20,7 +20,8 @@ reasons:
 - Parameters were fitted to the same values, which brings the fit nearer (Lilliefors 1967). The null distribution is therefore drawn, by a
   parametric bootstrap that fits each replicate.
 - Neighbouring pixels repeat each other: of ``count`` values only ``effective_count`` are independent. ``sqrt(m) D`` and ``A^2 m / n`` are
-  therefore compared with replicates of ``m = effective_count`` independent values (at most 2000: beyond, both have reached their limit law).
+  therefore compared with replicates of ``m = effective_count`` independent values (at most 2000: beyond, both have reached their limit
+  law).
 
 Replicates are fitted by one Newton step from the parameters they were drawn with, which is as good as the full maximum to first order in
 1/m (Le Cam's one-step estimator) and some hundred times quicker.
@@ -147,7 +148,7 @@ def fit(
     -------
     Fit
         Without parameters and with a ``reason`` where the family cannot be fitted: constant data, values not above ``loc`` (filtered
-        images are negative), contrast below that of the K distribution.
+        images are negative), contrast below the K distribution's.
 
     Raises
     ------
@@ -158,8 +159,8 @@ def fit(
     --------
     >>> import numpy as np
     >>> sample = np.random.default_rng(1).gamma(4.0, 0.5, 100_000)
-    >>> found = fit(sample, "gamma")
-    >>> found.shape_interval[0] < 4.0 < found.shape_interval[1]
+    >>> result = fit(sample, "gamma")
+    >>> result.shape_interval[0] < 4.0 < result.shape_interval[1]
     True
     """
     if family not in FAMILIES:
@@ -205,7 +206,7 @@ def fit(
             return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
         if not (np.isfinite(theta).all() and np.isfinite(error).all()):
             return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
-    with np.errstate(over="ignore"):  # an interval without end is one
+    with np.errstate(over="ignore"):  # an interval may be infinite
         intervals = [
             (value - quantile * error[i], value + quantile * error[i])
             if family == "gaussian" and i == 0
@@ -214,9 +215,20 @@ def fit(
             for i, value in enumerate(theta)
         ]
     likelihood = float(np.sum(w * log_density(family, x, theta)))
-    if family == "gaussian":
-        return Fit(family, None, theta[0], theta[1], None, intervals[0], intervals[1], likelihood, round(count), independent)
-    return Fit(family, theta[0], loc, theta[1], intervals[0], None, intervals[1], likelihood, round(count), independent, excluded=share)
+    gaussian = family == "gaussian"
+    return Fit(
+        family=family,
+        shape=None if gaussian else theta[0],
+        loc=theta[0] if gaussian else loc,
+        scale=theta[1],
+        shape_interval=None if gaussian else intervals[0],
+        loc_interval=intervals[0] if gaussian else None,
+        scale_interval=intervals[1],
+        log_likelihood=likelihood,
+        count=round(count),
+        effective_count=independent,
+        excluded=share,
+    )
 
 
 def log_density(family: Family, x: FloatArray, theta: tuple[ArrayLike, ArrayLike]) -> FloatArray:
@@ -277,23 +289,30 @@ def draw(family: Family, theta: tuple[float, float], size: tuple[int, ...], rng:
     return b * rng.gamma(a, 1.0, size) * rng.standard_exponential(size)
 
 
+def _shifted(family: Family, theta: tuple[float, float], i: int, step: float) -> tuple[tuple[float, float], tuple[float, float], float]:
+    """Return parameters with one shifted up and down by a step of its logarithm (Gaussian mean: in scales), and the step [1 or data]."""
+    up, down = list(theta), list(theta)
+    if family == "gaussian" and i == 0:
+        step = step * theta[1]
+        up[i], down[i] = theta[i] + step, theta[i] - step
+    else:
+        up[i], down[i] = theta[i] * np.exp(step), theta[i] * np.exp(-step)
+    return (up[0], up[1]), (down[0], down[1]), step
+
+
 def scores(family: Family, x: FloatArray, theta: tuple[float, float]) -> FloatArray:
-    """Derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape ``(2, *x.shape)``."""
+    """Return derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape ``(2, *x.shape)``."""
     out = np.empty((2, *np.shape(x)))
     for i in range(2):
-        linear = family == "gaussian" and i == 0
-        step = STEP * theta[1] if linear else STEP
-        up, down = list(theta), list(theta)
-        up[i] = theta[i] + step if linear else theta[i] * np.exp(step)
-        down[i] = theta[i] - step if linear else theta[i] * np.exp(-step)
-        out[i] = (log_density(family, x, (up[0], up[1])) - log_density(family, x, (down[0], down[1]))) / (2.0 * step)
+        up, down, step = _shifted(family, theta, i, STEP)
+        out[i] = (log_density(family, x, up) - log_density(family, x, down)) / (2.0 * step)
     return out
 
 
 def _standard_errors(
     family: Family, x: FloatArray, w: FloatArray, theta: tuple[float, float], independent: float, label: NDArray[np.generic] | None
 ) -> tuple[FloatArray, float]:
-    """Standard errors of log parameters (Gaussian mean: of itself) and the quantile that makes 95 % of them."""
+    """Return standard errors of log parameters (Gaussian mean: of itself) and the quantile for 95 % intervals."""
     from scipy.special import stdtrit
 
     score = scores(family, x, theta)
@@ -303,19 +322,13 @@ def _standard_errors(
     group, place = np.unique(label, return_inverse=True)
     if len(group) < 10:
         raise DataError(f"{len(group)} blocks are too few for intervals; make 10 or more, or give effective_count")
-    sums = np.stack([np.bincount(place, weights=w * part) for part in score])
+    sums = np.stack([np.bincount(place, weights=w * row) for row in score])
     between = sums @ sums.T * len(group) / (len(group) - 1.0)
-    # Curvature from differences of the mean score, which needs no belief in the family.
+    # Curvature from differences of the mean score, which does not assume that the family is right.
     curvature = np.empty((2, 2))
     for i in range(2):
-        linear = family == "gaussian" and i == 0
-        step = 1e-3 * theta[1] if linear else 1e-3
-        shifted = []
-        for sign in (1.0, -1.0):
-            moved = list(theta)
-            moved[i] = theta[i] + sign * step if linear else theta[i] * np.exp(sign * step)
-            shifted.append(scores(family, x, (moved[0], moved[1])) @ w)
-        curvature[i] = (shifted[1] - shifted[0]) / (2.0 * step)
+        up, down, step = _shifted(family, theta, i, 1e-3)
+        curvature[i] = (scores(family, x, down) @ w - scores(family, x, up) @ w) / (2.0 * step)
     bread = np.linalg.inv(0.5 * (curvature + curvature.T))
     return np.sqrt(np.diag(bread @ between @ bread)), float(stdtrit(len(group) - 1, 0.975))
 
@@ -353,8 +366,8 @@ def _solve_weibull(x: FloatArray, p: FloatArray, mean: float, variance: float) -
         power = p * np.exp(c * relative)
         return float(np.sum(power * logarithm) / np.sum(power) - 1.0 / c - centre)
 
-    spread = float(np.sqrt(np.sum(p * (logarithm - centre) ** 2)))
-    low = high = 1.28 / spread  # exact for a Weibull distribution: pi / sqrt(6) over the spread of the logarithms
+    deviation = float(np.sqrt(np.sum(p * (logarithm - centre) ** 2)))
+    low = high = 1.28 / deviation  # exact for a Weibull distribution: pi / sqrt(6) over the spread of the logarithms
     while equation(low) > 0.0:
         low *= 0.5
     while equation(high) < 0.0:
@@ -402,8 +415,8 @@ _SOLVERS: dict[Family, Callable[[FloatArray, FloatArray, float, float], tuple[fl
 
 
 METHOD = "parametric bootstrap of the fit with the effective number of independent values"
-MOST_INDEPENDENT = 2000
-FEWEST_INDEPENDENT = 8
+MOST_INDEPENDENT = 2000  #: Largest number of values of a replicate; beyond, both distances have reached their limit law.
+FEWEST_INDEPENDENT = 8  #: Least number of independent values for levels.
 FEWEST_JUDGED = 50  #: Least number of independent values for judging a fit: with fewer, a test at 5 % does not detect a distance of 0.12.
 
 
@@ -469,8 +482,8 @@ def goodness(
     weights : array_like, shape of values, optional
         Counts of a histogram's cells; cells must be much narrower than ``1 / sqrt(effective_count)`` in probability.
     effective_count : float, optional
-        Independent values; default that of the fit. From the correlation of the values it is a lower bound, which makes the
-        levels larger than exact ones.
+        Independent values; default as in the fit. From the correlation of the values it is a lower bound, which makes the levels
+        larger than exact ones.
     replicates : int
         Number of replicates of the bootstrap; 199 give levels down to 0.005.
     seed : int

@@ -2,8 +2,8 @@
 
 Method, unsupervised, on the time-averaged image (and the temporal standard deviation of each pixel where there are frames):
 
-1. Sky: the rows from the top whose texture (mean absolute difference of horizontal neighbours) is less than half of that
-   below them. They take no part.
+1. Sky: the rows from the top with less than half of the texture (mean absolute difference of horizontal neighbours) of the rows below
+   them. They belong to neither class.
 2. Envelope: a Gaussian smoothing of 1/24 of the shorter side, so that single waves do not count.
 3. Background of a row: its 10 % quantile, made convex over the rows. A sea without glint changes steadily with depression
    angle, which a convex curve follows; a corridor, also one wider than the picture, rises above it.
@@ -11,7 +11,7 @@ Method, unsupervised, on the time-averaged image (and the temporal standard devi
 5. It is a corridor only if the classes separate (Otsu's criterion at least 0.69; a Gaussian split at its mean has 0.64), its
    mean is two standard deviations of the background's pixels above it, it does not span the picture from side to side, its
    texture differs from the background's (brightness alone is shading of the lens or haze), and its border is gradual: the chance
-   of a glint falls off over many waves, a shore is an edge. What passes narrowly is found, and is said to be doubtful.
+   of a glint falls off over many waves, a shore is an edge. A corridor that passes a criterion narrowly is reported as doubtful.
 """
 
 from __future__ import annotations
@@ -88,14 +88,14 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
         If the arrays are not two-dimensional or differ in shape.
     """
     image = np.asarray(mean, dtype=np.float64)
-    spread = None if std is None else np.asarray(std, dtype=np.float64)
+    deviation = None if std is None else np.asarray(std, dtype=np.float64)
     if image.ndim != 2:
         raise DataError(f"segmentation got an array of shape {image.shape}; give the mean image, (rows, columns)")
-    if spread is not None and spread.shape != image.shape:
-        raise DataError(f"mean image {image.shape} and standard deviation {spread.shape} differ in shape; give one of each per pixel")
+    if deviation is not None and deviation.shape != image.shape:
+        raise DataError(f"mean image {image.shape} and standard deviation {deviation.shape} differ in shape; give one of each per pixel")
     valid = np.isfinite(image)
-    if spread is not None:
-        valid &= np.isfinite(spread)
+    if deviation is not None:
+        valid &= np.isfinite(deviation)
     nothing = np.zeros(image.shape, dtype=bool)
     if min(image.shape) < SHORTEST_SIDE:
         reason = f"picture of {image.shape[0]} x {image.shape[1]} px is too small to tell; at least {SHORTEST_SIDE} px a side are needed"
@@ -108,7 +108,7 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     sky = nothing.copy()
     sky[:first] = valid[:first]
     sea = slice(first, None)
-    corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if spread is None else spread[sea], valid[sea])
+    corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if deviation is None else deviation[sea], valid[sea])
     # without contrast there is no step to take a share of
     step = _border_step(image[sea], corridor, valid[sea]) if contrast >= LEAST_CONTRAST else float("nan")
     reason = _refusal(separability, contrast, texture, spanning, step)
@@ -228,21 +228,21 @@ def otsu_threshold(values: FloatArray, bins: int = 512) -> tuple[float, float]:
     return float(edges[best + 1]), float(between[best] / variance) if variance > 0.0 else 0.0
 
 
-def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) -> tuple[BoolArray, float, float, float, float]:
+def _corridor(image: FloatArray, deviation: FloatArray | None, valid: BoolArray) -> tuple[BoolArray, float, float, float, float]:
     """Brighter class with its separability, contrast, texture ratio and share of rows that it spans."""
     from scipy import ndimage
 
     # A quantile is shifted by single rows of missing data less than a mean is; 1/24 leaves some twenty patches a side.
     sigma = _envelope_length(image)
     excess = []
-    for layer in (image,) if spread is None else (image, spread):
+    for layer in (image,) if deviation is None else (image, deviation):
         smooth = _smoothed(layer, valid, sigma)
         excess.append(smooth - _convex_below(np.quantile(smooth, 0.1, axis=1))[:, None])
-    # Mean and spread each in their own standard deviation: glint raises both, and neither unit should decide.
+    # Mean and deviation each in units of its standard deviation: glint raises both, and neither unit should decide.
     score = sum((layer / max(float(layer.std()), np.finfo(float).tiny) for layer in excess), np.zeros(image.shape))
     threshold, separability = otsu_threshold(score)
-    label, parts = ndimage.label(score > threshold)
-    if parts == 0:
+    label, count = ndimage.label(score > threshold)
+    if count == 0:
         return np.zeros(image.shape, dtype=bool), separability, 0.0, 1.0, 0.0
     largest = 1 + int(np.argmax(np.bincount(label.ravel())[1:]))
     corridor = np.asarray(ndimage.binary_fill_holes(label == largest), dtype=bool)
@@ -253,10 +253,10 @@ def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) ->
     noise = float(base[outside].std())
     step = float(base[inside].mean() - base[outside].mean())
     contrast = step / noise if noise > 0.0 else np.inf
-    if spread is None:
+    if deviation is None:
         fine = np.where(valid, image, 0.0) - np.where(valid, _smoothed(image, valid, 3.0), 0.0)
     else:
-        fine = np.where(valid, spread, 0.0)
+        fine = np.where(valid, deviation, 0.0)
     low = float(np.sqrt(np.mean(fine[outside] ** 2)))
     texture = float(np.sqrt(np.mean(fine[inside] ** 2))) / low if low > 0.0 else np.inf
     rows = np.flatnonzero(corridor.any(axis=1))
@@ -270,9 +270,10 @@ def _envelope_length(image: FloatArray) -> float:
 
 
 def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> float:
-    """Step of brightness near the border over that between the inner half of the corridor and the outer half of the background, or NaN.
+    """Return the step of brightness near the border over the step between the inner corridor and the outer background, or NaN.
 
-    The border is looked for again after half of the smoothing: the envelope's own border lies pixels off that of a ragged shore.
+    The latter are the inner half of the corridor and the outer half of the background. The border is determined again with half of the
+    smoothing: the envelope's border is pixels away from the border of a ragged shore.
     """
     from scipy import ndimage
 
@@ -283,16 +284,17 @@ def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> fl
     smooth = _smoothed(image, valid, near)
     within, beyond = ndimage.distance_transform_edt(corridor), ndimage.distance_transform_edt(~corridor)
     threshold, _ = otsu_threshold(smooth[np.maximum(within, beyond) < 1.5 * length])
-    label, parts = ndimage.label(smooth > threshold)
-    shared = np.bincount(label[corridor], minlength=parts + 1)[1:]
-    if parts == 0 or not shared.any():
+    label, count = ndimage.label(smooth > threshold)
+    shared = np.bincount(label[corridor], minlength=count + 1)[1:]
+    if count == 0 or not shared.any():
         return float("nan")
-    part = ndimage.binary_fill_holes(label == 1 + int(shared.argmax()))
-    depth = np.where(part, ndimage.distance_transform_edt(part) - 0.5, 0.5 - ndimage.distance_transform_edt(~part))
+    refined = ndimage.binary_fill_holes(label == 1 + int(shared.argmax()))
+    # Distance from the border, which lies half a pixel from the nearest pixels, positive in the corridor [px].
+    depth = np.where(refined, ndimage.distance_transform_edt(refined) - 0.5, 0.5 - ndimage.distance_transform_edt(~refined))
 
     def level(low: float, high: float, side: float) -> float:
-        there = (side * depth > low) & (side * depth < high) & valid
-        return float(image[there].mean()) if there.any() else float("nan")
+        band = (side * depth > low) & (side * depth < high) & valid
+        return float(image[band].mean()) if band.any() else float("nan")
 
     # The inner half of the corridor and the outer half of the background: a glint increases up to its middle.
     inner, outer = (0.5 * float((side * depth).max()) for side in (1.0, -1.0))
