@@ -1,14 +1,14 @@
 """``seaglint analyze``: what the text says, and what is refused in one line."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from seaglint.analysis import Recording, analyze
-from seaglint.analysis.summary import FitSummary
 from seaglint.cli.analyze import lines
+from seaglint.clutter.fits import Family, Fit, Goodness
 
 
 @pytest.fixture
@@ -54,9 +54,10 @@ def test_what_cannot_be_is_refused_in_one_line(seaglint, raw, arguments, says):
     assert answer.err.count("\n") == 1
 
 
-def fit(ks: float, level: float | None) -> FitSummary:
-    known = {"ks": ks, "ks_p": level, "shape": 2.0, "scale": 1.0, "effective_count": 4.0 if level is None else 400.0}
-    return FitSummary(**dict.fromkeys(field.name for field in fields(FitSummary)) | known)
+def fit(family: Family, ks: float, level: float | None) -> Fit:
+    count = 4.0 if level is None else 400.0
+    tested = Goodness(ks, np.nan if level is None else level, np.nan, np.nan, count, 199)
+    return Fit(family, 2.0, 0.0, 1.0, None, None, None, None, 400, count, goodness=tested)
 
 
 @pytest.mark.parametrize(
@@ -65,9 +66,8 @@ def fit(ks: float, level: float | None) -> FitSummary:
 )
 def test_a_fit_at_the_floor_is_not_called_the_best(levels, says):
     whole = analyze(Recording("a", 1, 24, 32, lambda start, stop: np.random.default_rng(1).normal(size=(1, 24, 32)).astype(np.float32)))
-    summary = whole.summary()
-    region = replace(summary.present["all"], fits={"gamma": fit(0.01, levels[0]), "weibull": fit(0.2, levels[1])})
-    assert says in "\n".join(lines(replace(summary, regions={"all": region, "glint": None, "background": None})))
+    region = replace(whole.regions["all"], fits={"gamma": fit("gamma", 0.01, levels[0]), "weibull": fit("weibull", 0.2, levels[1])})
+    assert says in "\n".join(lines(replace(whole, regions={"all": region})))
 
 
 def test_text_tells_saturation_of_the_region_and_no_fit_of_few_values(seaglint, tmp_path):

@@ -135,7 +135,7 @@ def test_strata_add_up_to_the_whole():
     plan = SamplingPlan(16, 256)
     u = plan.uniform(2, 1)
     values = (u[:, 0] < 0.3).astype(float)
-    found = strata(values, plan, {"half": (u[:, 1], np.array([0.0, 0.5, 1.0]))})
+    found = strata(values, plan, {"half": (u[:, 1], np.array([0.0, 0.5, 1.0]))}, 1.0)
     assert sum(s.share for s in found) == pytest.approx(1.0)
     assert sum(s.share * s.value for s in found) == pytest.approx(values.mean())
     assert sum(s.contribution for s in found) == pytest.approx(1.0)

@@ -76,7 +76,7 @@ def test_columns_hold_the_rows(small: Table1) -> None:
 
 def test_the_detector_is_one_of_the_blurs_beside_it(small: Table1) -> None:
     """Counted twice: by the whole analysis, and without its fits."""
-    regions = small.through_detector.summary().present
+    regions = small.through_detector.regions
     for region, rates in small.by_blur[BLUR_PX].items():
         alarms = {alarm.threshold_sigma: alarm for alarm in regions[region].false_alarms}
         assert len(rates) == 2

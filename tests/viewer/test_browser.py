@@ -150,7 +150,7 @@ def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     seen.until("document.getElementById('region').dataset.frame === '4' && document.querySelector('[data-testid=region-mean]')")
     mask = np.zeros((ROWS, COLUMNS), bool)
     mask[8:41, 10:46] = True
-    expected = analyze(open_source(store).recording("radiance", only=4), AnalysisOptions(mask=mask)).regions["glint"].as_dict(25.0)
+    expected = analyze(open_source(store).recording("radiance", only=4), AnalysisOptions(mask=mask)).regions["glint"].as_dict()
     for name, key in (("mean", "mean"), ("std", "std"), ("skewness", "skewness"), ("kurtosis", "excess_kurtosis"), ("pixels", "pixels")):
         assert seen.number(f"region-{name}") == expected[key]
     assert seen.number("region-gamma") == expected["fits"]["gamma"]["shape"]
@@ -259,7 +259,7 @@ def test_whole_analysis_of_a_region(seen, store):
     told = json.loads(seen.on("analysis").get_attribute("data-result"))
     mask = np.zeros((ROWS, COLUMNS), bool)
     mask[box["top"] : box["top"] + box["height"], box["left"] : box["left"] + box["width"]] = True
-    expected = analyze(open_source(store).recording("radiance", only=6), AnalysisOptions(mask=mask)).regions["glint"].as_dict(25.0)
+    expected = analyze(open_source(store).recording("radiance", only=6), AnalysisOptions(mask=mask)).regions["glint"].as_dict()
     assert {key: told[key] for key in expected} == json.loads(json.dumps(expected))
     with seen.page.expect_download() as waiting:
         seen.on("save-csv").click()

@@ -69,7 +69,7 @@ def test_region_is_what_analyze_tells(store, only):
     recording = open_recording(store)
     if only is not None:
         recording = open_source(store).recording("radiance", only=only)
-    expected = analyze(recording, AnalysisOptions(mask=mask)).regions["glint"].as_dict(recording.frame_rate)
+    expected = analyze(recording, AnalysisOptions(mask=mask)).regions["glint"].as_dict()
     found = whole(open_source(store), where, "radiance", only, lambda done, total: None)
     assert {key: found[key] for key in expected} == expected
     assert (found["blur_px"], found["blur"]) == (recording.blur_px, recording.blur)
@@ -87,7 +87,7 @@ def test_region_is_what_analyze_tells(store, only):
 def test_threshold_counts_as_analyze_does(store):
     source = open_source(store)
     told, above = exceedances(source, 2, 3.0, "laplacian")
-    alarms = analyze(source.recording("radiance", only=2)).regions["all"].as_dict(25.0)["false_alarms"]
+    alarms = analyze(source.recording("radiance", only=2)).regions["all"].as_dict()["false_alarms"]
     expected = next(entry for entry in alarms if entry["threshold_sigma"] == 3.0)
     assert told["exceedances"] == expected["exceedances"] == int(above.sum()) > 0
     assert told["rate"] == told["exceedances"] / told["pixels"] == expected["rate"]

@@ -1,69 +1,88 @@
-"""Analysis of a recording: clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
+"""Analysis of a recording: clutter statistics and false-alarm rates by region.
+
+The first pass over the file surveys its pixels in time, from which the regions are segmented. The second pass counts the exceedances of the
+filter and collects values for statistics in space and time; each detector takes one more pass, and thresholds in standard deviations of the
+whole sequence one before. Memory does not grow with the recording.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Final, Literal
+from typing import Final, Literal, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Passes, Recording, Survey, ahead, survey
-from seaglint.analysis.region import Gatherer, Region, region
-from seaglint.analysis.summary import AnalysisSummary, SegmentationSummary
+from seaglint.analysis.region import FrameArray, Gatherer, Region, region
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.representation import card, notes, table
 from seaglint.base.threads import single_threaded_algebra
+from seaglint.clutter.correlation import BoolArray
 from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
 from seaglint.clutter.filters import Filter, Laplacian
 from seaglint.clutter.segmentation import Segmentation, segment
 from seaglint.clutter.thresholds import Scope, frame_scale, standardise
 from seaglint.detection.interface import Detector, statistics
 
-BoolArray = NDArray[np.bool_]
-FrameArray = NDArray[np.float32]
+Prepared = TypeVar("Prepared")
 
-ALWAYS: Final = (3.0, 3.5)  #: Thresholds that are always counted: those of the source article's Table 1 [standard deviations].
+ALWAYS: Final = (3.0, 3.5)  #: Thresholds that are always counted, as in the source article's Table 1 [standard deviations].
 
 Border = Literal["auto", "keep", "drop"]
 
-REGIONS: Final = ("all", "glint", "background")
+REGIONS: Final = ("all", "glint", "background")  #: Names of the regions; all of them are in the results, absent ones as None.
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}  #: Ratio of the density of a Gaussian to its tail.
 
-_BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}  #: Ratio of the tail of a Gaussian with 12/20 of the variance to that with the whole one.
+_BORDER_TAIL: Final = {
+    3.0: 0.0398,
+    3.5: 0.0134,
+}  #: Ratio of a Gaussian's tail with 12/20 of the variance to its tail with the whole variance.
 
-KEPT_FRAMES: Final = 24  #: Largest number of frames stored for statistics in space, evenly spaced over the recording.
+STORED_FRAMES: Final = 24  #: Largest number of frames stored for statistics in space, evenly spaced over the recording.
 
 #: Largest number of values in the stored frames.
 #:
 #: Ten frames of 512 x 512 give correlation lengths to a per cent, and their transforms stay below 100 MB.
-KEPT_VALUES: Final = 2_500_000
+STORED_VALUES: Final = 2_500_000
 
-SLICED_FRAMES: Final = 2000  #: Number of frames of which a row and a column are stored for the picture of them in time.
+SLICED_FRAMES: Final = 2000  #: Largest number of frames of which a row and a column are stored, for their picture in time.
 
 FEWEST_PIXELS: Final = 100  #: Least number of pixels of an analysed region.
 
 
 @dataclass(frozen=True)
 class AnalysisOptions:
-    """Options of an analysis."""
+    """Options of an analysis.
 
-    filter: Filter = field(default_factory=Laplacian)  #: Before thresholds; the article's Laplacian by default.
-    thresholds: tuple[float, ...] = ()  #: Beside 3.0 and 3.5 [standard deviations].
-    scope: Scope = "frame"  #: Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
-    #: Part of the rows to analyse, as shares of the height from the top; filters see the whole picture.
+    Raises
+    ------
+    DataError
+        A scope or border that does not exist.
+    """
+
+    filter: Filter = field(default_factory=Laplacian)  #: Filter before the thresholds; the article's Laplacian by default.
+    thresholds: tuple[float, ...] = ()  #: Further thresholds besides 3.0 and 3.5 [standard deviations].
+    scope: Scope = "frame"  #: Standard deviation of the region in each frame, in the whole sequence, or around each pixel.
+    #: Part of the rows to analyse, as shares of the height from the top; filters use the whole picture.
     rows: tuple[float, float] = (0.0, 1.0)
-    mask: BoolArray | None = None  #: The glinting pixels, instead of the segmentation.
-    detectors: tuple[Detector, ...] = ()  #: Judged by the same counting.
+    mask: BoolArray | None = None  #: Glinting pixels, instead of the segmentation.
+    detectors: tuple[Detector, ...] = ()  #: Detectors whose statistics are counted like filtered frames.
     seed: int = 0  #: Seed of all random samples.
-    #: Whether the pixels that the filter gives from repeated ones beyond the border are in sigma and rates: in a single image as in the
-    #: published figures, not in a sequence, which is long enough to show their bias. Dropped only where half of the pixels are left.
+    #: Whether sigma and rates include the pixels whose filtered value depends on repeated pixels beyond the border. With "auto" they are
+    #: included in a single image, as in the published figures, and not in a sequence, which is long enough to show their bias. They are
+    #: dropped only if half of the pixels remain.
     border: Border = "auto"
+
+    def __post_init__(self) -> None:
+        for name, value, allowed in (("scope", self.scope, get_args(Scope)), ("border", self.border, get_args(Border))):
+            if value not in allowed:
+                raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
 
 
 @dataclass(frozen=True)
@@ -78,49 +97,47 @@ class Slices:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Results of an analysis for JSON, plots and report."""
+    """Results of an analysis for JSON, text, plots and report."""
 
     recording: Recording
     options: AnalysisOptions
-    segmentation: Segmentation | None
-    image: NDArray[np.float64]
-    regions: dict[str, Region]
+    segmentation: Segmentation
+    image: NDArray[np.float64]  #: Mean in time, in the recording's numbers. Shape (rows, columns).
+    regions: dict[str, Region]  #: Regions that exist, by name.
     slices: Slices
-    notes: tuple[str, ...]
-    border_kept: bool = True
-
-    def summary(self) -> AnalysisSummary:
-        """Return plain numbers and text of all results; absent regions are None."""
-        rate = self.recording.frame_rate
-        return AnalysisSummary(
-            source=self.recording.source,
-            frames=self.recording.frames,
-            rows=self.recording.rows,
-            columns=self.recording.columns,
-            units=self.recording.units,
-            frame_rate_hz=rate,
-            blur_px=self.recording.blur_px,
-            blur=self.recording.blur,
-            filter=self.options.filter.name,
-            sigma_of=self.options.scope,
-            border="kept" if self.border_kept else "dropped",
-            segmentation=SegmentationSummary.of(self.segmentation, found="glint" in self.regions),
-            regions={name: self.regions[name].summary(rate) if name in self.regions else None for name in REGIONS},
-            notes=list(self.notes),
-        )
+    notes: tuple[str, ...]  #: Remarks on the recording.
+    border_included: bool = True  #: Whether sigma and rates include pixels that depend on repeated ones beyond the border.
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text of all results; absent regions are None."""
-        return self.summary().as_dict()
+        recording, regions = self.recording, self.regions
+        return {
+            "source": recording.source,
+            "frames": recording.frames,
+            "rows": recording.rows,
+            "columns": recording.columns,
+            "units": recording.units,
+            "frame_rate_hz": recording.frame_rate,
+            "blur_px": recording.blur_px,
+            "blur": recording.blur,
+            "filter": self.options.filter.name,
+            "sigma_of": self.options.scope,
+            "border": "kept" if self.border_included else "dropped",
+            # A corridor of too few pixels is segmented but has no statistics: it counts as absent.
+            "segmentation": self.segmentation.as_dict() | {"found": "glint" in regions},
+            "regions": {name: regions[name].as_dict() if name in regions else None for name in REGIONS},
+            "notes": list(self.notes),
+        }
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the regions' moments, and the notes."""
-        values = self.summary()
+        recording = self.recording
         names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
-        rows = [(name, *(getattr(region, key) for key in names)) for name, region in values.present.items()]
-        size = f"{values.frames} frames of {values.columns} x {values.rows} pixels, {values.units}, filter {values.filter}"
-        known = notes([size, f"blur of the frames: {values.blur}"])
-        return card(f"Analysis of {values.source}", known + table(("region", *names), rows) + notes(self.notes))
+        regions = {name: region.as_dict() for name, region in self.regions.items()}
+        rows = [(name, *(values[key] for key in names)) for name, values in regions.items()]
+        size = f"{recording.frames} frames of {recording.columns} x {recording.rows} pixels, {recording.units}"
+        known = notes([f"{size}, filter {self.options.filter.name}", f"blur of the frames: {recording.blur}"])
+        return card(f"Analysis of {recording.source}", known + table(("region", *names), rows) + notes(self.notes))
 
 
 @single_threaded_algebra()
@@ -134,7 +151,7 @@ def analyze(recording: Recording, options: AnalysisOptions | None = None, progre
     options : AnalysisOptions, optional
         Filter, thresholds, mask, detectors.
     progress : callable
-        Called with (frames, frames of the recording): what is done of all passes over it, as whole frames.
+        Called with (frames, frames of the recording): the finished share of all passes over it, as whole frames.
 
     Returns
     -------
@@ -143,13 +160,13 @@ def analyze(recording: Recording, options: AnalysisOptions | None = None, progre
     Raises
     ------
     DataError
-        Nothing finite in the recording, or a mask that does not fit.
+        A recording without finite values, or a mask that does not fit.
 
     Notes
     -----
     Memory does not grow with the recording: blocks of some eight megabytes, and maps of the size of a frame.
     """
-    given = options if options is not None else AnalysisOptions()
+    given = options or AnalysisOptions()
     rows = _row_mask(recording, given.rows)
     if given.mask is not None and given.mask.shape != rows.shape:
         raise DataError(
@@ -163,16 +180,16 @@ def analyze(recording: Recording, options: AnalysisOptions | None = None, progre
     thresholds = tuple(sorted({*ALWAYS, *given.thresholds}))
     counted, border_notes = _interior(recording, given, masks["all"])
     results, slices = _count(recording, given, first, masks, counted, thresholds, passes)
-    deaf: list[str] = []
+    detector_notes: list[str] = []
     for detector in given.detectors:
-        deaf += _judge(recording, detector, first.dead, results, thresholds, passes)
-    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, given.filter.name), *deaf]
+        detector_notes += _count_detector(recording, detector, first.dead, results, thresholds, passes)
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, given.filter.name), *detector_notes]
     image = first.moments.image + recording.offset
     return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()))
 
 
 def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -> tuple[BoolArray, list[str]]:
-    """Pixels whose filtered values are used, and the notes about the border."""
+    """Return the pixels whose filtered values are used, and the notes about the border."""
     margin = options.filter.margin
     inner = np.zeros(used.shape, np.bool_)
     inner[margin : max(used.shape[0] - margin, 0), margin : max(used.shape[1] - margin, 0)] = True
@@ -191,12 +208,13 @@ def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -
 
 
 def _border_bias(used: Filter, share: float) -> str:
-    """Bias of white noise from the border's repeated pixels."""
+    """Return the note on the border's pixels, with the bias of the rates of white noise where it is known."""
     where = f"{100 * share:.3g} % of the pixels lie within {used.margin} px of the border"
     text = f"{where}, where the filter sees repeated pixels; they are counted"
     if not isinstance(used, Laplacian) or share > 0.5:
         return text
-    # Variance 12 instead of 20 of the input's: sigma is too small by 0.2 of the share, and the border itself hardly exceeds.
+    # Repeated pixels leave the Laplacian 12 instead of 20 times the input's variance: sigma is too small by 0.2 of the share, which raises
+    # the rate by the hazard, and the border's own pixels hardly exceed.
     bias = [share * (0.2 * m * _HAZARD[m] - 1.0 + _BORDER_TAIL[m]) for m in ALWAYS]
     return (
         text
@@ -205,7 +223,7 @@ def _border_bias(used: Filter, share: float) -> str:
 
 
 def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
-    """Notes on rows and columns with far more exceedances than those beside them."""
+    """Return notes on rows and columns with far more exceedances than their neighbours."""
     notes = []
     for name, result in results.items():
         for what, counts in zip(("row", "column"), result.alarms[filter_name].lines(ALWAYS[0]), strict=True):
@@ -218,34 +236,33 @@ def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
     return notes
 
 
-def _row_mask(recording: Recording, part: tuple[float, float]) -> BoolArray:
-    low, high = part
+def _row_mask(recording: Recording, shares: tuple[float, float]) -> BoolArray:
+    low, high = shares
     if not 0.0 <= low < high <= 1.0:
         raise DomainError(f"rows = {low:g}:{high:g}; give shares of the height from the top, 0 <= first < last <= 1")
     mask = np.zeros((recording.rows, recording.columns), np.bool_)
+    # A share of 0.7 of 10 rows is 6.9999... in floating point and means 7.
     mask[int(np.floor(low * recording.rows + 1e-9)) : max(int(np.floor(high * recording.rows + 1e-9)), 1)] = True
     return mask
 
 
-def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Segmentation | None, dict[str, BoolArray], list[str]]:
-    """Masks by name; a region that is too small is absent and noted."""
+def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Segmentation, dict[str, BoolArray], list[str]]:
+    """Return the segmentation, masks by name, and notes; a region that is too small is absent and noted."""
     good = (first.moments.count > 0) & ~first.dead & rows
     notes: list[str] = []
-    segmentation: Segmentation | None = None
     if mask is not None:
-        glint, background = mask & good, good & ~mask
+        segmentation = Segmentation(mask, ~mask, np.zeros_like(mask), True, method="mask given")
     else:
         several = int(first.moments.count.max()) > 1
-        # The segmentation looks at the whole picture, whatever rows are analysed: it needs the sky to know it.
+        # The segmentation needs the whole picture, whatever rows are analysed: it recognises the sky at the top.
         image = np.where(first.dead, np.nan, first.moments.image)
         segmentation = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
-        glint, background = segmentation.glint & good, segmentation.background & good
         if not segmentation.found:
             notes.append(f"no glint corridor found: {segmentation.reason}")
         elif segmentation.doubt:
             notes.append(f"the glint corridor is not sure: {segmentation.doubt}; look at the picture of the regions or give --mask")
     masks = {"all": good}
-    for name, pixels in (("glint", glint), ("background", background)):
+    for name, pixels in (("glint", segmentation.glint & good), ("background", segmentation.background & good)):
         count = int(pixels.sum())
         if count >= FEWEST_PIXELS:
             masks[name] = pixels
@@ -254,15 +271,20 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
     return segmentation, masks, notes
 
 
-def _filtered(recording: Recording, options: AnalysisOptions, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
-    """Iterate over blocks, raw and filtered; dead pixels are missing in both."""
+def _blocks(recording: Recording, dead: BoolArray, prepare: Callable[[FrameArray], Prepared]) -> Iterator[Prepared]:
+    """Iterate over prepared blocks; dead pixels are missing in them."""
 
-    def prepare(block: FrameArray) -> tuple[FrameArray, FrameArray]:
+    def without_dead(block: FrameArray) -> Prepared:
         if dead.any():
             block[:, dead] = np.nan
-        return block, options.filter.apply(block)
+        return prepare(block)
 
-    return ahead(recording, prepare)
+    return ahead(recording, without_dead)
+
+
+def _filtered(recording: Recording, options: AnalysisOptions, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
+    """Iterate over blocks, raw and filtered."""
+    return _blocks(recording, dead, lambda block: (block, options.filter.apply(block)))
 
 
 def _count(
@@ -275,14 +297,14 @@ def _count(
     passes: Passes,
 ) -> tuple[dict[str, Region], Slices]:
     """Run the second pass: false alarms of the filter, and the values for statistics in space and time."""
-    most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
-    kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
-    stored = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
-    gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed, recording.offset) for name, mask in masks.items()}
+    most = min(max(STORED_VALUES // (recording.rows * recording.columns), 4), STORED_FRAMES, recording.frames)
+    stored_frames = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
+    stored = np.empty((stored_frames.size, recording.rows, recording.columns), np.float32)
+    gatherers = {name: Gatherer(mask, recording.frames, stored_frames, options.seed, recording.offset) for name, mask in masks.items()}
     alarms = {name: FalseAlarms(thresholds) for name in masks}
     counted = {name: mask & interior for name, mask in masks.items()}
     scales = _sequence_scales(recording, options, first.dead, counted, passes) if options.scope == "sequence" else {}
-    slicer = _Slicer(masks.get("glint", masks["all"]), recording, options, masks["all"])
+    slicer = _Slicer(masks.get("glint", masks["all"]), recording)
     done = 0
 
     def count(name: str, block: FrameArray, filtered: FrameArray, start: int) -> None:
@@ -293,37 +315,39 @@ def _count(
         gatherers[name].add(block, start)
 
     def summarise(name: str) -> Region:
-        moments = first.moments.region(masks[name])
-        image, apart = first.moments.image, max(spacing, 1.0)
+        moments, image = first.moments.region(masks[name]), first.moments.image
         bad = _bad_lines(alarms[name], masks[name])
-        made = region(name, gatherers.pop(name), moments, image, stored, apart, recording.frame_rate, options.seed, bad)
+        result = region(name, gatherers.pop(name), moments, image, stored, max(spacing, 1.0), recording.frame_rate, options.seed, bad)
         share = _saturated_share(first, masks[name])
         cut = (f"{100 * share:.3g} % saturated at {first.ceiling:.7g}",) if share > 0.0 else ()
-        made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *cut), saturated=share)
-        made.tail(options.filter.name)
-        return made
+        result = replace(result, alarms={options.filter.name: alarms[name]}, notes=(*result.notes, *cut), saturated=share)
+        result.tail(options.filter.name)  # fitted here, where regions run in parallel
+        return result
 
     # Regions are independent, and their kernels release the interpreter.
     with ThreadPoolExecutor(len(masks)) as workers:
         for block, filtered in _filtered(recording, options, first.dead):
             for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
                 task.result()
-            inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
-            stored[inside] = block[kept_numbers[inside] - done]
+            inside = (stored_frames >= done) & (stored_frames < done + block.shape[0])
+            stored[inside] = block[stored_frames[inside] - done]
             done += block.shape[0]
             passes.read(done)
     passes.end()
-    spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
+    spacing = float(recording.frames - 1) / max(stored_frames.size - 1, 1)
     # Two at a time, for the sake of memory.
     with ThreadPoolExecutor(2) as workers:
         results = dict(zip(masks, workers.map(summarise, list(masks)), strict=True))
-        # The accumulators hold the data for the intervals of the rates.
-        list(workers.map(lambda counted: counted.rates(), alarms.values()))
+        # The accumulators store the variances behind the intervals of the rates, so that later calls are quick.
+        list(workers.map(lambda accumulator: accumulator.rates(), alarms.values()))
     return results, slicer.result()
 
 
 def _bad_lines(alarms: FalseAlarms, mask: BoolArray) -> BoolArray | None:
-    """Pixels of rows and columns with far more exceedances than those beside them; None without any, or where no others would remain."""
+    """Return the pixels of rows and columns with far more exceedances than their neighbours.
+
+    None without such lines, or where they hold half of the region or more.
+    """
     rows, columns = (lone_lines(counts) for counts in alarms.lines(ALWAYS[0])) if alarms.pixels else (np.empty(0, np.int64),) * 2
     if not rows.size and not columns.size:
         return None
@@ -342,7 +366,7 @@ def _saturated_share(first: Survey, mask: BoolArray) -> float:
 def _sequence_scales(
     recording: Recording, options: AnalysisOptions, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
 ) -> dict[str, tuple[float, float]]:
-    """Mean and deviation of the filtered sequence in each region, in a pass of its own."""
+    """Return mean and deviation of the filtered sequence in each region, in a separate pass."""
     sums = {name: np.zeros(3) for name in masks}
     done = 0
     for _, filtered in _filtered(recording, options, dead):
@@ -355,30 +379,24 @@ def _sequence_scales(
                 sums[name] += np.nansum([count, count * mean, count * (std**2 + mean**2)], axis=1)
     passes.end()
     scales = {}
-    for name, parts in sums.items():
-        count, total, squares = (float(v) for v in parts)
-        middle = total / count if count else 0.0
-        variance = squares / count - middle**2 if count else 0.0
-        scales[name] = (middle, float(np.sqrt(max(variance, 0.0))))
+    for name, (count, total, squares) in sums.items():
+        level = float(total) / float(count) if count else 0.0
+        variance = float(squares) / float(count) - level**2 if count else 0.0
+        scales[name] = (level, float(np.sqrt(max(variance, 0.0))))
     return scales
 
 
-def _judge(
+def _count_detector(
     recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
 ) -> list[str]:
-    """Run one pass of a detector through the same counting; return the notes on one without numbers."""
-
-    def prepare(block: FrameArray) -> FrameArray:
-        if dead.any():
-            block[:, dead] = np.nan
-        return block
-
+    """Run one pass of a detector through the same counting; return notes where its statistics have no usable numbers."""
     alarms = {name: FalseAlarms(thresholds) for name in results}
     done = detector.lead
-    for statistic in statistics(detector, ahead(recording, prepare)):
+    for statistic in statistics(detector, _blocks(recording, dead, lambda block: block)):
         done += statistic.shape[0]
         passes.read(done)
         for name, result in results.items():
+            # A calibrated statistic is in standard deviations already.
             z = np.where(result.mask, statistic, np.nan).astype(np.float32) if detector.calibrated else standardise(statistic, result.mask)
             alarms[name].add(z)
     passes.end()
@@ -395,11 +413,10 @@ def _judge(
 class _Slicer:
     """Accumulator of the row and the column through the middle of a region."""
 
-    def __init__(self, mask: BoolArray, recording: Recording, options: AnalysisOptions, valid: BoolArray) -> None:
+    def __init__(self, mask: BoolArray, recording: Recording) -> None:
         rows, columns = np.nonzero(mask)
         self._row = int(np.median(rows)) if rows.size else recording.rows // 2
         self._column = int(np.median(columns[rows == self._row])) if (rows == self._row).any() else recording.columns // 2
-        self._threshold = min(ALWAYS)
         self._parts: list[tuple[FrameArray, ...]] = []
         self._room = SLICED_FRAMES
 
@@ -414,9 +431,5 @@ class _Slicer:
     def result(self) -> Slices:
         """Return the joined blocks."""
         joined = [np.concatenate(parts) for parts in zip(*self._parts, strict=True)]
-        return Slices(
-            self._row,
-            self._column,
-            (joined[0], joined[1], joined[2] > self._threshold),
-            (joined[3], joined[4], joined[5] > self._threshold),
-        )
+        along_row, along_column = ((raw, filtered, z > min(ALWAYS)) for raw, filtered, z in (joined[:3], joined[3:]))
+        return Slices(self._row, self._column, along_row, along_column)

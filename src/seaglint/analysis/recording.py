@@ -1,6 +1,7 @@
-"""Recording to analyse: size of a sequence, its time step and units, and blocks of frames.
+"""Recording to analyse, and the first pass over it.
 
-First pass over a recording: moments of every pixel in time, and defects of the data.
+A :class:`Recording` has the size of a sequence, its frame rate and units, and reads blocks of frames. :func:`survey` reads all frames once:
+it computes the moments of every pixel in time and reports defects of the data.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
+from seaglint.clutter.correlation import BoolArray
 from seaglint.clutter.moments import PixelMoments
 from seaglint.detection.sources import PlainFrames
 
@@ -32,19 +34,19 @@ class Recording(PlainFrames):
     columns: int
     #: ``(start, stop) -> array (stop - start, rows, columns)`` in the file's own numbers; used by :meth:`read`.
     read_block: Callable[[int, int], NDArray[Any]] = field(repr=False, compare=False)
-    frame_rate: float | None = None  #: Frames per second [Hz], where the file tells it or the user did.
-    units: str | None = None  #: Units of the values; None where neither file nor user say.
-    #: Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
+    frame_rate: float | None = None  #: Frames per second [Hz], from the file or the user.
+    units: str | None = None  #: Units of the values, from the file or the user.
+    #: Value at which the format or sensor saturates: full scale of integer formats, or the user's value; less ``offset``.
     saturation: float | None = None
     notes: tuple[str, ...] = ()  #: Notes for readers of results: lossy codec, channels averaged, frames missing.
     offset: float = 0.0  #: Level that :meth:`read` subtracts from the file's numbers, so that single precision resolves their spread.
-    #: Blur of what made the frames beyond its pixels, a standard deviation [px]: 0 for radiance rendered without a sensor; None where it is
-    #: not known.
+    #: Blur of the sensor beyond its pixels, a standard deviation [px]: 0 for radiance rendered without a sensor; None where it is not
+    #: known.
     blur_px: float | None = None
 
     @property
     def blur(self) -> str:
-        """Return what is known of the blur, in a sentence for readers of correlation times."""
+        """Return the blur in a sentence for readers of correlation times."""
         if self.blur_px is None:
             return "not known; correlation times and lengths are those of what made these frames, its blur included"
         if self.blur_px == 0.0:
@@ -57,7 +59,7 @@ class Recording(PlainFrames):
         Raises
         ------
         DataError
-            Frames the file does not have, or that cannot be decoded.
+            Frames outside the file, or that cannot be decoded.
         """
         if not 0 <= start < stop <= self.frames:
             raise DataError(f"{self.source}: frames {start}:{stop} asked for, but it has 0:{self.frames}")
@@ -67,7 +69,7 @@ class Recording(PlainFrames):
         with np.errstate(over="ignore"):
             block = np.ascontiguousarray(stored, dtype=np.float32)
         if not (block.flags.writeable and block.flags.owndata):
-            block = block.copy()  # a file's map is read-only, and somebody's array is not ours to blank dead pixels in
+            block = block.copy()  # a file's map is read-only, and dead pixels must not be blanked in a user's array
         if block.shape != (stop - start, self.rows, self.columns):
             raise DataError(
                 f"{self.source}: frames {start}:{stop} came as {block.shape}, expected {(stop - start, self.rows, self.columns)}; "
@@ -86,7 +88,6 @@ class Recording(PlainFrames):
         return replace(self, notes=(*self.notes, *notes))
 
 
-BoolArray = NDArray[np.bool_]
 Prepared = TypeVar("Prepared")
 
 SATURATED_SHARE = 1e-4  #: Least share of saturated pixels that is reported: a tail of one in 10 000 is cut.
@@ -137,17 +138,17 @@ class Survey:
 def ahead(recording: Recording, prepare: Callable[[FrameArray], Prepared], memory: float = 8e6) -> Iterator[Prepared]:
     """Iterate over blocks of a recording; the next one is read and prepared while the present one is processed."""
 
-    def made(start: int) -> Prepared:
+    def prepared(start: int) -> Prepared:
         return prepare(recording.read(start, min(start + step, recording.frames)))
 
     step = max(int(memory / (4.0 * recording.rows * recording.columns)), 1)
     starts = range(0, recording.frames, step)
     with ThreadPoolExecutor(1) as reader:
-        waiting = reader.submit(made, 0)
+        pending = reader.submit(prepared, 0)
         for start in starts:
-            block = waiting.result()
+            block = pending.result()
             if start + step < recording.frames:
-                waiting = reader.submit(made, start + step)
+                pending = reader.submit(prepared, start + step)
             yield block
 
 
@@ -162,7 +163,7 @@ class _Top:
     def add(self, block: FrameArray) -> None:
         """Add a block."""
         flat = block.reshape(-1)
-        # In most blocks only a few values are not below the present ones.
+        # In most blocks only a few values reach the present second largest one: the rest is skipped.
         place = np.flatnonzero(flat >= self.second)
         values = flat[place]
         finite = np.isfinite(values)
@@ -181,10 +182,10 @@ class _Top:
         self.count, self.below = known[first], known.get(second, 0) if np.isfinite(second) else 0
 
     def spike(self, dead: BoolArray) -> NDArray[np.int64] | None:
-        """Frequency of the largest value at each pixel if it is a spike, without dead pixels; else None."""
+        """Return the frequency of the largest value at each pixel if it is a spike, without dead pixels; else None."""
         where = np.where(dead.ravel(), 0, self.where)
         count = int(where.sum())
-        # Some pixel that is stuck is not a ceiling; neither is a constant.
+        # A few stuck pixels are not a ceiling; neither is a constant. Five standard deviations of the counts exclude chance.
         enough = count >= FEWEST_IN_SPIKE and np.count_nonzero(where) >= FEWEST_IN_SPIKE // 3 and self.below > 0
         more = count - self.below
         return where.reshape(dead.shape) if enough and count > SPIKE * self.below and more > 5.0 * np.sqrt(count + self.below) else None
@@ -211,15 +212,13 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
         top.add(block)
         if recording.saturation is not None:
             saturated += (block >= recording.saturation).sum(axis=0)
-        # Once seen to vary, a line needs no further look: the first block settles nearly all.
-        # fmax and fmin pass over missing values, which max and min would make the result.
+        # A line that varies in one block is not examined again: the first block settles nearly all.
+        # fmax and fmin skip missing values, which max and min would return.
         with np.errstate(invalid="ignore"):
-            if flat_rows.any():
-                lines = block[:, flat_rows]
-                flat_rows[flat_rows] = ~(np.fmax.reduce(lines, axis=2) > np.fmin.reduce(lines, axis=2)).any(axis=0)
-            if flat_columns.any():
-                lines = block[:, :, flat_columns]
-                flat_columns[flat_columns] = ~(np.fmax.reduce(lines, axis=1) > np.fmin.reduce(lines, axis=1)).any(axis=0)
+            for flat, frames in ((flat_rows, block), (flat_columns, block.swapaxes(1, 2))):
+                if flat.any():
+                    lines = frames[:, flat]
+                    flat[flat] = ~(np.fmax.reduce(lines, axis=2) > np.fmin.reduce(lines, axis=2)).any(axis=0)
         repeated.extend(_repeated(block, last))
         last = block[-1].copy()
         done += block.shape[0]
@@ -230,7 +229,7 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     dead, dead_notes = _dead(recording, moments, flat_rows)
     even = flat_columns & ~dead.all(axis=0)
     if even.any() and not flat_columns.all() and not flat_rows.all():
-        # Told, not left out: a border is part of the picture that a detector sees, and its edge part of the false alarms.
+        # Reported, not left out: a detector processes the border too, and its edge is part of the false alarms.
         where = np.flatnonzero(even)
         dead_notes.append(
             f"{where.size} columns ({_listed(where)}) have one value from top to bottom: filters take their edges for clutter; mask them"
@@ -250,7 +249,7 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
 def _repeated(block: FrameArray, last: FrameArray | None) -> list[bool]:
     """Return for each frame of a block whether it repeats the one before, all of it: a still scene repeats most of itself.
 
-    Bits are compared, as a missing value is unequal to itself. Some lines tell nearly all frames apart.
+    Bits are compared, as a missing value is unequal to itself. Nearly all frames differ in every eighth of their rows already.
     """
     bits = block.view(np.uint32)
     before = [None if last is None else last.view(np.uint32), *bits[:-1]]
@@ -275,7 +274,7 @@ def _repeats_note(repeated: list[bool]) -> str:
 
 
 def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling: float | None, spike: _Top | None) -> list[str]:
-    """Note on the share of saturated pixels and its evidence."""
+    """Return the note on the share of saturated pixels and its evidence."""
     share = float(saturated.sum()) / (recording.frames * recording.rows * recording.columns)
     if ceiling is None or (spike is None and share <= SATURATED_SHARE):
         return []
@@ -291,7 +290,7 @@ def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling
 
 
 def _resolution_note(recording: Recording, moments: PixelMoments, dead: BoolArray) -> list[str]:
-    """Note on rounding of single precision values, where it matters."""
+    """Return the note on rounding of single precision values, where it exceeds an eighth of the standard deviation."""
     whole = moments.region(~dead)
     step = float(np.finfo(np.float32).eps) * abs(whole.mean)
     if whole.is_constant or not 0.0 < whole.std < FEWEST_STEPS * step:
@@ -303,7 +302,7 @@ def _resolution_note(recording: Recording, moments: PixelMoments, dead: BoolArra
 
 
 def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> tuple[BoolArray, list[str]]:
-    """Rows without any variation, pixels that never change or never have a value."""
+    """Return rows without any variation, pixels that never change or never have a value, and the notes on them."""
     notes: list[str] = []
     dead = moments.count == 0
     whole = (moments.minimum == moments.maximum).all() and np.ptp(moments.mean[~dead]) == 0.0
@@ -319,7 +318,7 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
         # A pixel that has few values has had no time to change.
         still = ~dead & (moments.minimum == moments.maximum) & (moments.count >= FEWEST_FOR_DEAD)
         rows = (still | dead).all(axis=1) & still.any(axis=1)
-        # A still scene is no sky: where much of the other rows is still too, nothing is left out.
+        # A still scene is no sky: where many of the other rows are still too, no row is left out.
         rest = ~rows[:, np.newaxis] & ~dead
         moves = rows.mean() <= MOST_SKY and still[rest].sum() <= MOST_DEAD * rest.sum()
         if recording.columns > 1 and rows.any() and moves:

@@ -1,8 +1,7 @@
-"""Functions of recordings: ``sg.analyze`` and ``sg.apparent_temperature``.
+"""Functions of measurements: ``sg.analyze``, ``sg.apparent_temperature``, ``sg.compare`` and ``sg.homogeneous_path``.
 
-Function of measured spectra: ``sg.compare``, which :func:`compare_spectrum` names in full.
-
-Air of one temperature and pressure, without a scenario: ``sg.homogeneous_path``.
+The first two take recordings, the third takes a measured spectrum (:func:`compare_spectrum` is its full name), and the last one computes
+the transmittance of air of one temperature and pressure, without a scenario.
 """
 
 from __future__ import annotations
@@ -58,7 +57,7 @@ def analyze(
     Parameters
     ----------
     recording : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
-        What :func:`render` gives or a part of it, an array (rows, columns) or (frames, rows, columns), or a file of any format that
+        Result of :func:`render` or a part of it, an array (rows, columns) or (frames, rows, columns), or a file of any format that
         :func:`seaglint.formats.recording.open_recording` reads.
     {request}
     progress : callable, optional
@@ -72,14 +71,14 @@ def analyze(
     Raises
     ------
     DataError
-        A filter, detector or word that there is not, or a recording that holds no images or nothing finite.
+        An unknown filter, detector or word, or a recording without images or finite values.
 
     Examples
     --------
     >>> import numpy as np, seaglint as sg
     >>> frames = np.random.default_rng(1).normal(1.0, 0.1, (20, 32, 32))
-    >>> found = sg.analyze(frames, frame_rate=25.0, thresholds=[4.0], filter="none")
-    >>> round(found.regions["all"].moments.std, 2)
+    >>> result = sg.analyze(frames, frame_rate=25.0, thresholds=[4.0], filter="none")
+    >>> round(result.regions["all"].moments.std, 2)
     0.1
     """
     from seaglint.analysis import analyze as analysed
@@ -93,14 +92,14 @@ def analyze(
 
 
 def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: Band | tuple[float, float] | None = None) -> xr.DataArray:
-    """Temperature of the blackbody whose radiance in the band is that of each pixel.
+    """Return the temperature of the blackbody with the radiance of each pixel in the band.
 
     Parameters
     ----------
     radiance : xarray.Dataset, xarray.DataArray or array_like
         In-band radiance [W m-2 sr-1], or a dataset that holds it as ``radiance``, or counts as ``signal``.
     band : Band or (float, float), optional
-        Spectral band that it is integrated over, or the edges of a rectangular one [um]; what the attributes say by default.
+        Spectral band that it is integrated over, or the edges of a rectangular one [um]; from the attributes by default.
 
     Returns
     -------
@@ -142,11 +141,11 @@ def compare_spectrum(
     scenario : Scenario, path or mapping
         See :func:`load`; its band is left aside.
     resolution_cm : float, optional
-        Full width at half maximum of the spectrum [cm-1]; by default that of the file, else the spacing of its samples.
+        Full width at half maximum of the spectrum [cm-1]; by default from the file, else the spacing of its samples.
     zenith_deg, depression_deg : float, optional
         Direction looked at: the sky at a zenith angle, or the sea at an angle below the horizontal [deg]; by default the camera's axis.
     spectroscopy : str, optional
-        Absorption of the air, ``lblrtm`` or ``lowtran7``; by default that of the scenario.
+        Absorption of the air, ``lblrtm`` or ``lowtran7``; by default the scenario's.
 
     Returns
     -------
@@ -285,7 +284,7 @@ def homogeneous_path(
     from seaglint.air.profile.hazes import HazeWeather
     from seaglint.air.profile.homogeneous_path import homogeneous_spectrum
 
-    found = homogeneous_spectrum(
+    spectrum = homogeneous_spectrum(
         temperature_k=temperature_k,
         pressure_hpa=pressure_hpa,
         vapour_pressure_hpa=vapour_pressure_hpa,
@@ -296,9 +295,9 @@ def homogeneous_path(
         haze=HazeWeather(haze),
     )
     if not return_spectrum:
-        return found.mean
+        return spectrum.mean
     import xarray as xr
 
-    axis = xr.Variable("wavenumber_cm", found.wavenumber_cm, {"units": "cm-1", "long_name": "wavenumber"})
-    values = xr.DataArray(found.transmittance, {"wavenumber_cm": axis}, ("wavenumber_cm",), "transmittance", {"units": "1"})
-    return found.mean, values
+    axis = xr.Variable("wavenumber_cm", spectrum.wavenumber_cm, {"units": "cm-1", "long_name": "wavenumber"})
+    values = xr.DataArray(spectrum.transmittance, {"wavenumber_cm": axis}, ("wavenumber_cm",), "transmittance", {"units": "1"})
+    return spectrum.mean, values

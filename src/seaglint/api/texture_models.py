@@ -32,7 +32,7 @@ __all__ = ["compare", "fit", "place", "sample"]
 class FittedTexture:
     """A texture fitted to a recording; :func:`fit` makes it, :func:`sample` and :func:`place` take it."""
 
-    fitted: Fitted  #: The texture, the data and the sample that it was judged by.
+    fitted: Fitted  #: Texture, data, and the sample that it is compared with.
 
     @property
     def stored(self) -> StoredTexture:
@@ -40,7 +40,7 @@ class FittedTexture:
         return self.fitted.stored
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what the texture's file holds: model, source, fit and quality."""
+        """Return the contents of the texture's file: model, source, fit and quality."""
         return dict(self.fitted.stored.to_dict())
 
     def save(self, output: str | Path, *, overwrite: bool = False) -> Path:
@@ -63,9 +63,9 @@ class FittedTexture:
         """Return the table that a notebook shows."""
         from seaglint.base.representation import card, notes
 
-        held = self.as_dict()
-        facts = [f"{name}: {value}" for name, value in held["model"].items() if isinstance(value, str | int | float)]
-        return card(f"Texture of {held['source']['input']}", notes([*facts, *self.fitted.stored.notes]))
+        stored = self.as_dict()
+        facts = [f"{name}: {value}" for name, value in stored["model"].items() if isinstance(value, str | int | float)]
+        return card(f"Texture of {stored['source']['input']}", notes([*facts, *self.fitted.stored.notes]))
 
 
 @documented(FitRequest, ReadingRequest)
@@ -94,7 +94,7 @@ def fit(
     seed: int = 0,
     overwrite: bool = False,
 ) -> FittedTexture:
-    """Fit a texture to a recording, and say how good it is.
+    """Fit a texture to a recording and report its quality.
 
     Parameters
     ----------

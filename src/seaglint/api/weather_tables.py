@@ -65,7 +65,7 @@ def build(
     Returns
     -------
     xarray.Dataset
-        Columns of the table over ``row``; ``notes`` among the attributes say with counts what was left out or assumed.
+        Columns of the table over ``row``; ``notes`` among the attributes report omissions and assumptions with counts.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def build(
 
 
 def info(table: str | Path = "north-atlantic") -> ResultRecord:
-    """Say what a weather table holds.
+    """Describe the contents of a weather table.
 
     Parameters
     ----------

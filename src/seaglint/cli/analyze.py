@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,7 +15,9 @@ from seaglint.cli.terminal.record_options import takes_records
 from seaglint.studies.study_requests import AnalysisRequest
 
 if TYPE_CHECKING:
-    from seaglint.analysis.summary import AlarmSummary, AnalysisSummary, FitSummary
+    from seaglint.analysis import Analysis
+    from seaglint.analysis.region import AlarmSummary
+    from seaglint.clutter.fits import Fit
 
 
 @takes_records(
@@ -33,15 +36,11 @@ def analyze(
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.analysis import analyze as run
-    from seaglint.base.errors import DataError
     from seaglint.base.reports import absent_numbers
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.store.outputs import refuse_existing
 
     if report is not None:
-        if report.suffix.lower() not in (".html", ".htm"):
-            raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
-        refuse_existing(report, overwrite=overwrite, inputs=[recording, *request.files])
+        refuse_report(report, overwrite, [recording, *request.files])
     _require_words(request)
     opened, options = request.opened(recording), request.options()
     with absent_numbers():
@@ -58,11 +57,21 @@ def analyze(
 
         typer.echo(json.dumps(analysis.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        tell(lines(analysis.summary()))
+        tell(lines(analysis))
+
+
+def refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
+    """Refuse a report that is not an HTML file, or that would replace a file."""
+    from seaglint.base.errors import DataError
+    from seaglint.store.outputs import refuse_existing
+
+    if report.suffix.lower() not in (".html", ".htm"):
+        raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
+    refuse_existing(report, overwrite=overwrite, inputs=inputs)
 
 
 def _require_words(request: AnalysisRequest) -> None:
-    """Refuse thresholds and words that cannot be, as they are written on the command line."""
+    """Refuse thresholds and words outside the allowed ones, by their names on the command line."""
     from seaglint.base.errors import DataError
 
     for value in request.thresholds:
@@ -74,88 +83,84 @@ def _require_words(request: AnalysisRequest) -> None:
         raise DataError(f"--border {request.border}: allowed are auto, keep, drop")
 
 
-def lines(result: AnalysisSummary) -> list[str]:
-    """The result as a few lines of text."""
-    rate = result.frame_rate_hz
-    units = result.units or "units not known"
+def lines(analysis: Analysis) -> list[str]:
+    """Return the results as a few lines of text."""
+    from seaglint.analysis.analyze_recording import REGIONS
+
+    recording, regions = analysis.recording, analysis.regions
+    rate, units = recording.frame_rate, recording.units or "units not known"
     out = [
-        f"{result.source}: {result.frames} frame{'s' * (result.frames != 1)} of {result.columns} x {result.rows}, {units}, "
+        f"{recording.source}: {recording.frames} frame{'s' * (recording.frames != 1)} of {recording.columns} x {recording.rows}, {units}, "
         + (f"{rate:g} Hz" if rate else "frame rate not known")
     ]
-    if result.frames > 1:
-        out.append(f"blur of the frames: {result.blur}")
-    regions = result.regions
-    for name, region in regions.items():
-        if region is None:
+    if recording.frames > 1:
+        out.append(f"blur of the frames: {recording.blur}")
+    for name in REGIONS:
+        if name not in regions:
             single = "; glint all over the picture counts as background" if name == "glint" else ""
             out.append(f"{name}: no region of its own{single}")
             continue
-        if name == "background" and regions["glint"] is None and region.pixels == result.present["all"].pixels:
+        region = regions[name]
+        if name == "background" and "glint" not in regions and region.pixels == regions["all"].pixels:
             out.append("background: the same as all")
             continue
+        moments, spatial, reason = region.moments, region.spatial, region.length_reason
+        cut = f", {100 * region.saturated:.3g} % saturated" if region.saturated > 0.0 else ""
         out.append(
-            f"{name}: {region.pixels} pixels, mean {_resolved(region.mean, region.std)}, std {_short(region.std)}, "
-            f"skewness {_short(region.skewness)}, excess kurtosis {_short(region.excess_kurtosis)}{_cut(region.saturated)}"
+            f"{name}: {region.pixels} pixels, mean {_resolved(region.mean, moments.std)}, std {_short(moments.std)}, "
+            f"skewness {_short(moments.skewness)}, excess kurtosis {_short(moments.excess_kurtosis)}{cut}"
         )
-        lengths, reason = region.correlation_length_px, region.correlation_length_reason
         out.append(
-            f"  correlation length {_short(lengths.x)} x {_short(lengths.y)} px{f' ({reason})' if reason else ''}, "
+            f"  correlation length {_short(spatial.length_x)} x {_short(spatial.length_y)} px{f' ({reason})' if reason else ''}, "
             f"time {_short(region.correlation_time_s)} s; {_best(region.fits)}"
         )
-        out.extend(f"  {_alarm(entry)}" for entry in region.false_alarms)
+        out.extend(f"  {_alarm(alarm)}" for alarm in region.false_alarms)
         out.extend(f"  note: {note}" for note in region.notes)
-    out.extend(f"note: {note}" for note in result.notes)
+    out.extend(f"note: {note}" for note in analysis.notes)
     return out
 
 
-def _cut(saturated: float) -> str:
-    """Share of saturated values, where there are any."""
-    return f", {100 * saturated:.3g} % saturated" if saturated > 0.0 else ""
-
-
-def _alarm(entry: AlarmSummary) -> str:
-    known = entry.rate_low is not None
-    interval = f"{_short(entry.rate_low)} to {_short(entry.rate_high)}" if known else "no interval"
-    note = f": {entry.note}" if entry.note and not known else f"; {entry.note}" if entry.note else ""
+def _alarm(alarm: AlarmSummary) -> str:
+    known = alarm.rate_low is not None
+    interval = f"{_short(alarm.rate_low)} to {_short(alarm.rate_high)}" if known else "no interval"
+    note = f": {alarm.note}" if alarm.note and not known else f"; {alarm.note}" if alarm.note else ""
     return (
-        f"{entry.filter} > {entry.threshold_sigma:g} sigma: {_short(entry.rate)} per pixel ({interval}{note}), "
-        f"{_short(entry.ratio)} x Gaussian, correlation time {_short(entry.correlation_time_s)} s"
+        f"{alarm.filter} > {alarm.threshold_sigma:g} sigma: {_short(alarm.rate)} per pixel ({interval}{note}), "
+        f"{_short(alarm.ratio)} x Gaussian, correlation time {_short(alarm.correlation_time_s)} s"
     )
 
 
-FLOOR = 0.0051  #: Level of the goodness bootstrap's smallest answer, 1 in 200: not one of its draws was as far from the fit.
+#: Smallest level of the goodness bootstrap, 1 in 200, rounded up: at it no draw was as far from the fit as the data.
+FLOOR = 0.0051
 
 
-#: Independent values below which no family is called the best, as in :mod:`seaglint.clutter.fits`, which is slow to import.
-FEWEST_JUDGED = 50
+def _best(fits: dict[str, Fit]) -> str:
+    """Return the family nearest to the data, with the level of its fit."""
+    from seaglint.clutter.fits import FEWEST_JUDGED
 
-
-def _best(fits: dict[str, FitSummary]) -> str:
-    valid = {name: fit for name, fit in fits.items() if fit.ks is not None}
-    if not valid:
+    tests = {name: fit.goodness for name, fit in fits.items() if fit.goodness is not None}
+    if not tests:
         return "best fit none"
-    name = min(valid, key=lambda n: valid[n].ks or 0.0)
-    fit = valid[name]
+    name = min(tests, key=lambda family: tests[family].ks)
+    fit, test = fits[name], tests[name]
     shape = "" if fit.shape is None else f"shape {_short(fit.shape)}, "
-    count = fit.effective_count
-    if count is not None and count < FEWEST_JUDGED:
-        return (
-            f"{count:.0f} independent values, too few (below {FEWEST_JUDGED}) to say which family fits; "
-            f"nearest: {name} ({shape}scale {_short(fit.scale)}, KS {_short(fit.ks)})"
-        )
-    judged = [f.ks_p for f in valid.values() if f.ks_p is not None]
-    what = "none of the families fits; nearest:" if judged and max(judged) <= FLOOR else "best fit"
-    level = "p not known" if fit.ks_p is None else f"p <= {FLOOR:.1g}" if fit.ks_p <= FLOOR else f"p {_short(fit.ks_p)}"
-    of = "" if count is None else f" of {count:.0f} independent values"
-    return f"{what} {name} ({shape}scale {_short(fit.scale)}, KS {_short(fit.ks)}, {level}{of})"
+    nearest = f"{name} ({shape}scale {_short(fit.scale)}, KS {_short(test.ks)}"
+    count = f"{fit.effective_count:.0f} independent values"
+    if fit.effective_count < FEWEST_JUDGED:
+        return f"{count}, too few (below {FEWEST_JUDGED}) to say which family fits; nearest: {nearest})"
+    levels = [tested.ks_p for tested in tests.values() if math.isfinite(tested.ks_p)]
+    verdict = "none of the families fits; nearest:" if levels and max(levels) <= FLOOR else "best fit"
+    level = f"p <= {FLOOR:.1g}" if test.ks_p <= FLOOR else f"p {_short(test.ks_p)}" if math.isfinite(test.ks_p) else "p not known"
+    return f"{verdict} {nearest}, {level} of {count})"
 
 
-def _resolved(mean: float | None, std: float | None) -> str:
-    """A mean with as many digits as its spread asks for: counts on a high level differ in the last ones."""
-    if mean is None or not std or abs(mean) < 100.0 * std:
+def _resolved(mean: float, std: float) -> str:
+    """Return a mean with as many digits as its spread requires: counts on a high level differ in the last ones."""
+    if not (std > 0.0 and abs(mean) >= 100.0 * std):
         return _short(mean)
     return f"{mean:.{min(len(str(int(abs(mean) / std))) + 3, 15)}g}"
 
 
 def _short(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4g}"
+    """Return a number with four digits, or a dash for one that does not exist."""
+    return "-" if value is None or not math.isfinite(value) else f"{value:.4g}"

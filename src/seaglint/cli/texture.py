@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.cli.analyze import refuse_report
 from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
 from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
@@ -40,7 +41,7 @@ def fit(
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
 ) -> None:
-    """Fit a texture to a recording, and say how good it is."""
+    """Fit a texture to a recording and report its quality."""
     from seaglint.base.errors import DataError
     from seaglint.store.outputs import refuse_existing
     from seaglint.store.texture_file import check_name, write_texture
@@ -48,7 +49,7 @@ def fit(
 
     refuse_existing(check_name(output), overwrite=request.overwrite, inputs=[recording])
     if report is not None:
-        _refuse_report(report, request.overwrite, [recording, output])
+        refuse_report(report, request.overwrite, [recording, output])
     if request.model == "autobinomial" and request.tails != "gaussian":
         raise DataError(f"--tails {request.tails}: an autobinomial texture has the histogram of its picture; leave --tails out")
     opened = reading.opened(recording)
@@ -118,7 +119,7 @@ def compare(
     if len(request.regions) > 2:
         raise DataError(f"--region is given {len(request.regions)} times; give one for A and one for B")
     if report is not None:
-        _refuse_report(report, request.overwrite, [first, second])
+        refuse_report(report, request.overwrite, [first, second])
 
     def opened(path: str | Path) -> Recording:
         recording = reading.opened(path)
@@ -168,17 +169,8 @@ def place(
             log("the texture's standard deviation is scaled with the sea's radiance: fit it to a sea of this band and light")
 
 
-def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
-    from seaglint.base.errors import DataError
-    from seaglint.store.outputs import refuse_existing
-
-    if report.suffix.lower() not in (".html", ".htm"):
-        raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
-    refuse_existing(report, overwrite=overwrite, inputs=inputs)
-
-
 def fit_lines(result: Fitted) -> list[str]:
-    """A fitted texture as a few lines of text."""
+    """Return a fitted texture as a few lines of text."""
     out = model_lines(result.stored.to_dict())
     held_out = result.held_out
     if held_out.log_pseudo_likelihood is None:
@@ -192,9 +184,9 @@ def fit_lines(result: Fitted) -> list[str]:
     return out + [f"note: {note}" for note in result.stored.notes]
 
 
-def model_lines(held: JsonObject) -> list[str]:
+def model_lines(stored: JsonObject) -> list[str]:
     """Return the model, its parameters and the data of a fit as lines of text."""
-    model, source = held["model"], held["source"]
+    model, source = stored["model"], stored["source"]
     out = [f"{source['input']}: {_frames(source['frames'])} of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
     if model["kind"] == "gauss-markov":
         slow = model["modulation"]
@@ -203,12 +195,12 @@ def model_lines(held: JsonObject) -> list[str]:
             f"Gauss-Markov field of {len(model['offsets'])} neighbour pairs, {model['marginal']['kind']} pixels{shape}"
             + ("" if slow is None else f", times a slow gamma field of shape {slow['shape']:.3g}")
         )
-        out.append(f"correlations of samples agree with the data's to {max(held['fit']['correlation_error'], 1e-9):.1g} of the variance")
+        out.append(f"correlations of samples agree with the data's to {max(stored['fit']['correlation_error'], 1e-9):.1g} of the variance")
     else:
-        errors = held["fit"]["standard_errors"]
-        parameters = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
+        errors = stored["fit"]["standard_errors"]
+        parameters = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(stored["fit"]["parameters"], errors, strict=True)]
         out.append(f"autobinomial field of {model['levels']} levels: alpha {parameters[0]}; beta {', '.join(parameters[1:])}")
-        out.append(f"couplings by {held['fit']['method']}, samples by {model['sampler']}")
+        out.append(f"couplings by {stored['fit']['method']}, samples by {model['sampler']}")
     return out
 
 
@@ -217,7 +209,7 @@ def _times(ratio: float | None) -> str:
 
 
 def comparison_lines(distances: TextureDistances, likelihood: DataLikelihood | None = None) -> list[str]:
-    """A comparison as a few lines of text."""
+    """Return a comparison as a few lines of text."""
     values = distances.marginal
     out = [f"{distances.second} against {distances.first}:"]
     for entry in distances.filtered_rates:

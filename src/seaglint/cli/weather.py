@@ -46,7 +46,7 @@ def build(
 ) -> None:
     """Make a table of weather from reanalysis, ships, buoys or CSV.
 
-    What is left out or assumed is told with counts.
+    Omissions and assumptions are reported with counts.
     """
     from seaglint.climate.weather_selection import Selection
     from seaglint.formats.weather.weather_cells import parse_box, parse_cycle, read_polygon
@@ -77,7 +77,7 @@ def info(
     plot: Annotated[Path | None, typer.Option("--plot", help="picture to write: wind rose, joint density, months, missing values")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture")] = False,
 ) -> None:
-    """Say what a weather table holds.
+    """Describe the contents of a weather table.
 
     Means, months, wind rose, wind and cloud together, share of missing values.
     """

@@ -1,25 +1,24 @@
-"""Hours of the day for draws: most of them while the Sun is up, with weights that undo the choice.
+"""Conditions of draws: weather rows, times, places, hours of light and free Suns, from uniform numbers.
 
-A sea at night does not glint. The arc of the day is known to some minutes only, and need not be known better: the rest of the day is
-drawn too, and weights are those of the choice that was made.
+- :func:`conditions` draws rows of a weather table with times and places. Rows stay whole and keep their season and hour.
+- :func:`hours_of_light` draws most hours of the day while the Sun is up, as a sea at night does not glint, with weights that undo the
+  choice. The arc of the day is known to some minutes only, which suffices: the rest of the day is drawn too.
+- :func:`illuminated` is the probability that clouds do not hide the Sun from the sea: by their cover, only when overcast, or along slanting
+  lines of sight.
+- :func:`smoothed` is a smooth bootstrap: drawn rows with kernel noise, so that a short table does not repeat the same few conditions.
 
-Probability that clouds do not hide the Sun from the sea: by their cover, only when overcast, or along slanting lines of sight.
-
-Smooth bootstrap: drawn rows with kernel noise, so that a short table does not repeat the same few conditions.
-
-Each number gets normal noise whose standard deviation, the bandwidth, is Silverman's rule for as many dimensions as are smoothed,
+In the smooth bootstrap each number gets normal noise with a standard deviation, the bandwidth, by Silverman's rule for the number d of
+smoothed dimensions,
 
     h_j = s_j (4 / ((d + 2) n))^(1 / (d + 4)),
 
 s_j the column's standard deviation and n the effective number of rows. The variance of a column grows by the share (h_j / s_j)^2 where no
-bound is near. Noise is reflected at bounds; what stands exactly at a bound (a calm, a clear or an overcast sky) stays there, because it
-is a state of its own: the chance of overcast must not be smoothed away.
+bound is near. Noise is reflected at bounds. A value exactly at a bound (a calm, a clear or an overcast sky) remains there, because it is a
+separate state: the chance of overcast must not be smoothed away.
 
 References
 ----------
 B. W. Silverman, Density Estimation for Statistics and Data Analysis (1986), Eq. 4.14 and Sec. 6.4.1.
-
-Times, places and weather of draws, from uniform numbers: rows of the table stay whole and keep their season and hour.
 """
 
 from __future__ import annotations
@@ -44,6 +43,7 @@ _BY_DAY: Final = 15.0 / 16.0  #: Share of the draws given to the arc; a dyadic o
 #: Elevation of the Sun at the ends of the arc [rad]: refraction, radius of the disc and 0.3 deg for places far from the sensor.
 _DUSK: Final = math.radians(-1.2)
 
+_DAY: Final = 86_400.0  #: Length of a day [s].
 _YEAR: Final = 365.2422 * 86_400.0
 _HALF_DAY: Final = 12.0
 
@@ -56,7 +56,7 @@ class Hours(NamedTuple):
 
 
 def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Noon [h UTC] and half of the time during which the Sun is up [h, 0 to 12], within some minutes.
+    """Return noon [h UTC] and half of the time during which the Sun is up [h, 0 to 12], within some minutes.
 
     Parameters
     ----------
@@ -75,11 +75,12 @@ def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[F
         0.006918 - 0.399912 * np.cos(x) + 0.070257 * np.sin(x) - 0.006758 * np.cos(2 * x) + 0.000907 * np.sin(2 * x)
         - 0.002697 * np.cos(3 * x) + 0.00148 * np.sin(3 * x)
     )  # fmt: skip
-    late = 0.000075 + 0.001868 * np.cos(x) - 0.032077 * np.sin(x) - 0.014615 * np.cos(2 * x) - 0.040849 * np.sin(2 * x)
+    # Equation of time [rad]: the true Sun passes south this much after the mean one.
+    equation_of_time = 0.000075 + 0.001868 * np.cos(x) - 0.032077 * np.sin(x) - 0.014615 * np.cos(2 * x) - 0.040849 * np.sin(2 * x)
     phi = np.radians(latitude)
     across = np.maximum(np.cos(phi) * np.cos(declination), 1e-9)
     cosine = (math.sin(_DUSK) - np.sin(phi) * np.sin(declination)) / across
-    return 12.0 - longitude / 15.0 - late * _HALF_DAY / math.pi, np.arccos(np.clip(cosine, -1.0, 1.0)) * _HALF_DAY / math.pi
+    return 12.0 - longitude / 15.0 - equation_of_time * _HALF_DAY / math.pi, np.arccos(np.clip(cosine, -1.0, 1.0)) * _HALF_DAY / math.pi
 
 
 def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hours: tuple[float, float]) -> Hours:
@@ -97,17 +98,18 @@ def hours_of_light(uniform: FloatArray, noon: FloatArray, half: FloatArray, hour
     Examples
     --------
     >>> even = (np.arange(1024) + 0.5) / 1024
-    >>> found = hours_of_light(even, np.full(1024, 12.0), np.full(1024, 6.0), (0.0, 24.0))
-    >>> bool(abs(np.mean(found.weight * (np.abs(found.hour - 12.0) < 3.0)) - 0.25) < 1e-3)
+    >>> hours = hours_of_light(even, np.full(1024, 12.0), np.full(1024, 6.0), (0.0, 24.0))
+    >>> bool(abs(np.mean(hours.weight * (np.abs(hours.hour - 12.0) < 3.0)) - 0.25) < 1e-3)
     True
     """
     low, high = hours
     noon = (noon - low) % 24.0 + low
     # The arc may reach into the day before or after: its pieces inside the hours, in the order of the arc.
-    pieces = [(np.clip(middle - half, low, high), np.clip(middle + half, low, high)) for middle in (noon + 24.0, noon, noon - 24.0)]
+    pieces = [(np.clip(centre - half, low, high), np.clip(centre + half, low, high)) for centre in (noon + 24.0, noon, noon - 24.0)]
     light = np.sum([end - begin for begin, end in pieces], axis=0)
     dark = np.maximum(high - low - light, 0.0)
     by_day = uniform < _BY_DAY
+    # Time of the arc that is left to walk through, piece by piece; below 0 once the hour is fixed.
     left = uniform / _BY_DAY * light
     hour = np.full(uniform.size, low)
     for begin, end in pieces:
@@ -131,13 +133,13 @@ def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatAr
 
     .. math:: P = (1 - N)^{1 + \frac{4}{\pi}\,a\,\cot e}
 
-    Upright cylinders whose height is ``a`` times their width, strewn without regard to each other, and N the share of the sea that they
-    stand over: the shadow of one is its base and its side, ``pi w^2/4 + w h cot(e)``, and chances of none are powers of each other.
+    Clouds are upright cylinders with a height of ``a`` times their width, at independent places, and N is the share of the sea below them.
+    The shadow of one is its base and its side, ``pi w^2/4 + w h cot(e)``, and the probabilities of no cloud are powers of each other.
 
     Parameters
     ----------
     cover : array_like
-        N, share of the sky covered as seen from straight below [1].
+        N, share of the sky covered as viewed from straight below [1].
     elevation : array_like
         Elevation of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
     aspect : float
@@ -195,18 +197,18 @@ def bandwidths(table: WeatherTable, names: Sequence[str] = ("wind_speed_m_s", "c
             raise DomainError(f"'{name}' cannot be smoothed; smoothed can be {', '.join(BOUNDS)}")
     d = len(names)
     rule = (4.0 / ((d + 2) * table.effective_rows)) ** (1.0 / (d + 4))
-    return {name: rule * _spread(table, name) for name in names}
+    return {name: rule * _standard_deviation(table, name) for name in names}
 
 
-def _spread(table: WeatherTable, name: str) -> float:
-    """Weighted standard deviation of the valid values; for directions that of a wrapped normal of the same resultant."""
+def _standard_deviation(table: WeatherTable, name: str) -> float:
+    """Return the weighted standard deviation of the valid values; for directions of a wrapped normal with the same resultant."""
     values, weight = table[name], table["weight"]
     known = ~np.isnan(values) & (weight > 0.0)
     if not known.any():
         return 0.0
     if name == "wind_from_deg":
         length = min(abs(np.average(np.exp(1j * np.radians(values[known])), weights=weight[known])), 1.0)
-        # Beyond 90 deg a direction is as good as uniform, and noise of any width leaves it so.
+        # Beyond 90 deg a direction is nearly uniform, and noise of any width leaves it uniform.
         return float(np.degrees(min(np.sqrt(-2.0 * np.log(max(length, 1e-12))), np.pi / 2)))
     mean = np.average(values[known], weights=weight[known])
     return float(np.sqrt(np.average((values[known] - mean) ** 2, weights=weight[known])))
@@ -259,8 +261,7 @@ def _noisy(values: FloatArray, noise: FloatArray, name: str) -> FloatArray:
     return np.where((values <= low) | (values >= high), values, moved)
 
 
-_DAY: Final = 86_400.0
-_SMALL: Final = 16  #: Number of rows up to which each is a range of winds of its own.
+_SMALL: Final = 16  #: Number of rows up to which each is a separate range of winds.
 
 
 @dataclass(frozen=True)
@@ -304,12 +305,13 @@ class GeographicRegion:
     def draw(self, across: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Latitudes and longitudes at uniform numbers [deg]."""
         low, high = np.sin(np.radians([self.south, self.north]))
+        # Even in the sine of latitude: even by area on a sphere.
         latitude = (
             np.degrees(np.arcsin(np.clip(low + (high - low) * across, -1.0, 1.0))) if high > low else np.full(across.size, self.south)
         )
-        wide = self.east - self.west
-        wide = wide if 0.0 <= wide <= 360.0 else wide % 360.0
-        return latitude, (self.west + wide * along + 180.0) % 360.0 - 180.0
+        width = self.east - self.west
+        width = width if 0.0 <= width <= 360.0 else width % 360.0
+        return latitude, (self.west + width * along + 180.0) % 360.0 - 180.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,7 +355,7 @@ def conditions(
     some : ndarray of int, optional
         The only rows to draw from, with a law of the time.
     by_daylight : bool
-        Draw most hours while the Sun is up, with weights, where time and place have a law of their own.
+        Draw most hours while the Sun is up, with weights, where time and place have separate laws.
 
     Returns
     -------
@@ -362,7 +364,7 @@ def conditions(
     Raises
     ------
     DomainError
-        Rows without a place where places are theirs.
+        Rows without a place where the places of the rows are used.
     """
     row = uniform["row"]
     nowhere = np.full(row.size, np.nan)
@@ -389,8 +391,8 @@ def conditions(
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
     """Draw rows at two uniform numbers each: the first chooses a range of winds, the second a row of it in the order of the cover.
 
-    Rows have the chances of :meth:`WeatherTable.draw`, but wind and cover each follow a number of their own, so that points even in two
-    dimensions leave little noise in either.
+    Rows have the chances of :meth:`WeatherTable.draw`, but wind and cover follow separate numbers, so that points even in two dimensions
+    leave little noise in either.
 
     >>> table = WeatherTable({"wind_speed_m_s": np.array([9.0, 3.0]), "cloud_cover": np.array([0.1, 0.9]), "weight": np.array([1.0, 3.0])})
     >>> draw_pairs(table, np.array([0.1, 0.74, 0.76]), np.array([0.5, 0.5, 0.5])).tolist()
@@ -405,6 +407,7 @@ def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: Flo
     order = order[weight[order] > 0.0]
     ends = np.cumsum(weight[order])
     groups = max(math.isqrt(order.size), 1) if order.size > _SMALL else order.size
+    # About the root of the number of rows: as many ranges of winds as rows in each.
     group = np.minimum(((ends - 0.5 * weight[order]) / ends[-1] * groups).astype(np.intp), groups - 1)
     inner = np.lexsort((cover[order], group))
     order, group = order[inner], group[inner]
@@ -418,9 +421,9 @@ def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: Flo
 
 
 def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time: FloatArray, some: NDArray[np.intp]) -> IntArray:
-    """Rows, among some, of the month and the nearest hour of times; a month without rows has those of its neighbour.
+    """Draw rows, among some, of the month and the nearest hour of times; a month without rows uses its neighbour's rows.
 
-    A month that has no rows of an hour gives all of its own.
+    A month without rows of an hour uses all rows of the month.
     """
     weight, wind, cover, of_month, hour = (table[name][some] for name in ("weight", "wind_speed_m_s", "cloud_cover", "month", "hour_utc"))
     hour = hour % 24.0
@@ -443,7 +446,7 @@ def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time:
 
 
 def _nearest(hour: FloatArray, hours: FloatArray) -> NDArray[np.intp]:
-    """Index of the nearest of ascending hours, around the day."""
+    """Return the index of the nearest of ascending hours, around the day."""
     wrapped = np.concatenate([[hours[-1] - 24.0], hours, [hours[0] + 24.0]])
     return np.asarray((np.searchsorted(0.5 * (wrapped[1:] + wrapped[:-1]), hour) - 1) % hours.size)
 
@@ -471,8 +474,9 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
             time[at] = days[(uniform["day"][at] * days.size).astype(np.intp)] + time[at] % _DAY
     known = ~np.isnan(hour[rows])
     if known.any():
-        spread = 24.0 / max(np.unique(hour[~np.isnan(hour)] % 24.0).size, 1)
-        around = (hour[rows] + spread * (uniform["hour"] - 0.5)) % 24.0
+        # Each report stands for the time until its neighbours': hours are spread evenly about it.
+        width = 24.0 / max(np.unique(hour[~np.isnan(hour)] % 24.0).size, 1)
+        around = (hour[rows] + width * (uniform["hour"] - 0.5)) % 24.0
         time = np.where(known, time - time % _DAY + 3600.0 * around, time)
     return Conditions(np.asarray(rows, dtype=np.int64), time, table["latitude_deg"][rows], table["longitude_deg"][rows])
 

@@ -1,6 +1,6 @@
-"""Randomised quasi-Monte Carlo points, and intervals from independent scramblings.
+"""Sampling of the probability of glint: randomised quasi-Monte Carlo points, intervals from independent scramblings, and strata.
 
-Strata of the probability of glint: by month, hour, bearing and latitude, and by the winds and Suns that bring it.
+Strata divide the draws by month, hour, bearing and latitude, and by wind and Sun.
 """
 
 from __future__ import annotations
@@ -14,11 +14,13 @@ from scipy.special import gammainccinv, gammaincinv
 from scipy.stats import t as student
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.free_form import number
 from seaglint.base.random import stream
+from seaglint.climate.likelihood_summary import StratumChance
 
 SCRAMBLINGS: Final = 16  #: Least number of independent scramblings: Student's factor is 2.13 then, against 1.96 for infinitely many.
 
-LEVEL: Final = 0.95
+LEVEL: Final = 0.95  #: Level of the intervals [1].
 _FEW: Final = 10  #: Number of hits below which a count's own interval is included: means of so few are not normal.
 
 
@@ -65,7 +67,7 @@ class Estimate:
 
 
 def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | None = None, most: float = 1.0) -> Estimate:
-    """Mean of draws and its interval.
+    """Estimate the mean of draws and its interval.
 
     The means of the scramblings are independent: Student's interval. Where they hardly differ, or all of them agree, as for chances of 0
     and 1, the interval is at least 3 draws wide to each side (the rule of three); few hits have the interval of their count.
@@ -94,6 +96,7 @@ def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | Non
     if total <= 0.0:
         return Estimate(math.nan, math.nan, math.nan)
     mean = float(numerator.sum()) / total
+    # Residuals of a ratio estimate: the scatter of each scrambling about the common mean.
     scatter = (numerator - mean * denominator) * plan.scramblings / total
     half = float(student.ppf(0.5 + 0.5 * LEVEL, plan.scramblings - 1)) * float(np.std(scatter, ddof=1)) / math.sqrt(plan.scramblings)
     if not math.isfinite(most):
@@ -109,51 +112,46 @@ def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | Non
     return Estimate(mean, max(low, 0.0), min(high, most))
 
 
-BEARINGS: Final = np.arange(0.0, 361.0, 30.0)
-WINDS: Final = np.array([0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 14.0, 20.0, np.inf])
-SUNS: Final = np.array([-90.0, 0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0])
-LATITUDES: Final = np.arange(-90.0, 91.0, 10.0)
-
-
-@dataclass(frozen=True)
-class Stratum:
-    """Stratum of draws between two values of a quantity."""
-
-    by: str  #: Quantity, with its unit.
-    #: ``low``, ``high``: Its range; the upper end is outside.
-    low: float
-    high: float
-    share: float  #: Share of all draws [1].
-    #: ``value``, ``interval_low``, ``interval_high``: Chance of glint among these draws, and its 95 % interval [1].
-    value: float
-    interval_low: float
-    interval_high: float
-    contribution: float  #: Share of all glint that these draws bring [1]; NaN without any.
+BEARINGS: Final = np.arange(0.0, 361.0, 30.0)  #: Edges of the classes of bearings [deg].
+WINDS: Final = np.array([0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 14.0, 20.0, np.inf])  #: Edges of the classes of wind speed [m/s].
+SUNS: Final = np.array([-90.0, 0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0])  #: Edges of the classes of the Sun's elevation [deg].
+LATITUDES: Final = np.arange(-90.0, 91.0, 10.0)  #: Edges of the classes of latitude [deg].
 
 
 def strata(
     values: FloatArray,
     plan: SamplingPlan,
     quantities: dict[str, tuple[FloatArray, FloatArray]],
-    most: float = 1.0,
+    threshold: float,
     *,
     weight: FloatArray | None = None,
-) -> list[Stratum]:
-    """Strata of draws by each quantity: values of every draw [(total,)] and the edges of its classes; NaN counts nowhere.
+) -> list[StratumChance]:
+    """Divide draws by each quantity: values of every draw [(total,)] and the edges of its classes; NaN is in no class.
 
-    ``weight`` is what each draw stands for [(total,)]; all the same where it is not given.
+    ``threshold`` is the threshold behind the values [W m-2 sr-1], ``weight`` the weight of each draw [(total,)]; equal weights without it.
     """
     result = []
     each = np.ones(values.size) if weight is None else weight
     whole, total = float(values @ each), float(each.sum())
-    for name, (what, edges) in quantities.items():
-        place = np.digitize(what, edges)
+    for name, (quantity, edges) in quantities.items():
+        place = np.digitize(quantity, edges)
         for i in range(1, edges.size):
             inside = np.where(place == i, each, 0.0)
             count = float(inside.sum())
             if count == 0.0:
                 continue
-            e = estimate(values, plan, weight=inside, most=most)
-            part = float(values @ inside) / whole if whole > 0.0 else float("nan")
-            result.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / total, e.value, e.low, e.high, part))
+            chance = estimate(values, plan, weight=inside)
+            result.append(
+                StratumChance(
+                    threshold_w_m2_sr=threshold,
+                    by=name,
+                    low=float(edges[i - 1]),
+                    high=number(edges[i]),
+                    share=count / total,
+                    value=chance.value,
+                    interval_low=chance.low,
+                    interval_high=chance.high,
+                    contribution=float(values @ inside) / whole if whole > 0.0 else None,
+                )
+            )
     return result

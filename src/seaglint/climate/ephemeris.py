@@ -1,7 +1,7 @@
 """Direction of the Sun at any time and place by the NREL solar position algorithm (Reda and Andreas 2004), fast for a million draws.
 
-What depends on the time alone (right ascension, declination, distance, sidereal time) is taken from pvlib's form of the algorithm at steps
-of six hours and interpolated by cubics, within 1e-6 deg; what depends on the place is computed for every draw.
+Quantities of the time alone (right ascension, declination, distance, sidereal time) are taken from pvlib's form of the algorithm at steps
+of six hours and interpolated by cubics, within 1e-6 deg. Quantities of the place are computed for every draw.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Ephemeris:
     @classmethod
     def between(cls, first: float, last: float) -> Ephemeris:
         """Ephemeris for the seconds since 1970-01-01 UTC from ``first`` to ``last``."""
-        # pandas comes with it and takes half a second
+        # Imported here, as pvlib imports pandas, which takes half a second.
         from pvlib import spa
 
         start = first - 2.0 * _STEP
@@ -60,6 +60,7 @@ class Ephemeris:
         distance = spa.solar_position(times, *place, esd=True)[0]
         century = spa.julian_century(spa.julian_day(times))
         nutation = sidereal - spa.mean_sidereal_time(spa.julian_day(times), century)
+        # The difference of two angles in [0, 360) may be off by a turn.
         nutation = (nutation + 180.0) % 360.0 - 180.0
         columns = [np.unwrap(np.radians(ascension)), np.radians(declination), distance, np.radians(nutation)]
         return cls(float(first), float(last), np.ascontiguousarray(np.stack(columns, axis=1)))
@@ -101,8 +102,8 @@ class Ephemeris:
         --------
         >>> import numpy as np
         >>> sky = Ephemeris.of_year(2003)
-        >>> found = sky.at(1066419030.0, 39.742476, -105.1786, height=1830.14, pressure=820.0, temperature=11.0)
-        >>> round(float(np.degrees(found.zenith[0])), 4), round(float(np.degrees(found.azimuth[0])), 4)
+        >>> sun = sky.at(1066419030.0, 39.742476, -105.1786, height=1830.14, pressure=820.0, temperature=11.0)
+        >>> round(float(np.degrees(sun.zenith[0])), 4), round(float(np.degrees(sun.azimuth[0])), 4)
         (50.1116, 194.3402)
         """
         parts = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (time, latitude, longitude)))
@@ -167,9 +168,10 @@ def _fill(
         shift = math.sin(8.794 / 3600.0 / distance * radian)
         turn = math.atan2(-across * shift * math.sin(hour), math.cos(declination) - across * shift * math.cos(hour))
         seen = math.atan2((math.sin(declination) - along * shift) * math.cos(turn), math.cos(declination) - across * shift * math.cos(hour))
-        hour -= turn
+        hour -= turn  # topocentric hour angle
         sine = math.sin(lat) * math.sin(seen) + math.cos(lat) * math.cos(seen) * math.cos(hour)
         elevation = math.asin(min(max(sine, -1.0), 1.0)) / radian
+        # Refraction by the algorithm's formula, in degrees; its argument is the true elevation.
         if elevation >= -(0.26667 + _RISE):
             elevation += air[0] * 1.02 / (60.0 * math.tan((elevation + 10.3 / (elevation + 5.11)) * radian))
         out[0, n] = (90.0 - elevation) * radian

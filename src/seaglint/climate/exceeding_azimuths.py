@@ -1,7 +1,7 @@
-"""Share of the azimuths at which a look exceeds thresholds, by finding its borders: probabilities of glint without sampling noise.
+"""Share of the azimuths at which a look exceeds thresholds, from the borders of that range: probabilities of glint without sampling noise.
 
-With everything but the azimuth given, glint falls off to both sides of the Sun. The borders where it passes a threshold are bracketed on
-a few azimuths and found by the Illinois rule in the logarithm of radiance, which is nearly a parabola there.
+With all other quantities given, glint decreases to both sides of the Sun. The borders where it passes a threshold are bracketed on a few
+azimuths and refined by the Illinois rule in the logarithm of radiance, which is nearly a parabola there.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ _FAR: Final = 7.0
 
 _CLOSE: Final = 2e-4  #: Logarithm of radiance to which borders are refined: a tenth of the accuracy of the tables of light.
 
-_LEAST: Final = 1e-300
-_TURNS: Final = 40
+_LEAST: Final = 1e-300  #: Radiance in place of 0, whose logarithm does not exist [W m-2 sr-1].
+_TURNS: Final = 40  #: Largest number of steps of the rule.
 
 
 class _AzimuthPlan(NamedTuple):
@@ -65,7 +65,7 @@ def azimuth_shares(
     Parameters
     ----------
     draws : ndarray
-        Looks [(n, 9)] as in :data:`seaglint.climate.glint_radiance.COLUMNS`; their own azimuths are not asked.
+        Looks [(n, 9)] as in :data:`seaglint.climate.glint_radiance.COLUMNS`; their azimuths are not used.
     light : MirroredLight
         Sunlight through the air.
     sea : WindSlopes
@@ -124,6 +124,7 @@ def _border(
         if (f > 0.0) != (fb > 0.0):
             a, fa = b, fb
         else:
+            # Illinois: halve the value at the end that did not move, or the secant would approach from one side only.
             fa *= 0.5
         b, fb = x, min(max(f, -8.0), 8.0)
     return x
@@ -167,6 +168,7 @@ def _fill(
                 break
         if plan.falls and seen[plan.start] < least - _FAR:
             continue
+        # From the brightest node outwards to the other side, until glint is negligible.
         for i in range(plan.start - 1, -1, -1):
             seen[i] = _logarithm(row, nodes[i], light, sea, beam)
             if plan.falls and seen[i] < least - _FAR:

@@ -1,8 +1,8 @@
-"""Slopes of the sea and their shadowing at any wind, tabulated for draws with winds of their own.
+"""Radiance of the mirrored Sun for many looks at once, each with its weather, Sun, height and direction, and measures of it.
 
-Radiance of the mirrored Sun for many looks at once, each with its own weather, Sun, height and direction.
-
-Measures of the mirrored Sun for a designer: its mean, mean plus deviations, pixels above a threshold, hidden targets.
+:func:`seas` tabulates slopes of the sea and their shadowing against the wind. :func:`looks` evaluates the mean radiance of each look, or of
+the brightest direction about it. The measures for a designer are the mean, mean plus deviations (:func:`deviation`), pixels above a
+threshold (:func:`passes`) and hidden targets (:func:`detected`).
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ _STEP: Final = 0.2  #: Step of winds of the table [m/s]: slope variances are lin
 #: Steps of the rms slope, which the law of hiding depends on; shares of facets are interpolated linearly between them, within 1e-3.
 _DEVIATIONS: Final = 0.006
 
-_AREA_WIND: Final = 2.0
-_EDGES: Final = 31
-_TURNS: Final = 19
+_AREA_WIND: Final = 2.0  #: Step of winds of the area ratios [m/s].
+_EDGES: Final = 31  #: Number of elevations of the view of the area ratios.
+_TURNS: Final = 19  #: Number of directions in a half circle of the area ratios.
 _SUNS: Final = 12  #: Number of azimuths of the Sun in a half circle over which the number of bands is averaged.
 
 
@@ -86,21 +86,22 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     steps = 1 if last == first else max(int(np.ceil((last - first) / _DEVIATIONS)) + 1, 2)
     grid = np.linspace(first, last, steps)
     bands = np.interp(grid, deviations, [_mean_bands(shadowing, s) for s in statistics])
+    gaussian = all(s.is_gaussian for s in statistics)
     return WindSlopes(
-        low,
-        float(nodes[1] - nodes[0]),
-        np.column_stack([table, deviations, [s.wind_to_azimuth for s in statistics]]),
-        all(s.is_gaussian for s in statistics),
-        shadowing.sun,
-        first,
-        float(grid[1] - grid[0]) if steps > 1 else 1.0,
-        np.stack([between_bands(ratio_table, float(b)) for b in bands]),
-        np.stack([coupling_table(float(b), float(d)) for b, d in zip(bands, grid, strict=True)])
+        first=low,
+        step=float(nodes[1] - nodes[0]),
+        slopes=np.column_stack([table, deviations, [s.wind_to_azimuth for s in statistics]]),
+        is_gaussian=gaussian,
+        sun_leg=shadowing.sun,
+        first_deviation=first,
+        deviation_step=float(grid[1] - grid[0]) if steps > 1 else 1.0,
+        ratio=np.stack([between_bands(ratio_table, float(b)) for b in bands]),
+        coupling=np.stack([coupling_table(float(b), float(d)) for b, d in zip(bands, grid, strict=True)])
         if shadowing.sun
         else np.zeros((steps, 0, 0, 0)),
-        np.stack([replace(shadowing, bands=float(b)).leaning(statistics[0])[0] for b in bands]),
-        np.stack([shadowing.leaning(s)[1] for s in statistics]),
-        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
+        lean=np.stack([replace(shadowing, bands=float(b)).leaning(statistics[0])[0] for b in bands]),
+        gains=np.stack([shadowing.leaning(s)[1] for s in statistics]),
+        area=np.zeros((0, 0, 0)) if gaussian else _areas(slopes_at, nodes, shadowing),
     )
 
 
@@ -163,7 +164,8 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
     Parameters
     ----------
     draws : ndarray
-        Looks [(n, 9)], columns as in :data:`COLUMNS`. With several depressions those of ``light`` are searched, whatever the column says.
+        Looks [(n, 9)], columns as in :data:`COLUMNS`. With several depressions the range of ``light`` is searched, whatever the column
+        holds.
     light : MirroredLight
         Sunlight through the air.
     sea : WindSlopes
@@ -173,7 +175,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Sear
 
     Notes
     -----
-    Shares of facets are those of :func:`seaglint.facet.glint.glint` at the mean number of bands over azimuths of the Sun; winds beyond the
+    Shares of facets agree with :func:`seaglint.facet.glint.glint` at the mean number of bands over azimuths of the Sun; winds beyond the
     tables count as the nearest.
     """
     rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
@@ -220,7 +222,10 @@ class SeaState(NamedTuple):
 
 @kernel
 def _area_ratio(sea: WindSlopes, wind: float, edge: float, turn: float) -> float:
-    """Ratio of the visible area to that of Gaussian slopes; ``wind`` in steps of the slopes, ``turn`` from the waves' direction [rad]."""
+    """Ratio of the visible area to its value for Gaussian slopes.
+
+    ``wind`` is in steps of the slopes, ``turn`` from the waves' direction [rad].
+    """
     if sea.area.shape[0] == 0:
         return 1.0
     folded = abs((turn + math.pi) % (2.0 * math.pi) - math.pi)
@@ -284,6 +289,7 @@ def direction(
     at = min(int(state.law), max(sea.ratio.shape[0] - 2, 0))
     more = state.law - at
     chance, cosine = 0.0, 0.0
+    # Linear between the two tables of the law of hiding that bracket the rms slope; a table without weight is not evaluated.
     for k in range(2):
         share = more if k == 1 else 1.0 - more
         if share <= 0.0 or (k == 1 and chance == 0.0 and more < 1.0):
@@ -342,6 +348,7 @@ def _fill(
             else:
                 if out[n, 0] == 0.0:
                     break
+                # Pattern search: each round tries both neighbours of the brightest direction at half of the last step.
                 fine = 0.5 ** (1 + (step - grid) // ways)
                 way = (step - grid) % ways
                 if plan.depressions > 1 and way < 2:
@@ -350,6 +357,7 @@ def _fill(
                     a = min(max(aside + (step_a * fine if way % 2 == 0 else -step_a * fine), -plan.half_width), plan.half_width)
             excess = row[3] / EFFECTIVE_EARTH_RADIUS
             if plan.depressions > 1:
+                # Depressions are even in arsinh(elevation / scale), dense near the horizon.
                 x = first + u * (last - first)
                 gamma = min(scale * math.sinh(x), 0.5 * math.pi)
                 half = math.sin(0.5 * gamma)
@@ -404,7 +412,7 @@ class DetectionCurve:
 
 
 def exceeds(radiance: FloatArray, threshold: float) -> FloatArray:
-    """Value 1 where a radiance is above a threshold, else 0."""
+    """Return 1 where a radiance is above a threshold, else 0."""
     return (radiance > threshold).astype(np.float64)
 
 
@@ -422,18 +430,19 @@ def passes(mean: FloatArray, sigma: FloatArray, threshold: float) -> FloatArray:
 
 
 def detected(radiance: FloatArray, illuminated: FloatArray, curve: DetectionCurve, contrast: float) -> FloatArray:
-    """Probability to detect a target [1] with a contrast of ``contrast`` to a sea without glint [W m-2 sr-1].
+    """Return the probability to detect a target [1] with a contrast of ``contrast`` to a sea without glint [W m-2 sr-1].
 
-    Glint behind it takes its radiance from the contrast; where clouds hide the Sun, with the chance 1 - ``illuminated``, it takes nothing.
+    Glint behind the target reduces the contrast by its radiance; where clouds hide the Sun, with the chance 1 - ``illuminated``, it does
+    not.
     """
     free = curve(np.array([contrast]))[0]
     return np.asarray(free + illuminated * (curve(contrast - radiance) - free))
 
 
 def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[float], weight: FloatArray | None = None) -> FloatArray:
-    """Radiances that glint exceeds in given shares of all draws [W m-2 sr-1]: contrasts visible in the others.
+    """Return the radiances that glint exceeds in given shares of all draws [W m-2 sr-1]: contrasts visible in the others.
 
-    ``weight`` is what each draw stands for [(n,)]; all the same where it is not given.
+    ``weight`` is the weight of each draw [(n,)]; equal weights without it.
     """
     order = np.argsort(radiance)[::-1]
     each = np.ones(radiance.size) if weight is None else weight

@@ -14,11 +14,11 @@ class ThresholdChance:
     threshold_w_m2_sr: float  #: Threshold [W m-2 sr-1].
     probability: float  #: Chance, or share of looks that are detected [1].
     interval: list[float]  #: Ends of its 95 % interval [1].
-    false_alarms_per_hour: float | None = None  #: False alarms of all pixels [h-1], where they are the quantity asked for.
+    false_alarms_per_hour: float | None = None  #: False alarms of all pixels [h-1], where they are the requested quantity.
     false_alarms_per_hour_interval: list[float] | None = None  #: Ends of their 95 % interval [h-1].
 
     def as_row(self) -> TableRow:
-        """Return the numbers; those of false alarms only where they are asked for."""
+        """Return the numbers; false alarms only where they are requested."""
         alarms = ("false_alarms_per_hour", "false_alarms_per_hour_interval")
         return {name: value for name, value in asdict(self).items() if name not in alarms or value is not None}
 
@@ -69,7 +69,7 @@ class DrawnWeather:
 class LikelihoodSummary:
     """Chances of glint, where they come from, and how they were drawn."""
 
-    #: ``quantity``, ``case``: Quantity asked for, and kind of look.
+    #: ``quantity``, ``case``: Requested quantity, and kind of look.
     quantity: str
     case: str
     results: list[ThresholdChance]  #: Chance of each threshold.

@@ -1,4 +1,4 @@
-r"""Tables of the sunlight that a mirroring point of the sea sends to the sensor: a million draws need no spectra of their own.
+r"""Tables of the sunlight that a mirroring point of the sea sends to the sensor: a million draws need no separate spectra.
 
 A point of the sea that mirrors the Sun shows the band radiance
 
@@ -32,16 +32,15 @@ from seaglint.radiance.article import ArticleAtmosphere, wavelength_mean
 
 AirAt = Callable[[str, float], Atmosphere]  #: Function that returns the air of a model atmosphere at a wind [m/s].
 
-_VIEWS: Final = 32
+_VIEWS: Final = 32  #: Numbers of nodes of views and Suns.
 _SUNS: Final = 32
 _TERMS: Final = 12  #: Number of terms of the reflectance; the rest is below 1e-5.
 
 _COARSE: Final = (4, 6, 8, 12)  #: Numbers of winds, heights, views and Suns of the mean reflectance.
 
-_SUN_SCALE: Final = 0.012
-#: Numbers of nodes of winds, views, Suns and heights (for each unit of their coordinate), and of terms of the reflectance.
-_HEIGHTS_PER_UNIT: Final = 3.0
-_LEAST: Final = 1e-60
+_SUN_SCALE: Final = 0.012  #: Elevation of the Sun below which its coordinate is about linear [rad].
+_HEIGHTS_PER_UNIT: Final = 3.0  #: Number of nodes of height for each unit of their coordinate.
+_LEAST: Final = 1e-60  #: Radiance in place of 0, whose logarithm does not exist [W m-2 sr-1].
 
 
 class MirroredLight(NamedTuple):
@@ -125,7 +124,18 @@ def mirrored_light(
     few_heights = levels[few_levels]
     if levels.size == 1:
         few_heights, shapes = levels[0] + np.array([0.0, 1.0]), np.repeat(shapes, 2, axis=2)
-    return MirroredLight(nodes, pieces, levels, layers, depression, covered[0], values, nodes[:, coarse], few_heights, shapes)
+    return MirroredLight(
+        winds=nodes,
+        pieces=pieces,
+        heights=levels,
+        height_pieces=layers,
+        depression=depression,
+        lowest=covered[0],
+        values=values,
+        coarse_winds=nodes[:, coarse],
+        coarse_heights=few_heights,
+        shapes=shapes,
+    )
 
 
 def _some(count: int, most: int) -> NDArray[np.intp]:
@@ -174,8 +184,8 @@ class _Sums(NamedTuple):
 def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[float]]) -> tuple[FloatArray, FloatArray]:
     """Return nodes of wind [(models, winds)] and the indices of the pieces' first nodes and of the last [(models, pieces + 1)].
 
-    All models have as many pieces, and as many nodes in each, as the one that asks for most: a model with fewer kinks is cut where
-    another one has them, which costs nodes and no accuracy.
+    All models have as many pieces, and as many nodes in each, as the model that needs most: a model with fewer kinks is cut at the kinks of
+    another one, which costs nodes and no accuracy.
     """
     if winds is None:
         return np.tile(np.arange(4.0), (len(kinks), 1)), np.tile([0.0, 3.0], (len(kinks), 1))
@@ -342,6 +352,7 @@ def light_of(
     i, j = min(int(coarse[0]), shapes.shape[1] - 2), min(int(coarse[1]), shapes.shape[2] - 2)
     k, m = min(int(coarse[2]), shapes.shape[3] - 2), min(int(coarse[3]), shapes.shape[4] - 2)
     f, g, e, d = coarse[0] - i, coarse[1] - j, coarse[2] - k, coarse[3] - m
+    # Clenshaw's sum of the Chebyshev series in the cosine of incidence, mapped to -1 ... 1; each term is linear between coarse nodes.
     x, b1, b2 = 2.0 * cosine - 1.0, 0.0, 0.0
     first = 0.0
     for n in range(shapes.shape[5] - 1, -1, -1):

@@ -1,6 +1,6 @@
-"""Facts of a table of weather as plain numbers: what JSON, text and pictures read.
+"""Summary of a table of weather: wind rose, joint distribution of wind and cloud, months, missing shares.
 
-Summary of a table of weather: wind rose, joint distribution of wind and cloud, months, shares missing.
+The records hold plain numbers for JSON, text and pictures.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.base.free_form import JsonObject
+from seaglint.base.free_form import JsonObject, number
 from seaglint.climate.weather_table import RANGES, TEXTS, WeatherTable
 
 
@@ -32,7 +32,7 @@ class MonthFacts:
     month: int  #: 1 to 12.
     rows: int  #: Their number.
     probability: float  #: Their share of the table's weight [1].
-    #: ``wind_speed_m_s``, ``cloud_cover``: Weighted means; None where there is none.
+    #: ``wind_speed_m_s``, ``cloud_cover``: Weighted means; None without values.
     wind_speed_m_s: float | None
     cloud_cover: float | None
 
@@ -62,10 +62,10 @@ class WeatherFacts:
     path: str  #: File, or name of the table in the package.
     rows: int  #: Number of rows.
     effective_rows: float  #: Number of rows of equal weight with the same scatter.
-    weight_sum: float  #: Sum of the weights as they stand in the file.
+    weight_sum: float  #: Sum of the weights in the file.
     covers: str  #: Places and times that are covered.
     months: list[int]  #: Months with rows.
-    missing_months: dict[str, str]  #: Months without rows, with those that serve for them.
+    missing_months: dict[str, str]  #: Months without rows, with the months used in their place.
     regions: list[str]  #: Names of regions in the table.
     atmospheres: dict[str, float]  #: Share of the weight of each model atmosphere [1].
     columns: dict[str, ColumnFacts]  #: Columns by name.
@@ -85,7 +85,7 @@ SECTORS: Final = 16  #: Number of sectors of the wind rose, the first centred on
 
 SPEED_EDGES: Final = (0.0, 2.0, 5.0, 8.0, 11.0, 14.0, 20.0, np.inf)  #: Classes of wind speed [m/s].
 
-CLOUD_EDGES: Final = tuple(np.round((np.arange(10) - 0.5) / 8.0, 4))  #: Classes of cloud cover: those of the nine oktas, 0 to 8.
+CLOUD_EDGES: Final = tuple(np.round((np.arange(10) - 0.5) / 8.0, 4))  #: Classes of cloud cover: the nine oktas, 0 to 8.
 
 
 def wind_rose(table: WeatherTable) -> FloatArray:
@@ -123,26 +123,14 @@ def correlation(table: WeatherTable, first: str = "wind_speed_m_s", second: str 
     return float(np.average(a * b, weights=weight) / spread) if spread > 0.0 else float("nan")
 
 
-@dataclass(frozen=True)
-class MonthMeans:
-    """Means of one month."""
-
-    month: int
-    rows: int
-    probability: float  #: Share of the table's weight.
-    wind_speed_m_s: float
-    cloud_cover: float
-
-
-def month_means(table: WeatherTable) -> list[MonthMeans]:
-    """Means of each month that has rows."""
+def month_means(table: WeatherTable) -> list[MonthFacts]:
+    """Return the rows and means of each month that has rows."""
     out = []
     for month in table.months:
         at = table["month"] == month
-        part = table.take(at)
-        out.append(
-            MonthMeans(month, int(at.sum()), float(table.probability[at].sum()), part.mean("wind_speed_m_s"), part.mean("cloud_cover"))
-        )
+        rows = table.take(at)
+        means = number(rows.mean("wind_speed_m_s")), number(rows.mean("cloud_cover"))
+        out.append(MonthFacts(month, int(at.sum()), float(table.probability[at].sum()), *means))
     return out
 
 

@@ -1,6 +1,6 @@
-"""Quantities derived from observations: wind from its components, humidity, wave height, model atmosphere.
+"""Columns of a weather table from other tables: derived quantities, and the mapping of columns with the linear conversion of units.
 
-Mapping of the columns of a user's table to those of a weather table, with the linear conversion of units.
+Derived quantities are the wind from its components, humidity, wave height and model atmosphere.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ TROPICAL_BELOW: Final = 30.0
 
 SUBARCTIC_FROM: Final = 52.5  #: Latitude from which the subarctic models are used [deg]: halfway between 45 and 60 deg.
 
-_MAGNUS: Final = (17.625, 243.04)
+_MAGNUS: Final = (17.625, 243.04)  #: Constants of Magnus' formula [1], [degC].
 
 
 def wind_from_components(east: ArrayLike, north: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Speed of a wind and the direction that it comes from, from the components that it blows towards.
+    """Return the speed of a wind and the direction that it comes from, from the components that it blows towards.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def wind_from_components(east: ArrayLike, north: ArrayLike) -> tuple[FloatArray,
 
 
 def relative_humidity(air_k: ArrayLike, dew_point_k: ArrayLike) -> FloatArray:
-    """Relative humidity over water, from air temperature and dew point [share of 1].
+    """Return the relative humidity over water, from air temperature and dew point [share of 1].
 
     Notes
     -----
@@ -69,9 +69,9 @@ def relative_humidity(air_k: ArrayLike, dew_point_k: ArrayLike) -> FloatArray:
 
 
 def significant_height(wind_waves: ArrayLike, swell: ArrayLike) -> FloatArray:
-    """Significant height of wind waves and swell together [m]: root of the sum of squares, as their variances add.
+    """Return the significant height of wind waves and swell together [m]: root of the sum of squares, as their variances add.
 
-    Where only one of the two is reported, it stands alone; where neither is, the height is missing.
+    Where only one of the two is reported, it is the height; where neither is, the height is missing.
 
     Examples
     --------
@@ -84,7 +84,7 @@ def significant_height(wind_waves: ArrayLike, swell: ArrayLike) -> FloatArray:
 
 
 def west_east(longitude: ArrayLike) -> FloatArray:
-    """Longitude of any convention as degrees east in [-180, 180).
+    """Return a longitude of any convention as degrees east in [-180, 180).
 
     Examples
     --------
@@ -95,7 +95,7 @@ def west_east(longitude: ArrayLike) -> FloatArray:
 
 
 def model_atmosphere(latitude: ArrayLike, month: ArrayLike) -> NDArray[np.str_]:
-    """LOWTRAN7's model atmosphere for a latitude [deg] and month; empty where one of them is missing.
+    """Return LOWTRAN7's model atmosphere for a latitude [deg] and month; empty where one of them is missing.
 
     Tropical up to :data:`TROPICAL_BELOW`, subarctic from :data:`SUBARCTIC_FROM`, midlatitude between; summer is April to September in
     the north and October to March in the south.
@@ -105,12 +105,12 @@ def model_atmosphere(latitude: ArrayLike, month: ArrayLike) -> NDArray[np.str_]:
     >>> model_atmosphere([10.0, 45.0, -45.0, 60.0], [1, 7, 7, 1]).tolist()
     ['tropical', 'midlatitude-summer', 'midlatitude-winter', 'subarctic-winter']
     """
-    lat, moon = np.broadcast_arrays(np.asarray(latitude, dtype=np.float64), np.asarray(month, dtype=np.float64))
-    warm = ((moon >= 4) & (moon <= 9)) == (lat >= 0.0)
+    lat, number = np.broadcast_arrays(np.asarray(latitude, dtype=np.float64), np.asarray(month, dtype=np.float64))
+    warm = ((number >= 4) & (number <= 9)) == (lat >= 0.0)
     zone = np.where(np.abs(lat) >= SUBARCTIC_FROM, "subarctic", "midlatitude")
     seasonal = np.char.add(zone, np.where(warm, "-summer", "-winter"))
     known = np.where(np.abs(lat) <= TROPICAL_BELOW, "tropical", seasonal)
-    return np.asarray(np.where(np.isnan(lat) | np.isnan(moon), "", known), dtype=np.str_)
+    return np.asarray(np.where(np.isnan(lat) | np.isnan(number), "", known), dtype=np.str_)
 
 
 #: Unit of each column with a unit; cloud cover, humidity, month and weight are plain numbers.

@@ -1,4 +1,4 @@
-"""Selection of rows of a table: box, polygon, months, hours, region; with the number that each of them excludes."""
+"""Selection of rows of a weather table by box, polygon, months, hours and region, with the number that each criterion excludes."""
 
 from __future__ import annotations
 
@@ -56,6 +56,7 @@ class Polygon:
 
     def holds(self, latitude: FloatArray, longitude: FloatArray) -> BoolArray:
         """True for places [deg] inside, by the number of borders that a ray to the east crosses."""
+        # Longitudes from the first corner: a polygon across the date line is then one piece.
         first = self.corners[0][0]
         x = west_east(np.asarray(longitude, dtype=np.float64) - first)
         y = np.asarray(latitude, dtype=np.float64)
@@ -131,24 +132,23 @@ class Selection:
         Returns
         -------
         ((rows,) array of bool, dict)
-            Rows kept; numbers left out by reason, in the order in which they were left out.
+            Selected rows; numbers of excluded rows by reason, in the order of the criteria.
         """
         nothing = np.full(count, np.nan)
         lat, lon, month, hour = (columns.get(n, nothing) for n in ("latitude_deg", "longitude_deg", "month", "hour_utc"))
         tests = []
-        if self.box is not None:
-            tests += [("without a place", ~np.isnan(lat) & ~np.isnan(lon)), ("outside the box", self.box.holds(lat, lon))]
-        if self.polygon is not None:
-            tests += [("without a place", ~np.isnan(lat) & ~np.isnan(lon)), ("outside the polygon", self.polygon.holds(lat, lon))]
+        for name, area in (("box", self.box), ("polygon", self.polygon)):
+            if area is not None:
+                tests += [("without a place", ~np.isnan(lat) & ~np.isnan(lon)), (f"outside the {name}", area.holds(lat, lon))]
         if self.months is not None:
             tests += [("without a month", ~np.isnan(month)), ("of other months", np.isin(month, self.months))]
         if self.hours is not None:
             tests += [("without an hour", ~np.isnan(hour)), ("of other hours", np.isin(np.floor(hour), self.hours))]
         good, left_out = np.ones(count, dtype=np.bool_), dict[str, int]()
         for reason, test in tests:
-            fallen = int(np.sum(good & ~test))
-            if fallen:
-                left_out[reason] = left_out.get(reason, 0) + fallen
+            excluded = int(np.sum(good & ~test))
+            if excluded:
+                left_out[reason] = left_out.get(reason, 0) + excluded
             good &= test
         return good, left_out
 
@@ -159,17 +159,17 @@ def select(table: WeatherTable, selection: Selection) -> tuple[WeatherTable, dic
     Raises
     ------
     DomainError
-        No rows are left, or the region is not in the table; the text says what the table has.
+        No rows are left, or the region is not in the table; the text lists the contents of the table.
     """
     good, left_out = selection.rows(table.columns, len(table))
     if selection.region is not None:
-        there = table.text("region")
-        if not np.any(there == selection.region):
-            names = sorted({str(name) for name in there} - {""})
+        regions = table.text("region")
+        if not np.any(regions == selection.region):
+            names = sorted({str(name) for name in regions} - {""})
             raise DomainError(
                 f"region '{selection.region}' has no rows; the table has {', '.join(names) or 'no regions'}; give one of them"
             )
-        other = good & (there != selection.region)
+        other = good & (regions != selection.region)
         left_out |= {"of other regions": int(other.sum())} if other.any() else {}
         good &= ~other
     if not np.any(good):

@@ -1,6 +1,6 @@
 """Tables of weather: each row is one set of simultaneous conditions, with a weight.
 
-Rows are drawn whole, so that the joint law is kept: strong winds and overcast skies come together as often as they do in the table.
+Rows are drawn whole, which preserves the joint law: strong winds and overcast skies come together as often as they do in the table.
 A draw takes uniform numbers rather than a generator, so that quasi-random sequences can drive it.
 """
 
@@ -53,15 +53,14 @@ class WeatherTable:
     Parameters
     ----------
     columns : mapping of str to (rows,) array
-        Numbers by name, those of :data:`RANGES`; NaN is a missing value. Without ``weight`` all rows weigh the same.
+        Numbers by name, a name of :data:`RANGES`; NaN is a missing value. Without ``weight`` all rows have the same weight.
     texts : mapping of str to (rows,) array
-        Texts by name, those of :data:`TEXTS`.
+        Texts by name, a name of :data:`TEXTS`.
 
     Raises
     ------
     DomainError
-        An unknown column, columns of unequal length, no rows, a value outside its range, a weight that is missing, or weights of
-        which none is above zero.
+        An unknown column, columns of unequal length, no rows, a value outside its range, a missing weight, or weights that are all zero.
 
     Notes
     -----
@@ -95,9 +94,9 @@ class WeatherTable:
             raise DomainError(f"row {row + 1}: weight is missing; give a number of 0 or more, or leave the column out", name="weight")
         if not columns["weight"].sum() > 0.0:
             raise DomainError("all weights are 0; give at least one row a weight above 0", name="weight", value=0.0)
-        held: tuple[NDArray[Any], ...] = (*columns.values(), *texts.values())
-        for each in held:
-            each.flags.writeable = False
+        arrays: tuple[NDArray[Any], ...] = (*columns.values(), *texts.values())
+        for array in arrays:
+            array.flags.writeable = False
         object.__setattr__(self, "columns", columns)
         object.__setattr__(self, "texts", texts)
 
@@ -137,7 +136,7 @@ class WeatherTable:
         return float(1.0 / np.sum(self.probability**2))
 
     def mean(self, name: str) -> float:
-        """Weighted mean of the rows that have a value; NaN where none has."""
+        """Weighted mean of the rows that have a value; NaN without such rows."""
         values = self[name]
         known = ~np.isnan(values) & (self.columns["weight"] > 0.0)
         return float(np.average(values[known], weights=self.columns["weight"][known])) if known.any() else float("nan")
@@ -188,7 +187,7 @@ class WeatherTable:
         return _inverse(self.columns["weight"], _checked_uniform(uniform))
 
     def ordered(self, *names: str) -> WeatherTable:
-        """Return the rows sorted by these columns, the first as primary key; missing values stand last."""
+        """Return the rows sorted by these columns, the first as primary key; missing values come last."""
         return self.take(np.lexsort([self[name] for name in reversed(names)]))
 
     @property
@@ -214,7 +213,7 @@ class WeatherTable:
         uniform : (n,) array
             Numbers in [0, 1).
         month : (n,) array of int
-            Months 1-12; one without rows takes those of :attr:`month_used`. A table without months is drawn as a whole; rows without
+            Months 1-12; a month without rows uses the month of :attr:`month_used`. A table without months is drawn as a whole; rows without
             a month in a table that has months are not drawn.
 
         Returns
@@ -245,10 +244,10 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
 
     Of two that are equally near the earlier one is taken. Empty where no month is known: all rows serve all the year.
     """
-    there = _months(month, weight)
-    if not there:
+    with_rows = _months(month, weight)
+    if not with_rows:
         return {}
-    return {m: min(there, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
+    return {m: min(with_rows, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
 
 
 def _inverse(weight: FloatArray, uniform: FloatArray) -> IntArray:

@@ -4,12 +4,14 @@ Occurrences are counted in cells (time segment x tile of the image). With residu
 
     V = sum over lags l of w(l) sum over cells i of e_i e_(i+l),
 
-an estimate of the spectral density of the residuals at frequency 0 with a flat-top lag window w = w_t w_y w_x: 1 up to a lag m, falling
-to 0 at 2 m, where m is, for each axis by itself, the first lag from which on the residuals are uncorrelated. Nothing is assumed of the
-shape of the correlation. With many decorrelated times the residuals are taken from each tile's own rate, so that a rate that varies
-over the image (a corridor) is no uncertainty; with few, tiles are what the rate varies over, and it is. Where a rate that varies over the
-whole image then leaves nothing decorrelated, that of rows and of columns (depression, distance from the corridor) is taken as given,
-expected = row rate x column rate / rate, and the note says so.
+an estimate of the spectral density of the residuals at frequency 0 with a flat-top lag window w = w_t w_y w_x: 1 up to a lag m, falling to
+0 at 2 m, where m is, for each axis separately, the first lag from which on the residuals are uncorrelated. No shape of the correlation is
+assumed. The expected rate of a cell is one of three:
+
+- With many decorrelated times it is the tile's rate, so that a rate that varies over the image (a corridor) is no uncertainty.
+- With few decorrelated times it is the region's rate: the variation over the tiles is part of the uncertainty.
+- If the residuals of both stay correlated over the whole image, the rates of rows and columns (depression, distance from the corridor) are
+  taken as given, expected = row rate x column rate / rate, and the note reports it.
 
 References
 ----------
@@ -45,13 +47,14 @@ class ClusterVariance:
     variance: float | None  #: Variance of the rate [1]; None where it cannot be estimated, with the reason in ``note``.
     degrees: float  #: Degrees of freedom of that estimate [1].
     inflation: float  #: Variance over that of independent pixels, the design effect [1].
-    note: str | None = None  #: Why there is no variance, or what it takes as given.
+    note: str | None = None  #: Reason for the absence of a variance, or what the variance takes as given.
 
 
 def _autocovariance(e: FloatArray) -> FloatArray:
-    """Sums of products at every lag, centred (zero lag in the middle), full range."""
+    """Return sums of products at every lag, centred (zero lag in the middle), full range."""
     from scipy.fft import irfftn, next_fast_len, rfftn
 
+    # Padded to twice the length, so that the circular products of the transform do not wrap around.
     size = [next_fast_len(2 * n - 1, real=True) for n in e.shape]
     wave = rfftn(e, size)
     products = irfftn(wave.real**2 + wave.imag**2, size)
@@ -59,11 +62,12 @@ def _autocovariance(e: FloatArray) -> FloatArray:
 
 
 def _cutoff(covariance: FloatArray, cells: float) -> int | None:
-    """Smallest m such that the correlations at the next lags are all noise; None without one within a quarter of the axis."""
+    """Return the smallest m such that the correlations at the next lags are all noise; None without one within a quarter of the axis."""
     n = covariance.size
     if covariance[0] <= 0:
         return 0
     rho = covariance / covariance[0]
+    # Bound and run of lags are those of Politis and White's rule; correlations below 1 % are taken as noise in any case.
     bound = max(2.0 * math.sqrt(math.log10(max(cells, 10.0)) / max(cells, 1.0)), 0.01)
     run = max(3, min(5, n // 8))
     for m in range(max(n // 4, 1) + 1):
@@ -74,26 +78,26 @@ def _cutoff(covariance: FloatArray, cells: float) -> int | None:
 
 
 def _window(m: int, n: int) -> FloatArray:
-    """Flat-top window at lags -(n-1) ... n-1; it reaches one lag beyond the last correlated one, which costs little."""
+    """Return the flat-top window at lags -(n-1) ... n-1; it reaches one lag beyond the last correlated one, which costs little."""
     lag = np.abs(np.arange(-(n - 1), n))
     flat = m + 1
     return np.asarray(np.clip(2.0 - lag / flat, 0.0, 1.0) if m > 0 else (lag <= 1) * 1.0)
 
 
 def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArray], list[float]]:
-    """Lag window and number of independent cells along each axis, from sums of products and numbers of pairs at all lags.
+    """Return lag window and number of independent cells along each axis, from sums of products and numbers of pairs at all lags.
 
-    How much of a correlation is noise depends on how many pairs are independent, along the other axes: times are taken for one at first,
-    and the windows found once more with what the first round found.
+    The noise of a correlation depends on the number of independent pairs along the other axes. All times count as one at first; the windows
+    of rows and columns are then determined again with the results of the first round.
     """
     sizes = [(n + 1) // 2 for n in products.shape]
     independent = [1.0, *(float(n) for n in sizes[1:])]
     windows = [np.ones(n) for n in products.shape]
     for axis in (1, 2, 0, 1, 2):
         n = sizes[axis]
-        middle = tuple(s - 1 for s in np.delete(sizes, axis))
-        along = np.moveaxis(products, axis, 0)[n - 1 :, *middle]
-        pairs = np.maximum(np.round(np.moveaxis(occupied, axis, 0)[n - 1 :, *middle]), 1.0)
+        zero_lag = tuple(s - 1 for s in np.delete(sizes, axis))
+        along = np.moveaxis(products, axis, 0)[n - 1 :, *zero_lag]
+        pairs = np.maximum(np.round(np.moveaxis(occupied, axis, 0)[n - 1 :, *zero_lag]), 1.0)
         others = math.prod(independent[i] / sizes[i] for i in range(3) if i != axis)
         # Between all pairs and the independent ones: a window too short costs more coverage than one too long.
         m = _cutoff(along / pairs, float(pairs[0]) * others**0.4) if n > 3 else None
@@ -104,14 +108,14 @@ def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArra
 
 
 def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: FloatArray | None = None) -> ClusterVariance:
-    """Variance of counts.sum() / pixels.sum() with correlation between cells that are near in time or space.
+    """Estimate the variance of counts.sum() / pixels.sum() with correlation between cells that are near in time or space.
 
     Parameters
     ----------
     counts, pixels : ndarray of int
         Occurrences and valid pixels in each cell, shape (segments, tile rows, tile columns) [1]; cells without pixels are 0 in both.
     shift : ndarray, optional
-        By how many occurrences the cell moved the total through a threshold that was estimated from the same pixels [1].
+        Number of occurrences by which the cell moved the total through a threshold that was estimated from the same pixels [1].
 
     Returns
     -------
@@ -123,7 +127,6 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
         return ClusterVariance(None, 0.0, math.nan, "no exceedances" if number else "no valid pixels")
     rate = total / number
     share = pixels / number
-    used = [ClusterVariance(None, 0.0, math.nan, "exceedances stay correlated over the whole region and record")]
     within_tiles = np.divide(counts.sum(0), pixels.sum(0), out=np.zeros(counts.shape[1:]), where=pixels.sum(0) > 0)
     plans: list[tuple[FloatArray, Reference]] = [(within_tiles, "tiles")] if counts.shape[0] >= FEWEST_TIMES else []
     plans += [(np.full(counts.shape[1:], rate), "region"), (_margins(counts, pixels, rate), "margins")]
@@ -139,7 +142,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
             continue
         weight = windows[0][:, None, None] * windows[1][:, None] * windows[2]
         value = float((weight * products).sum())
-        # What taking the mean off took out of the sums: share of each window in the pairs of cells, by weight of their pixels.
+        # Share of the variance that the subtraction of the estimated rate removed: the weight of each window in the pairs of cells.
         if reference == "region":
             lost = float((weight * _autocovariance(share)).sum())
         elif reference == "tiles":
@@ -152,15 +155,15 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
             continue
         binomial = rate * (1.0 - rate) / number
         variance = value / (1.0 - lost) / number**2
-        # Below independence by chance of the estimate, or for filters that push neighbours apart: believed down to a quarter.
+        # A variance below independence occurs by chance, or for filters that push neighbours apart; it is accepted down to a quarter.
         variance = max(variance, 0.25 * binomial)
         note = "the interval leaves out how rates differ between rows and between columns" if reference == "margins" else None
         return ClusterVariance(variance, degrees, variance / binomial, note)
-    return used[0]
+    return ClusterVariance(None, 0.0, math.nan, "exceedances stay correlated over the whole region and record")
 
 
 def _margins(counts: NDArray[np.int64], pixels: NDArray[np.int64], rate: float) -> FloatArray:
-    """Rate of each tile as the product of its row's and its column's over that of the region."""
+    """Return the rate of each tile as the product of its row's and its column's rate over the region's rate."""
 
     def along(axis: int) -> FloatArray:
         number = pixels.sum(axis=(0, axis))
@@ -170,7 +173,7 @@ def _margins(counts: NDArray[np.int64], pixels: NDArray[np.int64], rate: float) 
 
 
 def score_interval(count: int, pixels: int, inflation: float, degrees: float, level: float) -> tuple[float, float]:
-    """Wilson's interval for a rate, with the effective number pixels / inflation and Student's t in place of the Gaussian.
+    """Return Wilson's interval for a rate, with the effective number pixels / inflation and Student's t in place of the Gaussian.
 
     Returns
     -------
@@ -182,6 +185,6 @@ def score_interval(count: int, pixels: int, inflation: float, degrees: float, le
     q = float(t.ppf(0.5 + level / 2, degrees)) if math.isfinite(degrees) else float(norm.ppf(0.5 + level / 2))
     n = pixels / inflation
     p = count / pixels
-    middle = (p + q * q / (2 * n)) / (1 + q * q / n)
+    centre = (p + q * q / (2 * n)) / (1 + q * q / n)
     half = q / (1 + q * q / n) * math.sqrt(p * (1 - p) / n + q * q / (4 * n * n))
-    return max(middle - half, 0.0), min(middle + half, 1.0)
+    return max(centre - half, 0.0), min(centre + half, 1.0)

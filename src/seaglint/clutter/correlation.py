@@ -1,8 +1,8 @@
 """Autocorrelation of clutter along the picture's axes and in time, and the effective size of a correlated sample.
 
-Lengths and times are where the correlation falls to 1/e, found between samples by a cubic through its logarithm (exact for an
-exponential and nearly so for a Gaussian shape). The estimate is corrected for the mean, which is taken from the same data and
-lowers every lag by the mean's variance: ``rho = (c + v) / (c_0 + v)``, ``v = sum over lags of w (c + v)``, solved by iteration.
+Lengths and times are the lags at which the correlation falls to 1/e, interpolated between samples by a cubic through its logarithm (exact
+for an exponential and nearly so for a Gaussian shape). The estimate is corrected for the mean, which is taken from the same data and lowers
+every lag by the mean's variance: ``rho = (c + v) / (c_0 + v)``, ``v = sum over lags of w (c + v)``, solved by iteration.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from seaglint.base.errors import DataError
 
 BoolArray = NDArray[np.bool_]
 
-LEVEL = float(np.exp(-1.0))
-FEWEST_FRAMES = 8
+LEVEL = float(np.exp(-1.0))  #: Correlation at the lag that is the length or time [1].
+FEWEST_FRAMES = 8  #: Least number of frames of a correlation in time.
 
 
 @dataclass(frozen=True)
 class SpatialCorrelation:
     """Autocorrelation along the picture's axes."""
 
-    #: ``x``, ``y``: Correlation at 0, 1, 2 ... px along columns (x, horizontally) and rows (y, vertically); NaN at lags no two pixels have.
+    #: ``x``, ``y``: Correlation at 0, 1, 2 ... px along columns (x, horizontally) and rows (y, vertically); NaN at lags without pairs.
     #: Shape (lags,).
     x: FloatArray
     y: FloatArray
-    #: ``length_x``, ``length_y``: Where it falls to 1/e [px]; NaN for constant data or where it does not fall so far. Less than one pixel:
-    #: the straight line from lag 0 to 1, 0.63 px for white noise.
+    #: ``length_x``, ``length_y``: Lag at which it falls to 1/e [px]; NaN for constant data or where it does not fall so far. Less than one
+    #: pixel: the straight line from lag 0 to 1, 0.63 px for white noise.
     length_x: float
     length_y: float
     #: ``scale_x``, ``scale_y``: Integral scale, ``1 + 2 sum rho`` up to its first value below zero [px].
@@ -43,26 +43,26 @@ class TemporalCorrelation:
     """Autocorrelation in time, mean over pixels."""
 
     rho: FloatArray  #: Correlation at 0, 1, 2 ... frames. Shape (lags,).
-    time: float  #: Where it falls to 1/e [s]; [frames] where no frame rate was given. NaN as for lengths, and with fewer than 8 frames.
+    time: float  #: Lag at which it falls to 1/e [s]; [frames] without a frame rate. NaN as for lengths, and with fewer than 8 frames.
     scale: float  #: Integral scale, ``1 + 2 sum rho`` up to its first value below zero [frames].
-    reason: str = ""  #: Why there is no time; empty if there is.
+    reason: str = ""  #: Reason for the absence of a time; empty if there is one.
 
 
 def spatial_correlation(
     frames: ArrayLike, mask: BoolArray | None = None, *, mean: ArrayLike | None = None, longest: int | None = None
 ) -> SpatialCorrelation:
-    """Correlation of pixels along x and y, frames pooled.
+    """Estimate the correlation of pixels along x and y, frames pooled.
 
     Parameters
     ----------
     frames : array_like, shape (rows, columns) or (frames, rows, columns)
-        NaN are left out. Some ten frames, further apart than the correlation time, tell as much as all.
+        NaN are left out. Some ten frames, further apart than the correlation time, give the same result as all.
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     mean : array_like, shape (rows, columns), optional
-        Part that is no clutter and is subtracted first: :func:`trend_surface`, for one frame and for many, keeps the shape of the
-        corridor from being taken for correlation. (The mean in time of each pixel serves for a long sequence only: that of a
-        few frames takes clutter with it.) The region's mean is removed in any case.
+        Part that is no clutter and is subtracted first: with :func:`trend_surface`, for one frame and for many, the shape of the
+        corridor is not taken for correlation. (The mean in time of each pixel serves for a long sequence only: the mean of a few
+        frames contains clutter.) The region's mean is removed in any case.
     longest : int, optional
         Largest lag [px]; default a third of each side.
 
@@ -105,12 +105,12 @@ def spatial_correlation(
         limit = max(1, centred.shape[axis] // 3) if longest is None else min(longest, centred.shape[axis] - 1)
         sums.append(_lagged_sums(centred, valid, axis, limit))
     variance = float(np.mean(centred[valid] ** 2))
-    # What a surface leaves of a constant is rounding, which has a correlation like anything else.
+    # A constant less a surface leaves rounding errors, which have a correlation of their own.
     if variance <= (1e-12 * level) ** 2:
         variance = 0.0
     lags = [np.divide(total, pairs, out=np.full(total.shape, np.nan), where=pairs > 0) for total, pairs in sums]
-    # The mean of a region n px large varies by variance times integral scales over n; frames count once each, which is what
-    # frames far apart do, and for frames close together the correction is only smaller than it should be.
+    # The mean of a region of n pixels varies by variance times integral scales over n. Each frame counts as independent, which holds for
+    # frames far apart; for frames close together the correction is only smaller than it should be.
     pixels = valid.sum()
     shift = 0.0
     for _ in range(8):
@@ -127,7 +127,7 @@ def spatial_correlation(
 
 
 def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int = 4) -> FloatArray:
-    """Polynomial surface in row and column through a region, by least squares: its slow change of brightness.
+    """Fit a polynomial surface in row and column to a region, by least squares: its slow change of brightness.
 
     Parameters
     ----------
@@ -136,12 +136,12 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     degree : int
-        Degree of the polynomial; 4 has fifteen coefficients, which take fifteen of the region's independent values.
+        Degree of the polynomial; degree 4 has fifteen coefficients, which use up fifteen of the region's independent values.
 
     Returns
     -------
     ndarray, shape (rows, columns)
-        Also outside the region, where it means nothing. Of degree 0 if the region has too few pixels.
+        Also outside the region, where it has no meaning. Of degree 0 if the region has too few pixels.
     """
     data = np.asarray(image, dtype=np.float64)
     used = np.isfinite(data) if mask is None else np.isfinite(data) & mask
@@ -165,12 +165,12 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
 
 
 def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, longest: int | None = None) -> TemporalCorrelation:
-    """Correlation of each pixel with itself at later times, every pixel about its own mean, averaged over pixels.
+    """Estimate the correlation of each pixel with itself at later times, about the pixel's mean, averaged over pixels.
 
     Parameters
     ----------
     series : array_like, shape (frames, ...)
-        Values of pixels in time; NaN are left out. A few thousand pixels spread over the region tell as much as all.
+        Values of pixels in time; NaN are left out. A few thousand pixels spread over the region give the same result as all.
     frame_rate : float, optional
         Frames per second [Hz].
     longest : int, optional
@@ -180,7 +180,7 @@ def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, 
     -------
     TemporalCorrelation
         The sequence should be several correlation times long: the mean of a shorter one cannot be separated from its slow changes,
-        and the time found is too short.
+        and the estimated time is too short.
 
     Raises
     ------
@@ -220,14 +220,14 @@ def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, 
 
 
 def effective_count(count: float, *scales: float) -> float:
-    """Number of independent values among correlated ones.
+    """Estimate the number of independent values among correlated ones.
 
     ``m = n / (s_1 s_2 ...)`` with the integral scales along each axis, the separable form of ``n / sum rho``.
 
     Parameters
     ----------
     count : float
-        Values.
+        Number of values.
     *scales : float
         Integral scales [px or frames]; NaN (not known) count as 1.
 
@@ -241,7 +241,7 @@ def effective_count(count: float, *scales: float) -> float:
 
 
 def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np.int64]:
-    """Label of the block of each element of an array, for intervals of fits.
+    """Return the label of the block of each element of an array, for intervals of fits.
 
     Parameters
     ----------
@@ -263,7 +263,7 @@ def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np
 
 
 def decay(rho: FloatArray) -> float:
-    """Lag at which a correlation first falls to 1/e, interpolated between samples; NaN where it does not.
+    """Return the lag at which a correlation first falls to 1/e, interpolated between samples; NaN where it does not.
 
     Parameters
     ----------
@@ -281,10 +281,12 @@ def decay(rho: FloatArray) -> float:
     after = int(low[0])
     if after == 0:
         return np.nan
+    # Within the first lag no shape can be recognised, unless the next values are above noise: the straight line is taken.
     if after == 1 and (len(rho) < 3 or rho[2] <= 0.02 or rho[1] <= 0.02):
         return (1.0 - LEVEL) / (1.0 - float(rho[1]))
     first = max(after - 2, 0)
     nodes = np.arange(first, min(after + 2, len(rho)))
+    # Values near zero are noise, and their logarithm would dominate the cubic.
     nodes = nodes[: 1 + int(np.flatnonzero(rho[nodes] > 0.02)[-1])]
     if len(nodes) < 2 or np.any(rho[nodes] <= 0.02):
         return after - 1 + float((rho[after - 1] - LEVEL) / (rho[after - 1] - rho[after]))
@@ -297,7 +299,7 @@ def decay(rho: FloatArray) -> float:
 
 
 def _positive_lags(rho: FloatArray) -> FloatArray:
-    """Lags before the first correlation that is not above zero; beyond, an estimate is noise that would sum to anything."""
+    """Return the lags before the first correlation that is not above zero; the noise of later ones could sum to any value."""
     bad = np.flatnonzero(~(rho > 0.0))
     return rho[: bad[0]] if bad.size else rho
 
@@ -308,7 +310,7 @@ def _integral_scale(rho: FloatArray) -> float:
 
 
 def _lagged_sums(centred: FloatArray, valid: BoolArray, axis: int, longest: int) -> tuple[FloatArray, FloatArray]:
-    """Sum of products and number of pairs at lags 0 ... longest along an axis, by zero-padded Fourier transforms."""
+    """Return sums of products and numbers of pairs at lags 0 ... longest along an axis, by zero-padded Fourier transforms."""
     from scipy.fft import irfft, next_fast_len, rfft
 
     size = next_fast_len(centred.shape[axis] + longest + 1, real=True)
@@ -318,11 +320,11 @@ def _lagged_sums(centred: FloatArray, valid: BoolArray, axis: int, longest: int)
     whole = 0
     # Few lines at a time: transforms of all of them at once would be several times the data.
     for first in range(0, len(lines), 512):
-        part, there = lines[first : first + 512], exist[first : first + 512]
-        occupied = there.any(axis=1)
-        complete = there.all(axis=1)
+        chunk, present = lines[first : first + 512], exist[first : first + 512]
+        occupied = present.any(axis=1)
+        complete = present.all(axis=1)
         whole += int(complete.sum())
-        for values, total in ((part[occupied], power), (there[occupied & ~complete].astype(np.float64), pairs)):
+        for values, total in ((chunk[occupied], power), (present[occupied & ~complete].astype(np.float64), pairs)):
             transformed = rfft(values, size, axis=1)
             total += np.einsum("ij,ij->j", transformed.real, transformed.real) + np.einsum("ij,ij->j", transformed.imag, transformed.imag)
     # Lines without gaps have as many pairs as their length leaves.

@@ -1,7 +1,7 @@
 """Threshold exceedances in time: their joint probability, their duration, and the events they form.
 
-Accumulators take blocks of z (:mod:`seaglint.clutter.thresholds`) in order of time and keep nothing that grows with the number of frames
-but the list of events. The result does not depend on how the sequence is cut into blocks.
+Accumulators take blocks of z (:mod:`seaglint.clutter.thresholds`) in order of time. Only their list of events grows with the number of
+frames. The result does not depend on the division of the sequence into blocks.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _PLACES = np.argsort([((0x03F79D71B4CB0A89 << n) & (2**64 - 1)) >> 58 for n in r
 
 @njit
 def above(z: np.ndarray, threshold: float, index: np.ndarray) -> int:
-    """Flat indices of the pixels of one frame with z > threshold, in order, and their number."""
+    """Store the flat indices of the pixels of one frame with z > threshold, in order; return their number."""
     n = 0
     for i in range(z.size):
         if z[i] > threshold:
@@ -87,8 +87,8 @@ class JointProbability:
     def correlation_time(self) -> tuple[float | None, str | None]:
         """Lag at which :attr:`correlation` first falls to 1/e, by linear interpolation [frames], or None with the reason.
 
-        The reasons: fewer than two frames, no exceedances, forgotten within one frame (the true time is below the frame interval), or not
-        forgotten within the lags at hand.
+        Reasons are fewer than two frames, no exceedances, a correlation that vanishes within one frame (the true time is below the frame
+        interval), or one that does not fall to 1/e within the available lags.
         """
         c = self.correlation
         if np.isfinite(self.joint).sum() < 2:
@@ -99,6 +99,7 @@ class JointProbability:
         if below.size == 0:
             return None, f"exceedances stay correlated over {int(np.isfinite(c).sum()) - 1} frames"
         k = int(below[0])
+        # A value that has fallen to noise at the first lag gives an upper limit only.
         if k == 1 and c[1] < 0.1:
             return None, "exceedances are forgotten within one frame interval"
         return float(k - 1 + (c[k - 1] - math.exp(-1)) / (c[k - 1] - c[k])), None
@@ -107,15 +108,15 @@ class JointProbability:
 class JointExceedances:
     """Accumulator of the joint probability of exceedances of one threshold.
 
-    Pixels that are missing (NaN) in a frame take no part in it. The number of pairs of frames is that of the smaller frame, which is exact
-    for fixed masks and for frames that are missing as a whole.
+    Pixels that are missing (NaN) in a frame are not counted. The number of pairs between two frames is the number of valid pixels of the
+    smaller one, which is exact for fixed masks and for frames that are missing as a whole.
 
     Parameters
     ----------
     threshold : float
         In standard deviations [1].
     max_lag : int
-        Largest lag kept [frames].
+        Largest stored lag [frames].
     """
 
     def __init__(self, threshold: float, max_lag: int = MAX_LAG) -> None:
@@ -161,12 +162,12 @@ class Events:
     #: ``first``, ``duration``: First frame, and number of frames from first to last [frames].
     first: NDArray[np.int64]
     duration: NDArray[np.int64]
-    size: NDArray[np.int64]  #: Exceeding pixels over all its frames [px].
+    size: NDArray[np.int64]  #: Exceeding pixels over all frames of the event [px].
     peak: NDArray[np.float64]  #: Largest z [standard deviations]; ``row`` and ``column`` are where it occurred [px].
     row: NDArray[np.int64]
     column: NDArray[np.int64]
-    cut: NDArray[np.bool_]  #: Seen in the first or the last frame: the true duration is longer or equal.
-    #: ``frames``, ``pixels``: Frames looked at, and valid pixels over all frames.
+    cut: NDArray[np.bool_]  #: True for events in the first or the last frame: the true duration is longer or equal.
+    #: ``frames``, ``pixels``: Number of examined frames, and valid pixels over all frames.
     frames: int
     pixels: int
     threshold: float  #: In standard deviations [1].
@@ -177,14 +178,15 @@ class Events:
 
     @property
     def per_frame(self) -> float:
-        """Number of events that begin per frame [1]; those of the first frame, which began before, count as well."""
+        """Number of events that begin per frame [1]; events of the first frame, which began before, count as well."""
         return len(self) / self.frames if self.frames else math.nan
 
     @property
     def mean_duration(self) -> float | None:
         """Mean duration, corrected for events cut by the ends of the record [frames]; None without a complete event.
 
-        Frames lived that have a next frame, over ends seen: the maximum-likelihood estimate for durations without memory.
+        The number of frames of events that are followed by a frame, over the number of observed ends: the maximum-likelihood estimate for
+        durations without memory.
         """
         ends = int((self.first + self.duration < self.frames).sum())
         return float((self.duration.sum() - (len(self) - ends)) / ends) if ends else None
@@ -192,6 +194,7 @@ class Events:
 
 @njit
 def _root(parent: np.ndarray, i: int) -> int:
+    # Paths are halved on the way, so that later searches are short.
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -310,7 +313,7 @@ class EventTracker:
         alive = _merge(index, frame, self._frame, self._now, parent, table, peak, number)
         ended = number == -1
         if ended.any():
-            # Half the size: the list of events is all that grows with the record, half a million of them in a thousand frames.
+            # Stored in half the size: only the list of events grows with the record, to half a million in a thousand frames.
             self._done.append((table[ended].astype(np.int32), peak[ended].astype(np.float32)))
         living = number >= 0
         self._table, self._peak = table[living], peak[living]
@@ -333,5 +336,14 @@ class EventTracker:
         first, last, size, where = table[order].astype(np.int64).T
         cut = (first == 0) | (last == self._frame - 1)
         return Events(
-            *(first, last - first + 1, size, peak[order], where // columns, where % columns, cut, self._frame, self._pixels, self.threshold)
+            first=first,
+            duration=last - first + 1,
+            size=size,
+            peak=peak[order],
+            row=where // columns,
+            column=where % columns,
+            cut=cut,
+            frames=self._frame,
+            pixels=self._pixels,
+            threshold=self.threshold,
         )

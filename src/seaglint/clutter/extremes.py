@@ -4,9 +4,9 @@ Above a threshold u the rate of exceeding pixels is taken to fall as
 
     rate(m) = rate(u) (1 + xi (m - u) / beta)^(-1 / xi)
 
-with xi and beta fitted to all exceedances of u. Fitting the peaks of events alone would describe another quantity, the rate of events, and
-is biased where chance joins events. What declustering is for, the uncertainty, is had from it: every event, connected in space and
-time (:mod:`seaglint.clutter.exceedances`), counts as one observation.
+with xi and beta fitted to all exceedances of u. A fit to the peaks of events alone would describe another quantity, the rate of events, and
+would be biased where chance joins events. The uncertainty takes the clustering into account: every event, connected in space and time
+(:mod:`seaglint.clutter.exceedances`), counts as one observation.
 
 References
 ----------
@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.free_form import JsonObject, plain
 from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.false_alarms import BIN, RateCurve
@@ -36,7 +37,7 @@ TRUSTED_SPAN: Final = 10.0  #: Largest ratio of the ends of the 95 % interval at
 #: Number of data sets of which an extrapolated rate has at least one exceedance to be trusted; the data do not determine a rarer tail.
 TRUSTED_SETS: Final = 10.0
 
-_DRAWS = 1000
+_DRAWS = 1000  #: Number of draws behind the intervals.
 _TEST_SIZE = 300  # from about 100 on, the null distribution of the distance no longer depends on the number of values
 _HOPELESS, _HEAVY = 20.0, 0.5  # of 1500 draws of 300, the largest distance is 2 to 5 for shapes up to 0.3: no need to fit draws to reject
 
@@ -60,7 +61,7 @@ class ParetoFit:
 
 
 def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
-    """Maximum-likelihood generalised Pareto fit; the shape is kept above -0.5, where estimates are regular.
+    """Fit a generalised Pareto distribution by maximum likelihood; the shape is restricted to above -0.5, where estimates are regular.
 
     With theta = xi / beta the likelihood has one variable left: xi(theta) = mean(log(1 + theta y)).
 
@@ -97,7 +98,7 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
         return -math.log(xi / theta) - xi - 1.0
 
     grid = np.concatenate([(-1.0 + np.geomspace(1e-4, 0.99, 30)) / most, np.geomspace(1e-3, 50.0, 50)])
-    # All at once, for the many fits of a bootstrap; samples of millions are passed to profile() one by one.
+    # All points at once, for the many fits of a bootstrap; for samples of millions the matrix would be too large.
     if y.size <= 10_000:
         xis = np.log1p(grid[:, None] * y) @ share
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -144,8 +145,8 @@ def _draw(fit: ParetoFit, n: int, generator: np.random.Generator) -> FloatArray:
 class TailFit:
     """Extrapolated rate-threshold relation of one region and filter."""
 
-    threshold: float  #: u, from which on the tail is described [standard deviations].
-    events: int  #: Events above u, taken as independent observations.
+    threshold: float  #: u, lower end of the described tail [standard deviations].
+    events: int  #: Number of events above u, taken as independent observations.
     rate: float  #: Exceeding pixels per pixel and frame at u [1].
     fit: ParetoFit  #: Distribution of the pixels' excess over u.
     shape_interval: tuple[float, float]  #: 95 % interval of the shape [1].
@@ -157,13 +158,28 @@ class TailFit:
     trusted_to_rate: float
     _draws: tuple[FloatArray, FloatArray, FloatArray]
 
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers; ``reason``, the reason for the absence of a fit, is None."""
+        values = {
+            "from_sigma": self.threshold,
+            "events": self.events,
+            "shape": self.fit.shape,
+            "shape_interval": self.shape_interval,
+            "scale_sigma": self.fit.scale,
+            "goodness_p": self.goodness_p,
+            "trusted_to_sigma": self.trusted_to_sigma,
+            "trusted_to_rate": self.trusted_to_rate,
+            "reason": None,
+        }
+        return plain(values)
+
     def rates(self, threshold_sigma: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Extrapolated rate and its 95 % interval [1], at thresholds of u or more [standard deviations].
 
         Raises
         ------
         DomainError
-            A threshold below u, where the data themselves speak.
+            A threshold below u, where the measured rate is to be used.
         """
         m = np.atleast_1d(np.asarray(threshold_sigma, np.float64))
         if (m < self.threshold).any():
@@ -186,11 +202,11 @@ class TailFit:
 
 
 def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFit | None, str | None]:
-    """Generalised Pareto tail of a rate curve.
+    """Fit a generalised Pareto tail to a rate curve.
 
     u is the lowest of ten thresholds (quantiles 0, 10, ... 90 % of the events' peaks) above which the Anderson-Darling test does not reject
-    the fit at 10 %, with at least :data:`FEWEST_EVENTS` events above it. Intervals are those of maximum likelihood for as many
-    observations as there are events above u; a sea whose brightness changes over the record has wider ones.
+    the fit at 10 %, with at least :data:`FEWEST_EVENTS` events above it. Intervals follow from maximum likelihood for as many observations
+    as there are events above u; a sea with a brightness that changes over the record has wider ones.
 
     Parameters
     ----------
@@ -203,14 +219,14 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
     Returns
     -------
     TailFit or None, str or None
-        The tail, or None and the reason.
+        The tail, or None with the reason.
     """
     peaks = np.sort(events.peak)
     if peaks.size < FEWEST_EVENTS:
         return None, f"{peaks.size} events above {events.threshold:g} sigma; a tail needs at least {FEWEST_EVENTS}"
     generator = stream(seed, "generalised pareto")
     counts = -np.diff(curve.exceedances)
-    middle = (curve.threshold[1:] + curve.threshold[:-1]) / 2
+    centres = (curve.threshold[1:] + curve.threshold[:-1]) / 2
     for quantile in np.arange(10) / 10:
         lowest = events.threshold if quantile == 0 else float(np.quantile(peaks, quantile))
         edge = int(np.searchsorted(curve.threshold, lowest - 1e-6))
@@ -219,12 +235,12 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
         if number < FEWEST_EVENTS:
             break
         n = counts[edge:]
-        excess, n = (middle[edge:] - u)[n > 0], n[n > 0]
-        # A step of the data as wide as a tenth of the tail shows as empty bins; the fit would describe the steps.
+        excess, n = (centres[edge:] - u)[n > 0], n[n > 0]
+        # Steps of the data as wide as a tenth of the tail leave empty bins between them; the fit would describe the steps.
         if excess.size < 20:
-            filled = excess.size / max(round(float(excess[-1] - excess[0]) / BIN) + 1, 1)
+            filled_share = excess.size / max(round(float(excess[-1] - excess[0]) / BIN) + 1, 1)
             why = (
-                f"take {excess.size} different values only (saturated or coarse steps)" if excess.size < 3 or filled < 0.5
+                f"take {excess.size} different values only (saturated or coarse steps)" if excess.size < 3 or filled_share < 0.5
                 else f"end within {excess.size * BIN:.2g} sigma: the tail is too short to be continued"
             )  # fmt: skip
             return None, f"exceedances of {u:.2f} sigma {why}; no tail is fitted"
@@ -272,7 +288,17 @@ def with_limits(
     shapes, scales = root @ normal[:, :2].T + np.array([[fit.shape], [math.log(fit.scale)]])
     rates = rate * np.exp(normal[:, 2] / math.sqrt(number))
     low, high = np.quantile(shapes, [0.025, 0.975])
-    tail = TailFit(u, number, rate, fit, (float(low), float(high)), p, u, rate, (rates, shapes, np.exp(scales)))
+    tail = TailFit(
+        threshold=u,
+        events=number,
+        rate=rate,
+        fit=fit,
+        shape_interval=(float(low), float(high)),
+        goodness_p=p,
+        trusted_to_sigma=u,
+        trusted_to_rate=rate,
+        _draws=(rates, shapes, np.exp(scales)),
+    )
     m = u + np.linspace(0.0, 10.0, 301) * reached
     value, least, most = tail.rates(m)
     wide = ~(most < TRUSTED_SPAN * least) | (value * curve.pixels < 1.0 / TRUSTED_SETS)

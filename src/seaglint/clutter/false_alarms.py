@@ -34,19 +34,19 @@ LOWEST: Final = -10.0  #: Lower end of the histogram [standard deviations]; lowe
 #: Upper end of the histogram [standard deviations]: a single bright pixel among 22 500. Higher values are in the last bin.
 HIGHEST: Final = 150.0
 
-_LOWEST, _PER_SIGMA = -10.0, 50.0
+_PER_SIGMA: Final = 1.0 / BIN  #: Number of bins in a standard deviation, exactly 50.
 _BINS = round((HIGHEST - LOWEST) / BIN)
 
 SEGMENTS: Final = 256  #: Largest number of time segments of the counts; when it is reached, neighbours are joined.
 
 LONE_SHARE: Final = 0.15  #: Share of a region's exceedances above which a single row or column is examined.
 
-LONE_TIMES: Final = 4.0  #: Ratio of the exceedances of a row or column to those beside it above which it is reported.
+LONE_TIMES: Final = 4.0  #: Ratio of the exceedances of a row or column to its neighbours' above which it is reported.
 
 
 @njit
 def _scan(z: np.ndarray, columns: int, tile: int, least: float, histogram: np.ndarray, valid: np.ndarray, index: np.ndarray) -> int:
-    """Histogram of a frame, its valid pixels per tile, and the indices of pixels above ``least``."""
+    """Add a frame to the histogram and to the valid pixels per tile; store the indices of pixels above ``least``, return their number."""
     n = 0
     rows = z.size // columns
     for r in range(rows):
@@ -58,7 +58,7 @@ def _scan(z: np.ndarray, columns: int, tile: int, least: float, histogram: np.nd
                 if np.isnan(value):
                     continue
                 number += 1
-                place = (value - _LOWEST) * _PER_SIGMA
+                place = (value - LOWEST) * _PER_SIGMA
                 if place < 0.0:
                     histogram[0] += 1
                 elif place >= _BINS:
@@ -84,18 +84,18 @@ class FalseAlarmRate:
     """Rate of exceedances of one threshold."""
 
     threshold_sigma: float  #: Threshold [standard deviations].
-    #: ``exceedances``, ``pixels``: Pixels above it and pixels looked at, over all frames.
+    #: ``exceedances``, ``pixels``: Number of pixels above it and of examined pixels, over all frames.
     exceedances: int
     pixels: int
     rate: float  #: Exceedances per pixel and frame [1].
-    #: ``rate_low``, ``rate_high``: Ends of the confidence interval [1]; None where none can be given, see ``note``.
+    #: ``rate_low``, ``rate_high``: Ends of the confidence interval [1]; None without an interval, see ``note``.
     rate_low: float | None
     rate_high: float | None
     level: float  #: Level of the interval [1].
     gaussian_rate: float  #: One-sided Gaussian tail [1].
     inflation: float | None  #: Variance of the rate over that of independent pixels [1]; pixels / inflation is the effective number.
     correlation_time: float | None  #: 1/e time of the exceedances [frames]; None with the reason in ``correlation_note``.
-    #: ``note``, ``correlation_note``: Why something is absent, or what the interval rests on.
+    #: ``note``, ``correlation_note``: Reason for an absent interval or time, or the assumption behind the interval.
     note: str | None = None
     correlation_note: str | None = None
 
@@ -111,7 +111,7 @@ class RateCurve:
 
     threshold: NDArray[np.float64]  #: Lower edges of the bins [standard deviations].
     exceedances: NDArray[np.int64]  #: Pixels at or above each.
-    pixels: int  #: Pixels looked at.
+    pixels: int  #: Number of examined pixels.
 
     @property
     def rate(self) -> NDArray[np.float64]:
@@ -133,7 +133,7 @@ class RateCurve:
 
 
 def lone_lines(counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows (or columns) with far more exceedances than those beside them: bad lines of a sensor, edges of a picture.
+    """Return the rows (or columns) with far more exceedances than their neighbours: bad lines of a sensor, edges of a picture.
 
     A line counts if it has at least :data:`LONE_SHARE` of all exceedances and 10 of them, and :data:`LONE_TIMES` as many as the lines two
     away (a filter of three pixels carries it into the next ones) and as the mean line.
@@ -157,8 +157,8 @@ def lone_lines(counts: NDArray[np.int64]) -> NDArray[np.int64]:
     if counts.size < 5 or total == 0:
         return np.empty(0, np.int64)
     wide = np.pad(counts, 2, mode="constant")
-    beside = np.maximum(np.maximum(wide[:-4], wide[4:]), total / counts.size)
-    return np.flatnonzero((counts >= 10) & (counts >= LONE_SHARE * total) & (counts > LONE_TIMES * beside))
+    neighbours = np.maximum(np.maximum(wide[:-4], wide[4:]), total / counts.size)
+    return np.flatnonzero((counts >= 10) & (counts >= LONE_SHARE * total) & (counts > LONE_TIMES * neighbours))
 
 
 class FalseAlarms:
@@ -201,7 +201,7 @@ class FalseAlarms:
         frames = as_frames(z)
         if self.frames == 0:
             self._shape = frames.shape[1:]
-            # Few enough cells for a transform at the end, small enough to see correlations of a few pixels.
+            # Few enough cells for a transform at the end, small enough to resolve correlations of a few pixels.
             self._tile = max(4, -(-max(self._shape) // 32))
             self._cells = np.zeros((len(self.thresholds), SEGMENTS, *(-(-n // self._tile) for n in self._shape)), np.int64)
             self._valid = np.zeros(self._cells.shape[1:], np.int64)
@@ -250,11 +250,11 @@ class FalseAlarms:
         return self._variances[m]
 
     def rates(self, level: float = 0.95) -> list[FalseAlarmRate]:
-        """Rate at each threshold with its confidence interval of that level, lowest threshold first.
+        """Return the rate at each threshold with its confidence interval of a level, lowest threshold first.
 
         The interval is Wilson's with an effective number of pixels (:func:`seaglint.clutter.cluster_variance.rate_variance`). A threshold
-        with fewer than 10 exceedances takes the inflation of the next lower one that has more, or of none (independent pixels):
-        ``note`` says so.
+        with fewer than 10 exceedances takes the inflation of the next lower one that has more, or else independent pixels; ``note`` reports
+        it.
 
         Raises
         ------
@@ -276,38 +276,36 @@ class FalseAlarms:
             time, why = self.joint(m).correlation_time()
             note: str | None = None
             if count >= 10:
-                spread = known = self._variance(k)
-                note = spread.note
+                variance = known = self._variance(k)
+                note = variance.note
             elif known is not None:
-                spread, note = known, "fewer than 10 exceedances; the interval takes their clustering from a lower threshold"
+                variance, note = known, "fewer than 10 exceedances; the interval takes their clustering from a lower threshold"
             else:
-                spread, note = (
-                    ClusterVariance(0.0, float("inf"), 1.0),
-                    "fewer than 10 exceedances; the interval takes pixels as independent",
-                )
+                variance = ClusterVariance(0.0, float("inf"), 1.0)
+                note = "fewer than 10 exceedances; the interval takes pixels as independent"
             low = high = inflation = None
-            if spread.variance is not None:
-                inflation = spread.inflation
-                low, high = score_interval(count, pixels, inflation, spread.degrees, level)
+            if variance.variance is not None:
+                inflation = variance.inflation
+                low, high = score_interval(count, pixels, inflation, variance.degrees, level)
             else:
-                note = spread.note
+                note = variance.note
             out.append(FalseAlarmRate(m, count, pixels, count / pixels, low, high, level, gaussian, inflation, time, note, why))
         return out
 
     def lines(self, threshold: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Numbers of exceedances of one of the thresholds in each row and in each column, over all frames."""
-        k = self.thresholds.index(self._own(threshold))
+        k = self.thresholds.index(self._counted(threshold))
         return self._rows[k], self._columns[k]
 
     def joint(self, threshold: float) -> JointProbability:
         """Joint probability of exceedances of one of the thresholds."""
-        return self._joint[self._own(threshold)].result()
+        return self._joint[self._counted(threshold)].result()
 
     def events(self, threshold: float) -> Events:
         """Events of one of the thresholds, up to now."""
-        return self._events[self._own(threshold)].result()
+        return self._events[self._counted(threshold)].result()
 
-    def _own(self, threshold: float) -> float:
+    def _counted(self, threshold: float) -> float:
         if threshold not in self._joint:
             raise DomainError(f"threshold {threshold:g} was not counted; choose one of {', '.join(f'{m:g}' for m in self.thresholds)}")
         return float(threshold)

@@ -64,6 +64,7 @@ def _laplacian(frames: np.ndarray, out: np.ndarray) -> None:
             if columns == 1:
                 out[k, i, 0] = 2.0 * frames[k, i, 0] - frames[k, up, 0] - frames[k, down, 0]
                 continue
+            # Beyond the border the nearest pixel is repeated: at the first and last column it cancels one of the centre's four.
             for j in range(1, columns - 1):
                 beside = frames[k, i, j - 1] + frames[k, i, j + 1]
                 out[k, i, j] = 4.0 * frames[k, i, j] - beside - frames[k, up, j] - frames[k, down, j]
@@ -135,7 +136,7 @@ def _blank(out: Frames, missing: NDArray[np.bool_] | None) -> Frames:
 
 @dataclass(frozen=True)
 class Kernel:
-    """Filter with the user's own weights, centred on the middle element.
+    """Filter with a user's weights, centred on the middle element.
 
     Parameters
     ----------
@@ -167,7 +168,7 @@ class Kernel:
         return int(max(np.shape(self.weights))) // 2
 
     def apply(self, frames: Frames) -> Frames:
-        """Filtered frames, shape (k, rows, columns), units of the input times those of the weights."""
+        """Filtered frames, shape (k, rows, columns), in units of the input times the weights' units."""
         return _correlate(as_frames(frames), np.asarray(self.weights, np.float64))
 
 
@@ -227,7 +228,7 @@ class MedianSubtraction:
 class TopHat:
     """White top-hat: pixel minus the morphological opening with a square of ``size`` pixels; never negative.
 
-    What is bright and smaller than the square stays, everything wider is removed whatever its shape.
+    Bright structures smaller than the square remain, wider ones are removed whatever their shape.
     """
 
     size: int = 5
@@ -261,7 +262,7 @@ class MatchedFilter:
     Parameters
     ----------
     signature : array_like
-        Shape (odd, odd), at most 31 on a side; with a frame of background around the target, or there is no contrast to see.
+        Shape (odd, odd), at most 31 on a side; with a frame of background around the target, which gives the contrast.
     covariance : array_like, optional
         Autocovariance of the clutter at lags -reach ... reach, shape (2 reach + 1, 2 reach + 1), from :func:`autocovariance`; reach at
         least the signature's side less one. Without it the clutter is taken as white.

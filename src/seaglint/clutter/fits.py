@@ -1,4 +1,4 @@
-"""Distributions of clutter fitted by maximum likelihood, with intervals that hold for correlated pixels.
+"""Distributions of clutter: maximum-likelihood fits and their goodness, with intervals and levels that hold for correlated pixels.
 
 ========= ======================================================= ================
 family    density (x > 0, location 0; Gaussian: all x)            parameters
@@ -10,19 +10,21 @@ k         ``2/(b Gamma(v)) (x/b)^((v-1)/2) K_(v-1)(2 sqrt(x/b))`` shape v, scale
 gaussian  ``exp(-(x-loc)^2 / (2 l^2)) / (l sqrt(2 pi))``          loc, scale l
 ========= ======================================================= ================
 
-The gamma density is that of the source article's Fig. 9, whose printed formula is garbled. The K distribution is that of an
-intensity with one look (Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its
-variance over squared mean is ``1 + 2/v``, at least 1, so data of less contrast have no K distribution; the fit says so.
+The source article's Fig. 9 uses the gamma density; its printed formula is garbled. The K distribution describes an intensity with one look
+(Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its variance over squared
+mean is ``1 + 2/v``, at least 1, so data of less contrast have no K distribution; the fit then states this reason.
 
-Goodness of fit: Kolmogorov-Smirnov and Anderson-Darling distances, with levels that hold for correlated pixels.
+Goodness of fit is measured by Kolmogorov-Smirnov and Anderson-Darling distances. Textbook levels of these distances are wrong for two
+reasons:
 
-Two things make textbook levels wrong here. Parameters were fitted to the same values, which brings the fit nearer (Lilliefors
-1967): the null distribution is therefore drawn, by a parametric bootstrap that fits each replicate. And neighbouring pixels repeat
-each other: of ``count`` values only ``effective_count`` are independent, so ``sqrt(m) D`` and ``A^2 m / n`` are compared with those of
-replicates of ``m = effective_count`` independent values (at most 2000: beyond, both have reached their limit law).
+- Parameters were fitted to the same values, which brings the fit nearer (Lilliefors 1967). The null distribution is therefore drawn, by a
+  parametric bootstrap that fits each replicate.
+- Neighbouring pixels repeat each other: of ``count`` values only ``effective_count`` are independent. ``sqrt(m) D`` and ``A^2 m / n`` are
+  therefore compared with replicates of ``m = effective_count`` independent values (at most 2000: beyond, both have reached their limit
+  law).
 
-Replicates are fitted by one Newton step from the parameters they were drawn with, which is as good as the full maximum to
-first order in 1/m (Le Cam's one-step estimator) and some hundred times quicker.
+Replicates are fitted by one Newton step from the parameters they were drawn with, which is as good as the full maximum to first order in
+1/m (Le Cam's one-step estimator) and some hundred times quicker.
 """
 
 from __future__ import annotations
@@ -37,6 +39,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base import random
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject, plain
 
 Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]
 FAMILIES: tuple[Family, ...] = get_args(Family)
@@ -58,15 +61,16 @@ class Fit:
     shape: float | None
     loc: float | None
     scale: float | None
-    #: ``shape_interval``, ``loc_interval``, ``scale_interval``: 95 % confidence intervals; None for what was given or does not exist.
+    #: ``shape_interval``, ``loc_interval``, ``scale_interval``: 95 % confidence intervals; None for a given or absent parameter.
     shape_interval: tuple[float, float] | None
     loc_interval: tuple[float, float] | None
     scale_interval: tuple[float, float] | None
     log_likelihood: float | None  #: Sum over the values, as if independent.
-    count: int  #: Values fitted.
-    effective_count: float  #: Number of independent values the intervals are for.
-    reason: str = ""  #: Why there is no fit; empty if there is.
-    excluded: float = 0.0  #: Share of the values that is not above ``loc`` and was left out, at most 0.02 (zeros of an integer picture).
+    count: int  #: Number of fitted values.
+    effective_count: float  #: Number of independent values that the intervals assume.
+    reason: str = ""  #: Reason for the absence of a fit; empty if there is a fit.
+    excluded: float = 0.0  #: Share of the values that are not above ``loc`` and were left out, at most 0.02 (zeros of an integer picture).
+    goodness: Goodness | None = None  #: Test of the fit; None where none was made.
 
     @property
     def is_valid(self) -> bool:
@@ -91,6 +95,24 @@ class Fit:
             return (self.loc, self.scale), 0.0
         assert self.shape is not None
         return (self.shape, self.scale), self.loc
+
+    def as_dict(self) -> JsonObject:
+        """Return plain numbers and text; numbers that do not exist are None."""
+        tested = ("ks", "ks_p", "ad", "ad_p")
+        values = {
+            "shape": self.shape,
+            "scale": self.scale,
+            "loc": self.loc,
+            "shape_interval": self.shape_interval,
+            "scale_interval": self.scale_interval,
+            "loc_interval": self.loc_interval,
+            "log_likelihood_per_value": None if self.log_likelihood is None else self.log_likelihood / max(self.count, 1),
+            "effective_count": self.effective_count,
+            "excluded": self.excluded,
+            **{name: None if self.goodness is None else getattr(self.goodness, name) for name in tested},
+            "reason": self.reason or None,
+        }
+        return plain(values)
 
 
 def fit(
@@ -126,7 +148,7 @@ def fit(
     -------
     Fit
         Without parameters and with a ``reason`` where the family cannot be fitted: constant data, values not above ``loc`` (filtered
-        images are negative), contrast below that of the K distribution.
+        images are negative), contrast below the K distribution's.
 
     Raises
     ------
@@ -137,8 +159,8 @@ def fit(
     --------
     >>> import numpy as np
     >>> sample = np.random.default_rng(1).gamma(4.0, 0.5, 100_000)
-    >>> found = fit(sample, "gamma")
-    >>> found.shape_interval[0] < 4.0 < found.shape_interval[1]
+    >>> result = fit(sample, "gamma")
+    >>> result.shape_interval[0] < 4.0 < result.shape_interval[1]
     True
     """
     if family not in FAMILIES:
@@ -184,7 +206,7 @@ def fit(
             return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
         if not (np.isfinite(theta).all() and np.isfinite(error).all()):
             return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
-    with np.errstate(over="ignore"):  # an interval without end is one
+    with np.errstate(over="ignore"):  # an interval may be infinite
         intervals = [
             (value - quantile * error[i], value + quantile * error[i])
             if family == "gaussian" and i == 0
@@ -193,9 +215,20 @@ def fit(
             for i, value in enumerate(theta)
         ]
     likelihood = float(np.sum(w * log_density(family, x, theta)))
-    if family == "gaussian":
-        return Fit(family, None, theta[0], theta[1], None, intervals[0], intervals[1], likelihood, round(count), independent)
-    return Fit(family, theta[0], loc, theta[1], intervals[0], None, intervals[1], likelihood, round(count), independent, excluded=share)
+    gaussian = family == "gaussian"
+    return Fit(
+        family=family,
+        shape=None if gaussian else theta[0],
+        loc=theta[0] if gaussian else loc,
+        scale=theta[1],
+        shape_interval=None if gaussian else intervals[0],
+        loc_interval=intervals[0] if gaussian else None,
+        scale_interval=intervals[1],
+        log_likelihood=likelihood,
+        count=round(count),
+        effective_count=independent,
+        excluded=share,
+    )
 
 
 def log_density(family: Family, x: FloatArray, theta: tuple[ArrayLike, ArrayLike]) -> FloatArray:
@@ -256,23 +289,30 @@ def draw(family: Family, theta: tuple[float, float], size: tuple[int, ...], rng:
     return b * rng.gamma(a, 1.0, size) * rng.standard_exponential(size)
 
 
+def _shifted(family: Family, theta: tuple[float, float], i: int, step: float) -> tuple[tuple[float, float], tuple[float, float], float]:
+    """Return parameters with one shifted up and down by a step of its logarithm (Gaussian mean: in scales), and the step [1 or data]."""
+    up, down = list(theta), list(theta)
+    if family == "gaussian" and i == 0:
+        step = step * theta[1]
+        up[i], down[i] = theta[i] + step, theta[i] - step
+    else:
+        up[i], down[i] = theta[i] * np.exp(step), theta[i] * np.exp(-step)
+    return (up[0], up[1]), (down[0], down[1]), step
+
+
 def scores(family: Family, x: FloatArray, theta: tuple[float, float]) -> FloatArray:
-    """Derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape ``(2, *x.shape)``."""
+    """Return derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape ``(2, *x.shape)``."""
     out = np.empty((2, *np.shape(x)))
     for i in range(2):
-        linear = family == "gaussian" and i == 0
-        step = STEP * theta[1] if linear else STEP
-        up, down = list(theta), list(theta)
-        up[i] = theta[i] + step if linear else theta[i] * np.exp(step)
-        down[i] = theta[i] - step if linear else theta[i] * np.exp(-step)
-        out[i] = (log_density(family, x, (up[0], up[1])) - log_density(family, x, (down[0], down[1]))) / (2.0 * step)
+        up, down, step = _shifted(family, theta, i, STEP)
+        out[i] = (log_density(family, x, up) - log_density(family, x, down)) / (2.0 * step)
     return out
 
 
 def _standard_errors(
     family: Family, x: FloatArray, w: FloatArray, theta: tuple[float, float], independent: float, label: NDArray[np.generic] | None
 ) -> tuple[FloatArray, float]:
-    """Standard errors of log parameters (Gaussian mean: of itself) and the quantile that makes 95 % of them."""
+    """Return standard errors of log parameters (Gaussian mean: of itself) and the quantile for 95 % intervals."""
     from scipy.special import stdtrit
 
     score = scores(family, x, theta)
@@ -282,19 +322,13 @@ def _standard_errors(
     group, place = np.unique(label, return_inverse=True)
     if len(group) < 10:
         raise DataError(f"{len(group)} blocks are too few for intervals; make 10 or more, or give effective_count")
-    sums = np.stack([np.bincount(place, weights=w * part) for part in score])
+    sums = np.stack([np.bincount(place, weights=w * row) for row in score])
     between = sums @ sums.T * len(group) / (len(group) - 1.0)
-    # Curvature from differences of the mean score, which needs no belief in the family.
+    # Curvature from differences of the mean score, which does not assume that the family is right.
     curvature = np.empty((2, 2))
     for i in range(2):
-        linear = family == "gaussian" and i == 0
-        step = 1e-3 * theta[1] if linear else 1e-3
-        shifted = []
-        for sign in (1.0, -1.0):
-            moved = list(theta)
-            moved[i] = theta[i] + sign * step if linear else theta[i] * np.exp(sign * step)
-            shifted.append(scores(family, x, (moved[0], moved[1])) @ w)
-        curvature[i] = (shifted[1] - shifted[0]) / (2.0 * step)
+        up, down, step = _shifted(family, theta, i, 1e-3)
+        curvature[i] = (scores(family, x, down) @ w - scores(family, x, up) @ w) / (2.0 * step)
     bread = np.linalg.inv(0.5 * (curvature + curvature.T))
     return np.sqrt(np.diag(bread @ between @ bread)), float(stdtrit(len(group) - 1, 0.975))
 
@@ -332,8 +366,8 @@ def _solve_weibull(x: FloatArray, p: FloatArray, mean: float, variance: float) -
         power = p * np.exp(c * relative)
         return float(np.sum(power * logarithm) / np.sum(power) - 1.0 / c - centre)
 
-    spread = float(np.sqrt(np.sum(p * (logarithm - centre) ** 2)))
-    low = high = 1.28 / spread  # exact for a Weibull distribution: pi / sqrt(6) over the spread of the logarithms
+    deviation = float(np.sqrt(np.sum(p * (logarithm - centre) ** 2)))
+    low = high = 1.28 / deviation  # exact for a Weibull distribution: pi / sqrt(6) over the spread of the logarithms
     while equation(low) > 0.0:
         low *= 0.5
     while equation(high) < 0.0:
@@ -381,8 +415,8 @@ _SOLVERS: dict[Family, Callable[[FloatArray, FloatArray, float, float], tuple[fl
 
 
 METHOD = "parametric bootstrap of the fit with the effective number of independent values"
-MOST_INDEPENDENT = 2000
-FEWEST_INDEPENDENT = 8
+MOST_INDEPENDENT = 2000  #: Largest number of values of a replicate; beyond, both distances have reached their limit law.
+FEWEST_INDEPENDENT = 8  #: Least number of independent values for levels.
 FEWEST_JUDGED = 50  #: Least number of independent values for judging a fit: with fewer, a test at 5 % does not detect a distance of 0.12.
 
 
@@ -448,8 +482,8 @@ def goodness(
     weights : array_like, shape of values, optional
         Counts of a histogram's cells; cells must be much narrower than ``1 / sqrt(effective_count)`` in probability.
     effective_count : float, optional
-        Independent values; default that of the fit. From the correlation of the values it is a lower bound, which makes the
-        levels larger than exact ones.
+        Independent values; default as in the fit. From the correlation of the values it is a lower bound, which makes the levels
+        larger than exact ones.
     replicates : int
         Number of replicates of the bootstrap; 199 give levels down to 0.005.
     seed : int

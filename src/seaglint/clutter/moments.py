@@ -86,7 +86,7 @@ class Moments:
 
 @dataclass(frozen=True)
 class PixelMoments:
-    """Moments in time of every pixel: one pass over a recording gives those of every region, selected later."""
+    """Moments in time of every pixel: one pass over a recording gives the moments of every region, selected later."""
 
     #: ``count``, ``mean``, ``sum2``, ``sum3``, ``sum4``, ``minimum``, ``maximum``: Sums as in :class:`Moments`; mean is 0 where count is 0.
     #: Shape (rows, columns).
@@ -143,7 +143,7 @@ class PixelMoments:
             return Moments()
         n = self.count[chosen].astype(np.float64)
         total = n.sum()
-        # About the common mean directly: exact, and pairwise summation keeps the digits.
+        # Sums about the common mean directly: exact, and pairwise summation preserves the digits.
         mean = float(np.sum(n * self.mean[chosen]) / total)
         d, s2, s3, s4 = self.mean[chosen] - mean, self.sum2[chosen], self.sum3[chosen], self.sum4[chosen]
         return Moments(
@@ -185,21 +185,11 @@ def _add_frames(
     """Merge rows ``part = (first, end)`` of a block, row by row: the six sums of a row stay in the processor's cache."""
     low, high = extremes
     k, _, columns = frames.shape
-    shift = np.empty(columns)
-    number = np.empty(columns)
-    p1 = np.empty(columns)
-    p2 = np.empty(columns)
-    p3 = np.empty(columns)
-    p4 = np.empty(columns)
+    sums = np.empty((6, columns))
+    shift, number, p1, p2, p3, p4 = sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]
     for row in range(part[0], part[1]):
         # Power sums about the pixel's first good value, which is as good as its mean for the digits of a block.
-        for column in range(columns):
-            number[column] = 0.0
-            shift[column] = 0.0
-            p1[column] = 0.0
-            p2[column] = 0.0
-            p3[column] = 0.0
-            p4[column] = 0.0
+        sums[:] = 0.0
         for frame in range(k):
             for column in range(columns):
                 x = float(frames[frame, row, column])
@@ -222,6 +212,7 @@ def _add_frames(
             n = number[column]
             if n == 0.0:
                 continue
+            # Central sums from power sums; rounding may leave the even ones slightly below 0.
             m = p1[column] / n
             b2 = max(p2[column] - n * m * m, 0.0)
             b3 = p3[column] - 3.0 * m * p2[column] + 2.0 * n * m * m * m

@@ -2,8 +2,8 @@
 
 Method, unsupervised, on the time-averaged image (and the temporal standard deviation of each pixel where there are frames):
 
-1. Sky: the rows from the top whose texture (mean absolute difference of horizontal neighbours) is less than half of that
-   below them. They take no part.
+1. Sky: the rows from the top with less than half of the texture (mean absolute difference of horizontal neighbours) of the rows below
+   them. They belong to neither class.
 2. Envelope: a Gaussian smoothing of 1/24 of the shorter side, so that single waves do not count.
 3. Background of a row: its 10 % quantile, made convex over the rows. A sea without glint changes steadily with depression
    angle, which a convex curve follows; a corridor, also one wider than the picture, rises above it.
@@ -11,7 +11,7 @@ Method, unsupervised, on the time-averaged image (and the temporal standard devi
 5. It is a corridor only if the classes separate (Otsu's criterion at least 0.69; a Gaussian split at its mean has 0.64), its
    mean is two standard deviations of the background's pixels above it, it does not span the picture from side to side, its
    texture differs from the background's (brightness alone is shading of the lens or haze), and its border is gradual: the chance
-   of a glint falls off over many waves, a shore is an edge. What passes narrowly is found, and is said to be doubtful.
+   of a glint falls off over many waves, a shore is an edge. A corridor that passes a criterion narrowly is reported as doubtful.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-
-BoolArray = NDArray[np.bool_]
+from seaglint.base.free_form import JsonObject, plain
+from seaglint.clutter.correlation import BoolArray
 
 METHOD = "two classes (Otsu) of smoothed brightness above a convex row background, largest connected part"
 SHORTEST_SIDE = 32  # px; the envelope below has then 24 independent patches a side at most, too few for two classes
@@ -50,16 +50,22 @@ class Segmentation:
     sky: BoolArray
     found: bool  #: Whether there is a corridor.
     #: Otsu's criterion, variance between the two classes over total variance of the envelope [1]; NaN if not decidable.
-    separability: float
-    contrast: float  #: Mean of the corridor above the background's in standard deviations of the background's pixels [1].
-    #: Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
-    texture_ratio: float
-    #: Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer half of
-    #: the background [1]; NaN where there is no border, or less contrast than a corridor has.
-    border_step: float
-    reason: str  #: Why there is none; empty if found.
-    doubt: str = ""  #: Criteria that a corridor passes only narrowly; empty where it is clear, and where there is none.
+    separability: float = np.nan
+    contrast: float = np.nan  #: Mean of the corridor above the background's in standard deviations of the background's pixels [1].
+    #: Root mean square of fine structure (in time where frames were given) in the corridor over its value in the background.
+    texture_ratio: float = np.nan
+    #: Step of brightness within the envelope's length of the border over the step between the inner half of the corridor and the outer half
+    #: of the background [1]; NaN without a border, or with less contrast than a corridor has.
+    border_step: float = np.nan
+    reason: str = ""  #: Reason for the absence of a corridor; empty if there is one.
+    doubt: str = ""  #: Criteria that a corridor passes only narrowly; empty where it is clear, and without a corridor.
     method: str = METHOD  #: One line for reports.
+
+    def as_dict(self) -> JsonObject:
+        """Return the decision with its criteria as plain numbers and text; pixels of sky are counted."""
+        values = {name: getattr(self, name) for name in ("found", "method", "separability", "contrast", "border_step")}
+        texts = {"reason": self.reason or None, "doubt": self.doubt or None}
+        return plain(values | texts | {"sky_pixels": int(self.sky.sum())})
 
 
 def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
@@ -82,27 +88,27 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
         If the arrays are not two-dimensional or differ in shape.
     """
     image = np.asarray(mean, dtype=np.float64)
-    spread = None if std is None else np.asarray(std, dtype=np.float64)
+    deviation = None if std is None else np.asarray(std, dtype=np.float64)
     if image.ndim != 2:
         raise DataError(f"segmentation got an array of shape {image.shape}; give the mean image, (rows, columns)")
-    if spread is not None and spread.shape != image.shape:
-        raise DataError(f"mean image {image.shape} and standard deviation {spread.shape} differ in shape; give one of each per pixel")
+    if deviation is not None and deviation.shape != image.shape:
+        raise DataError(f"mean image {image.shape} and standard deviation {deviation.shape} differ in shape; give one of each per pixel")
     valid = np.isfinite(image)
-    if spread is not None:
-        valid &= np.isfinite(spread)
+    if deviation is not None:
+        valid &= np.isfinite(deviation)
     nothing = np.zeros(image.shape, dtype=bool)
     if min(image.shape) < SHORTEST_SIDE:
         reason = f"picture of {image.shape[0]} x {image.shape[1]} px is too small to tell; at least {SHORTEST_SIDE} px a side are needed"
-        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, np.nan, reason)
+        return Segmentation(nothing, valid, nothing, False, reason=reason)
     if valid.sum() < image.size / 2 or np.ptp(image[valid]) == 0.0:
         reason = "constant picture, or less than half of it has data"
-        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, np.nan, reason)
+        return Segmentation(nothing, valid, nothing, False, reason=reason)
 
     first = _rows_of_sky(np.where(valid, image, np.nan))
     sky = nothing.copy()
     sky[:first] = valid[:first]
     sea = slice(first, None)
-    corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if spread is None else spread[sea], valid[sea])
+    corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if deviation is None else deviation[sea], valid[sea])
     # without contrast there is no step to take a share of
     step = _border_step(image[sea], corridor, valid[sea]) if contrast >= LEAST_CONTRAST else float("nan")
     reason = _refusal(separability, contrast, texture, spanning, step)
@@ -110,7 +116,18 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     glint = nothing.copy()
     if not reason:
         glint[sea] = corridor & valid[sea]
-    return Segmentation(glint, valid & ~sky & ~glint, sky, not reason, separability, contrast, texture, step, reason, doubt)
+    return Segmentation(
+        glint=glint,
+        background=valid & ~sky & ~glint,
+        sky=sky,
+        found=not reason,
+        separability=separability,
+        contrast=contrast,
+        texture_ratio=texture,
+        border_step=step,
+        reason=reason,
+        doubt=doubt,
+    )
 
 
 def _refusal(separability: float, contrast: float, texture: float, spanning: float, step: float) -> str:
@@ -211,21 +228,21 @@ def otsu_threshold(values: FloatArray, bins: int = 512) -> tuple[float, float]:
     return float(edges[best + 1]), float(between[best] / variance) if variance > 0.0 else 0.0
 
 
-def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) -> tuple[BoolArray, float, float, float, float]:
+def _corridor(image: FloatArray, deviation: FloatArray | None, valid: BoolArray) -> tuple[BoolArray, float, float, float, float]:
     """Brighter class with its separability, contrast, texture ratio and share of rows that it spans."""
     from scipy import ndimage
 
     # A quantile is shifted by single rows of missing data less than a mean is; 1/24 leaves some twenty patches a side.
     sigma = _envelope_length(image)
     excess = []
-    for layer in (image,) if spread is None else (image, spread):
+    for layer in (image,) if deviation is None else (image, deviation):
         smooth = _smoothed(layer, valid, sigma)
         excess.append(smooth - _convex_below(np.quantile(smooth, 0.1, axis=1))[:, None])
-    # Mean and spread each in their own standard deviation: glint raises both, and neither unit should decide.
+    # Mean and deviation each in units of its standard deviation: glint raises both, and neither unit should decide.
     score = sum((layer / max(float(layer.std()), np.finfo(float).tiny) for layer in excess), np.zeros(image.shape))
     threshold, separability = otsu_threshold(score)
-    label, parts = ndimage.label(score > threshold)
-    if parts == 0:
+    label, count = ndimage.label(score > threshold)
+    if count == 0:
         return np.zeros(image.shape, dtype=bool), separability, 0.0, 1.0, 0.0
     largest = 1 + int(np.argmax(np.bincount(label.ravel())[1:]))
     corridor = np.asarray(ndimage.binary_fill_holes(label == largest), dtype=bool)
@@ -236,10 +253,10 @@ def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) ->
     noise = float(base[outside].std())
     step = float(base[inside].mean() - base[outside].mean())
     contrast = step / noise if noise > 0.0 else np.inf
-    if spread is None:
+    if deviation is None:
         fine = np.where(valid, image, 0.0) - np.where(valid, _smoothed(image, valid, 3.0), 0.0)
     else:
-        fine = np.where(valid, spread, 0.0)
+        fine = np.where(valid, deviation, 0.0)
     low = float(np.sqrt(np.mean(fine[outside] ** 2)))
     texture = float(np.sqrt(np.mean(fine[inside] ** 2))) / low if low > 0.0 else np.inf
     rows = np.flatnonzero(corridor.any(axis=1))
@@ -253,9 +270,10 @@ def _envelope_length(image: FloatArray) -> float:
 
 
 def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> float:
-    """Step of brightness near the border over that between the inner half of the corridor and the outer half of the background, or NaN.
+    """Return the step of brightness near the border over the step between the inner corridor and the outer background, or NaN.
 
-    The border is looked for again after half of the smoothing: the envelope's own border lies pixels off that of a ragged shore.
+    The latter are the inner half of the corridor and the outer half of the background. The border is determined again with half of the
+    smoothing: the envelope's border is pixels away from the border of a ragged shore.
     """
     from scipy import ndimage
 
@@ -266,16 +284,17 @@ def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> fl
     smooth = _smoothed(image, valid, near)
     within, beyond = ndimage.distance_transform_edt(corridor), ndimage.distance_transform_edt(~corridor)
     threshold, _ = otsu_threshold(smooth[np.maximum(within, beyond) < 1.5 * length])
-    label, parts = ndimage.label(smooth > threshold)
-    shared = np.bincount(label[corridor], minlength=parts + 1)[1:]
-    if parts == 0 or not shared.any():
+    label, count = ndimage.label(smooth > threshold)
+    shared = np.bincount(label[corridor], minlength=count + 1)[1:]
+    if count == 0 or not shared.any():
         return float("nan")
-    part = ndimage.binary_fill_holes(label == 1 + int(shared.argmax()))
-    depth = np.where(part, ndimage.distance_transform_edt(part) - 0.5, 0.5 - ndimage.distance_transform_edt(~part))
+    refined = ndimage.binary_fill_holes(label == 1 + int(shared.argmax()))
+    # Distance from the border, which lies half a pixel from the nearest pixels, positive in the corridor [px].
+    depth = np.where(refined, ndimage.distance_transform_edt(refined) - 0.5, 0.5 - ndimage.distance_transform_edt(~refined))
 
     def level(low: float, high: float, side: float) -> float:
-        there = (side * depth > low) & (side * depth < high) & valid
-        return float(image[there].mean()) if there.any() else float("nan")
+        band = (side * depth > low) & (side * depth < high) & valid
+        return float(image[band].mean()) if band.any() else float("nan")
 
     # The inner half of the corridor and the outer half of the background: a glint increases up to its middle.
     inner, outer = (0.5 * float((side * depth).max()) for side in (1.0, -1.0))

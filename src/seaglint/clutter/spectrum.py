@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject, plain
 
 SMALLEST = 8  # px; a smaller square has no frequency between its first and the Nyquist one that a window leaves apart
 
@@ -44,6 +45,11 @@ class Spectrum:
         count = np.bincount(ring[inside], minlength=size // 2 + 1)[1:]
         frequency = np.bincount(ring[inside], weights=distance[inside], minlength=size // 2 + 1)[1:] / count
         return frequency, np.bincount(ring[inside], weights=self.density[inside], minlength=size // 2 + 1)[1:] / count
+
+    def as_dict(self) -> JsonObject:
+        """Return the density on rings as plain numbers."""
+        frequency, density = self.radial()
+        return plain({"frequency_cycles_px": frequency.tolist(), "density": density.tolist()})
 
     def directional(self, sectors: int = 18) -> tuple[FloatArray, FloatArray]:
         """Share of the variance by direction of the wave vector, frequencies of 1 ... size/2 steps.

@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base import random
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject, plain
 
 METHOD = "likeness (Moran's I) of neighbouring independent blocks, permutation test of means and log variances"
-FEWEST_BLOCKS = 12
-SIDE_IN_LENGTHS = 4.0
+FEWEST_BLOCKS = 12  #: Least number of blocks for a test.
+SIDE_IN_LENGTHS = 4.0  #: Side of a block in correlation lengths.
 GAP_IN_LENGTHS = 3.0  # an exponential correlation has fallen to 5 %, a Gaussian one to 1e-4
-SMALLEST_SIDE = 8
+SMALLEST_SIDE = 8  #: Least side of a block [px].
 
 
 @dataclass(frozen=True)
@@ -36,8 +37,13 @@ class Stationarity:
     mean: FloatArray
     variance: FloatArray
     block: tuple[int, int]  #: Rows and columns of a block [px].
-    reason: str  #: Why it is not decidable; empty if it is.
+    reason: str = ""  #: Reason why it is not decidable; empty if it is.
     method: str = METHOD  #: One line for reports.
+
+    def as_dict(self) -> JsonObject:
+        """Return levels, size of a block, reason and method as plain numbers and text."""
+        levels = {"p_mean": self.p_mean, "p_variance": self.p_variance, "block_px": self.block}
+        return plain(levels | {"reason": self.reason or None, "method": self.method})
 
 
 def stationarity(
@@ -98,11 +104,12 @@ def stationarity(
     rng = random.stream(seed, "stationarity")
     p_mean = _level(mean, permutations, rng)
     p_variance = _level(np.log(variance), permutations, rng)
-    return Stationarity(bool(min(p_mean, p_variance) > 0.025), p_mean, p_variance, mean, variance, size, "")
+    # Bonferroni: each of the two tests at half of 5 %.
+    return Stationarity(bool(min(p_mean, p_variance) > 0.025), p_mean, p_variance, mean, variance, size)
 
 
 def _level(grid: FloatArray, permutations: int, rng: np.random.Generator) -> float:
-    """Probability of neighbours as similar as these, or more, in a random order of the blocks."""
+    """Return the probability of neighbours as similar as these, or more, in a random order of the blocks."""
     used = np.isfinite(grid)
     index = np.full(grid.shape, -1)
     index[used] = np.arange(used.sum())

@@ -57,9 +57,9 @@ def _flat_mask(mask: NDArray[np.bool_] | None, shape: tuple[int, ...]) -> NDArra
 
 
 def frame_scale(filtered: ArrayLike, mask: NDArray[np.bool_] | None = None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Mean and standard deviation of every frame over the pixels of a region, each of shape (k,) [unit of the input].
+    """Return mean and standard deviation of every frame over the pixels of a region, each of shape (k,) [unit of the input].
 
-    The standard deviation is that of the population (divided by n). NaN where a frame has no pixel in the region.
+    The standard deviation is the population's (divided by n). NaN where a frame has no pixel in the region.
     """
     frames = as_frames(filtered)
     flat = _flat_mask(mask, frames.shape)
@@ -84,19 +84,19 @@ def standardise(
     mask : ndarray of bool, optional
         The region, shape (rows, columns); mean and sigma are of its pixels, and z is NaN outside it.
     scope : {"frame", "sequence", "local"}
-        Whose mean and sigma: of each frame (the source article's way); of the whole sequence, in ``scale``; or of the square of ``window``
-        pixels around each pixel in its frame, inside the region.
+        Scope of mean and sigma: each frame (as in the source article); the whole sequence, in ``scale``; or the square of ``window`` pixels
+        around each pixel in its frame, inside the region.
     scale : (float, float), optional
         Mean and standard deviation of the sequence [u], for ``scope = "sequence"``.
     window : int
-        Side of the moving square [px], odd, at least 5; a pixel with fewer than 16 valid pixels in it gets NaN. The pixel itself is in its
-        own square: z cannot exceed ``window``.
+        Side of the moving square [px], odd, at least 5; a pixel with fewer than 16 valid pixels in it gets NaN. The square includes the
+        pixel itself: z cannot exceed ``window``.
 
     Returns
     -------
     ndarray
         z, shape (k, rows, columns), float32 [1]. NaN for whole frames (``frame``, ``sequence``) or squares (``local``) without variation:
-        a constant has no sigma to be above of.
+        a constant has no sigma.
 
     Raises
     ------
@@ -141,13 +141,14 @@ def _local(frames: Frames, mask: NDArray[np.bool_] | None, window: int) -> Frame
         if not v.any():
             continue
         level = float(frames[k][v].mean(dtype=np.float64))
-        # Less the frame's level: the variance is a difference of squares.
+        # Less the frame's level: the variance is a difference of squares, which loses digits to a large mean.
         x = np.where(v, frames[k] - level, 0.0).astype(np.float64)
         share = uniform_filter(v.astype(np.float64), size, mode="constant")
         enough = v & (share * window * window > 15.5)
         share = np.where(share > 0, share, 1.0)
         mean = uniform_filter(x, size, mode="constant") / share
         variance = uniform_filter(x * x, size, mode="constant") / share - mean * mean
+        # A difference that is rounding only is no variance.
         flat = variance <= 1e-12 * float((x * x).max())
         good = enough & ~flat
         out[k][good] = ((x - mean)[good] / np.sqrt(variance[good])).astype(np.float32)

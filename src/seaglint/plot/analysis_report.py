@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Final
 
 from seaglint.analysis import Analysis
-from seaglint.analysis.summary import AnalysisSummary
 from seaglint.base.conventions import Progress
+from seaglint.base.free_form import JsonObject
 from seaglint.plot.clutter_pictures import FAMILY_NAMES, PICTURES, unit_of
 from seaglint.plot.figures_and_pages import ABSENT, all_numbers, bullets, figure, interval, notes, number, page, png, section, table
 from seaglint.store.outputs import refuse_existing, write_text
@@ -55,128 +55,118 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
 
 def report(analysis: Analysis, progress: Progress = lambda done, total: None) -> str:
     """The report as text."""
-    results = analysis.summary()
+    results = analysis.as_dict()
     images: dict[str, str] = {}
     for done, (name, picture) in enumerate(PICTURES.items(), start=1):
         images[name] = figure(png(picture.draw(analysis)), picture.title, picture.caption)
         progress(done, len(PICTURES))
-    title = f"Clutter and false alarms: {results.source}"
+    title = f"Clutter and false alarms: {analysis.recording.source}"
     body = [
         f"<h1>{escape(title)}</h1>",
-        f'<p class="facts">{escape(_facts(results))}</p>',
-        _notes(results),
-        section("False alarms", _summary(results), images["rates"]),
+        f'<p class="facts">{escape(_facts(analysis))}</p>',
+        _notes(analysis),
+        section("False alarms", _summary(analysis), images["rates"]),
         section("Regions", f"<p>{escape(_segmentation(results))}</p>", images["regions"], _moments(results)),
-        section("Exceedances and events", images["exceedances"], _events(results), images["slices"]),
-        section("Beyond the data", _tails(results)),
-        section("Distributions", images["histograms"], *_fits(analysis, results)),
+        section("Exceedances and events", images["exceedances"], _events(analysis), images["slices"]),
+        section("Beyond the data", _tails(analysis)),
+        section("Distributions", images["histograms"], *_fits(analysis)),
         section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
-        section("How it was done", *_methods(analysis, results)),
-        all_numbers(results.as_dict()),
+        section("How it was done", *_methods(analysis)),
+        all_numbers(results),
     ]
     return page(title, body)
 
 
-def _facts(results: AnalysisSummary) -> str:
-    rate = results.frame_rate_hz
-    frames = results.frames
+def _facts(analysis: Analysis) -> str:
+    recording = analysis.recording
+    rate, frames = recording.frame_rate, recording.frames
     facts = [
         "1 frame" if frames == 1 else f"{frames} frames",
-        f"{results.columns} × {results.rows} pixels",
+        f"{recording.columns} × {recording.rows} pixels",
         f"{rate:g} Hz" if rate is not None else "frame rate not known",
-        f"units {unit_of(results.units)}" if results.units else "units not known",
-        f"filter {results.filter}",
-        "blur not known" if results.blur_px is None else f"blur {results.blur_px:.2g} px" if results.blur_px else "no blur",
+        f"units {unit_of(recording.units)}" if recording.units else "units not known",
+        f"filter {analysis.options.filter.name}",
+        "blur not known" if recording.blur_px is None else f"blur {recording.blur_px:.2g} px" if recording.blur_px else "no blur",
         f"seaglint {__version__}",
     ]
     return " · ".join(facts)
 
 
-def _notes(results: AnalysisSummary) -> str:
-    own = [f"{name}: {note}" for name, region in results.present.items() for note in region.notes]
-    return notes([*results.notes, *own], "Nothing unusual was found in the data.")
+def _notes(analysis: Analysis) -> str:
+    own = [f"{name}: {note}" for name, region in analysis.regions.items() for note in region.notes]
+    return notes([*analysis.notes, *own], "Nothing unusual was found in the data.")
 
 
-def _summary(results: AnalysisSummary) -> str:
+def _alarms(analysis: Analysis) -> list[tuple[str, JsonObject]]:
+    """Regions' names with the plain numbers of their false alarms."""
+    return [(name, alarm.as_dict()) for name, region in analysis.regions.items() for alarm in region.false_alarms]
+
+
+def _summary(analysis: Analysis) -> str:
+    timed = analysis.recording.frame_rate is not None
     rows = []
-    for name, region in results.present.items():
-        for entry in region.false_alarms:
-            time = entry.correlation_time_s
-            frames = entry.correlation_time_frames
-            notes = [text for text in (entry.note, entry.correlation_note) if text]
-            rows.append(
-                [
-                    name,
-                    entry.filter,
-                    number(entry.threshold_sigma),
-                    number(entry.exceedances),
-                    number(entry.rate),
-                    interval([entry.rate_low, entry.rate_high]),
-                    number(entry.gaussian_rate),
-                    number(entry.ratio),
-                    number(entry.inflation),
-                    number(time) if time is not None or results.frame_rate_hz is not None else number(frames),
-                    "; ".join(dict.fromkeys(notes)),
-                ]
-            )
-    seconds = "s" if results.frame_rate_hz is not None else "frames"
+    for name, alarm in _alarms(analysis):
+        notes = [text for text in (alarm["note"], alarm["correlation_note"]) if text]
+        row = [name, alarm["filter"], *(number(alarm[key]) for key in ("threshold_sigma", "exceedances", "rate"))]
+        row += [interval([alarm["rate_low"], alarm["rate_high"]]), *(number(alarm[key]) for key in ("gaussian_rate", "ratio", "inflation"))]
+        rows.append([*row, number(alarm[f"correlation_time_{'s' if timed else 'frames'}"]), "; ".join(dict.fromkeys(notes))])
     head = ["region", "filter or detector", "threshold [σ]", "false alarms", "rate per pixel", "95 % interval", "Gaussian tail"]
-    head += ["rate / Gaussian", "variance / independent", f"correlation time [{seconds}]", "remarks"]
+    head += ["rate / Gaussian", "variance / independent", f"correlation time [{'s' if timed else 'frames'}]", "remarks"]
     return table(head, rows, words=(10,))
 
 
-def _segmentation(results: AnalysisSummary) -> str:
-    result = results.segmentation
-    text = f"Method: {result.method}."
-    if result.separability is not None:
-        text += f" Separability {number(result.separability)} (a corridor has at least 0.69), contrast {number(result.contrast)}"
+def _segmentation(results: JsonObject) -> str:
+    result = results["segmentation"]
+    text = f"Method: {result['method']}."
+    if result["separability"] is not None:
+        text += f" Separability {number(result['separability'])} (a corridor has at least 0.69), contrast {number(result['contrast'])}"
         text += " standard deviations of the background (at least 2)"
-        text += "." if result.border_step is None else f", {100 * result.border_step:.0f} % of the step at the border (at most 44 %)."
-    if result.reason:
-        text += f" No corridor: {result.reason}."
-    if result.doubt:
-        text += f" The corridor is not sure: {result.doubt}."
-    if result.sky_pixels:
-        text += f" {number(result.sky_pixels)} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
+        step = result["border_step"]
+        text += "." if step is None else f", {100 * step:.0f} % of the step at the border (at most 44 %)."
+    if result["reason"]:
+        text += f" No corridor: {result['reason']}."
+    if result["doubt"]:
+        text += f" The corridor is not sure: {result['doubt']}."
+    if result["sky_pixels"]:
+        text += f" {number(result['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
     return text
 
 
-def _moments(results: AnalysisSummary) -> str:
-    unit = unit_of(results.units)
+def _present(results: JsonObject) -> JsonObject:
+    """Results of the regions that exist, by name."""
+    return {name: region for name, region in results["regions"].items() if region is not None}
+
+
+def _moments(results: JsonObject) -> str:
+    unit = unit_of(results["units"])
     keys = ("pixels", 3), ("values", 3), ("mean", 5), ("std", 5), ("minimum", 5), ("maximum", 5), ("skewness", 3), ("excess_kurtosis", 3)
     rows = [
-        [name, *(number(getattr(r, key), digits) for key, digits in keys), number(100.0 * r.saturated)]
-        for name, r in results.present.items()
+        [name, *(number(r[key], digits) for key, digits in keys), number(100.0 * r["saturated"])] for name, r in _present(results).items()
     ]
     head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
     return table([*head, "skewness", "excess kurtosis", "saturated [%]"], rows)
 
 
-def _events(results: AnalysisSummary) -> str:
+def _events(analysis: Analysis) -> str:
     keys = "threshold_sigma", "events", "events_per_frame", "event_duration_s"
-    rows = [
-        [name, entry.filter, *(number(getattr(entry, key)) for key in keys)]
-        for name, region in results.present.items()
-        for entry in region.false_alarms
-    ]
+    rows = [[name, alarm["filter"], *(number(alarm[key]) for key in keys)] for name, alarm in _alarms(analysis)]
     head = ["region", "filter or detector", "threshold [σ]", "events", "events per frame", "mean duration [s]"]
     text = "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>"
     return text + table(head, rows)
 
 
-def _tails(results: AnalysisSummary) -> str:
+def _tails(analysis: Analysis) -> str:
     rows = []
-    for name, region in results.present.items():
-        for entry in region.false_alarms:
-            tail = entry.tail
-            if tail is None:
-                continue
-            if tail.reason is not None:
-                rows.append([name, entry.filter, *[ABSENT] * 8, tail.reason])
-                continue
-            values = [tail.from_sigma, tail.events, tail.shape]
-            more = [tail.scale_sigma, tail.goodness_p, tail.trusted_to_sigma, tail.trusted_to_rate]
-            rows.append([name, entry.filter, *map(number, values), interval(tail.shape_interval), *map(number, more), ""])
+    for name, alarm in _alarms(analysis):
+        tail = alarm["tail"]
+        if tail is None:
+            continue
+        if tail["reason"] is not None:
+            rows.append([name, alarm["filter"], *[ABSENT] * 8, tail["reason"]])
+            continue
+        row = [name, alarm["filter"], *(number(tail[key]) for key in ("from_sigma", "events", "shape")), interval(tail["shape_interval"])]
+        keys = ("scale_sigma", "goodness_p", "trusted_to_sigma", "trusted_to_rate")
+        rows.append([*row, *(number(tail[key]) for key in keys), ""])
     head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
     head += ["trusted to [σ]", "trusted to rate", "remarks"]
     text = (
@@ -187,20 +177,20 @@ def _tails(results: AnalysisSummary) -> str:
     return text + table(head, rows, words=(10,))
 
 
-def _fits(analysis: Analysis, results: AnalysisSummary) -> list[str]:
-    unit = unit_of(results.units)
+def _fits(analysis: Analysis) -> list[str]:
+    unit = unit_of(analysis.recording.units)
     head = ["family", "shape", "95 % interval", f"scale [{unit}]", "95 % interval", f"loc [{unit}]", "KS", "level", "AD", "level"]
     head += ["log likelihood per value", "independent values", "remarks"]
     parts = []
-    for name, region in results.present.items():
+    for name, region in analysis.regions.items():
         rows = []
-        for family, f in region.fits.items():
-            remark = f.reason or (f"{100 * f.excluded:.2g} % of the values, not above loc, left out" if f.excluded else "")
-            good = analysis.regions[name].goodness.get(family)
-            least = None if good is None else 1.0 / (good.replicates + 1)
-            row = [FAMILY_NAMES.get(family, family), number(f.shape, 4), interval(f.shape_interval), number(f.scale, 4)]
-            row += [interval(f.scale_interval), number(f.loc, 4), number(f.ks), _level(f.ks_p, least), number(f.ad)]
-            row += [_level(f.ad_p, least), number(f.log_likelihood_per_value, 5), number(f.effective_count, 4), remark]
+        for family, fit in region.fits.items():
+            f = fit.as_dict()
+            remark = f["reason"] or (f"{100 * fit.excluded:.2g} % of the values, not above loc, left out" if fit.excluded else "")
+            least = None if fit.goodness is None else 1.0 / (fit.goodness.replicates + 1)
+            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), interval(f["shape_interval"]), number(f["scale"], 4)]
+            row += [interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
+            row += [_level(f["ad_p"], least), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
             rows.append(row)
         parts += [f"<h3>{escape(name)}</h3>", table(head, rows, words=(12,))]
     return parts
@@ -211,26 +201,25 @@ def _level(p: float | None, least: float | None) -> str:
     return f"≤\u00a0{number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
 
 
-def _memory(results: AnalysisSummary) -> str:
+def _memory(results: JsonObject) -> str:
     rows = []
-    for name, r in results.present.items():
-        length, still = r.correlation_length_px, r.stationarity
-        verdict = r.stationary
-        block = " × ".join(map(str, still.block_px)) if min(still.block_px) > 0 else ABSENT
-        row = [name, number(length.x), number(length.y), number(r.correlation_time_s), number(r.correlation_time_frames)]
-        row += ["not decidable" if verdict is None else number(verdict), number(still.p_mean, 2), number(still.p_variance, 2)]
-        rows.append([*row, block, still.reason or ""])
+    for name, r in _present(results).items():
+        length, still, verdict = r["correlation_length_px"], r["stationarity"], r["stationary"]
+        block = " × ".join(map(str, still["block_px"])) if min(still["block_px"]) > 0 else ABSENT
+        row = [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
+        row += ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
+        rows.append([*row, block, still["reason"] or ""])
     head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
-    blur = f"<p>Blur of the frames: {escape(results.blur)}.</p>"
+    blur = f"<p>Blur of the frames: {escape(results['blur'])}.</p>"
     return blur + table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
 
 
-def _methods(analysis: Analysis, results: AnalysisSummary) -> list[str]:
+def _methods(analysis: Analysis) -> list[str]:
     options = analysis.options
     first, last = options.rows
     done = [
         f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border, and the pixels that see "
-        f"it are {'counted' if results.border == 'kept' else 'left out of sigma and rates'}.",
+        f"it are {'counted' if analysis.border_included else 'left out of sigma and rates'}.",
         f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
         "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an "
         "effective number of pixels from the scatter of counts between tiles and times.",
@@ -239,14 +228,14 @@ def _methods(analysis: Analysis, results: AnalysisSummary) -> list[str]:
         "there are enough of them, else from the number of independent values. Levels of KS (Kolmogorov-Smirnov) and AD "
         "(Anderson-Darling) come from a parametric bootstrap with that number, so that neither fitted parameters nor correlated pixels "
         "make a fit look worse than it is. A small level speaks against the family; a large one does not prove it.",
-        f"Stationarity: {next((r.stationarity.method for _, r in results.present.items()), '')}.",
-        f"Regions: {results.segmentation.method}.",
+        f"Stationarity: {next((region.stationarity.method for region in analysis.regions.values()), '')}.",
+        f"Regions: {analysis.segmentation.method}.",
     ]
     if options.detectors:
         names = ", ".join(d.name + (" (promises its own rate)" if d.calibrated else "") for d in options.detectors)
         done.append(f"Detectors judged by the same counting: {names}.")
     used = [
-        ["source", results.source],
+        ["source", analysis.recording.source],
         ["filter", options.filter.name],
         ["thresholds beside 3.0 and 3.5", ", ".join(f"{t:g}" for t in options.thresholds) or "none"],
         ["sigma of", options.scope],

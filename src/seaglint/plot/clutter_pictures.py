@@ -102,7 +102,7 @@ def draw_regions(analysis: Analysis) -> Figure:
     image = axes.imshow(analysis.image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
     handles = []
     outlines = [("glint", COLOURS["glint"], analysis.regions["glint"].mask)] if "glint" in analysis.regions else []
-    if analysis.segmentation is not None and analysis.segmentation.sky.any():
+    if analysis.segmentation.sky.any():
         outlines.append(("smooth rows on top (sky, far sea), in neither region", "#66c2a5", analysis.segmentation.sky))
     for name, colour, mask in outlines:
         # Padded, so that a region that ends at the picture's border is closed there.
@@ -333,7 +333,7 @@ def draw_histograms(analysis: Analysis) -> Figure:
             inside = grid if family == "gaussian" else grid[grid > (fit.loc or 0.0)]
             with np.errstate(all="ignore"):
                 values = fit.pdf(inside)
-            good = region.goodness.get(family)
+            good = fit.goodness
             label = FAMILY_NAMES[family]
             if good is not None:
                 label += f": KS {good.ks:.3f}, {_level(good.ks_p, good.replicates)}"

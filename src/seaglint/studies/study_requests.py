@@ -179,31 +179,19 @@ class AnalysisRequest(ReadingRequest):
         DataError
             An unknown name, or a filter without its target.
         """
-        from typing import get_args
+        from dataclasses import fields
 
         import numpy as np
 
         from seaglint.analysis import AnalysisOptions
-        from seaglint.analysis.analyze_recording import Border
-        from seaglint.base.errors import DataError
-        from seaglint.clutter.thresholds import Scope
         from seaglint.detection.named_detectors import named
 
-        # Python does not check literals, so a wrong word would fail deep inside the analysis.
-        for name, value, allowed in (("scope", self.scope, get_args(Scope)), ("border", self.border, get_args(Border))):
-            if value not in allowed:
-                raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
-        by_name = isinstance(self.filter, str) or self.kernel is not None
-        return AnalysisOptions(
-            filter=filter_of(self.filter, self.kernel, self.signature) if by_name else self.filter,
-            thresholds=tuple(self.thresholds),
-            scope=self.scope,
-            rows=(self.rows[0], self.rows[1]),
-            mask=None if self.mask is None else np.asarray(values_of(self.mask), dtype=np.bool_),
-            detectors=tuple(named(each) if isinstance(each, str) else each for each in self.detectors),
-            seed=self.seed,
-            border=self.border,
-        )
+        known: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(AnalysisOptions)}
+        if isinstance(self.filter, str) or self.kernel is not None:
+            known["filter"] = filter_of(self.filter, self.kernel, self.signature)
+        known["mask"] = None if self.mask is None else np.asarray(values_of(self.mask), dtype=np.bool_)
+        known["detectors"] = tuple(named(each) if isinstance(each, str) else each for each in self.detectors)
+        return AnalysisOptions(**known | {"thresholds": tuple(self.thresholds), "rows": tuple(self.rows)})
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
-"""Neighbourhoods of a Markov random field: offsets by order, grouped into the classes that share a parameter.
+"""Autobinomial Markov random field and its neighbourhoods: every pixel is binomial given its neighbours (Cross and Jain 1983).
 
-Autobinomial Markov random field: every pixel is binomial given its neighbours (Cross and Jain 1983).
+Neighbourhoods are offsets by order, grouped into the classes that share a parameter.
 """
 
 from __future__ import annotations
@@ -27,7 +27,9 @@ MOST_ORDER: Final = 40
 
 
 def classes(order: int, isotropic: bool = True) -> Classes:
-    """Neighbours up to the ``order``-th distance: 1 the four nearest, 2 with the diagonals, 3, 4, 5 to distances 2, √5, √8, and so on.
+    """Return the neighbours up to the ``order``-th distance.
+
+    Order 1 has the four nearest, 2 also the diagonals, 3, 4, 5 all to distances 2, √5, √8, and so on.
 
     Parameters
     ----------
@@ -79,14 +81,23 @@ def reach(neighbours: Classes) -> tuple[int, int]:
     return max(dy for dy, _ in offsets), max(abs(dx) for _, dx in offsets)
 
 
+def pairs_inside(field: NDArray[Any], offset: Offset) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return both pixels of all pairs of an offset inside a picture, views of shape (rows, columns, ...)."""
+    dy, dx = offset
+    left, right = max(-dx, 0), max(dx, 0)
+    rows, columns = field.shape[:2]
+    return field[: rows - dy, left : columns - right], field[dy:, right : columns - left]
+
+
 def colours(size: int, distance: int) -> list[list[int]]:
-    """Positions 0 to ``size - 1`` on a ring, in groups whose members are more than ``distance`` apart.
+    """Divide the positions 0 to ``size - 1`` on a ring into groups with members more than ``distance`` apart.
 
     Examples
     --------
     >>> colours(5, 1)
     [[0, 2], [1, 3], [4]]
     """
+    # The rest of an uneven division would be too near to the first members: each position of it is a separate group.
     step = distance + 1
     even = size - size % step
     return [list(range(first, even, step)) for first in range(step)] + [[place] for place in range(even, size)]
@@ -174,7 +185,7 @@ class Autobinomial:
         }
 
     @classmethod
-    def from_dict(cls, held: JsonObject) -> Autobinomial:
+    def from_dict(cls, values: JsonObject) -> Autobinomial:
         """Read the output of :meth:`to_dict`.
 
         Raises
@@ -182,11 +193,11 @@ class Autobinomial:
         DataError
             Another kind of model, a key that is missing or of the wrong type.
         """
-        if held.get("kind") != KIND:
-            raise DataError(f"kind = {held.get('kind')!r}: not an autobinomial field; fit one with model = 'autobinomial'")
+        if values.get("kind") != KIND:
+            raise DataError(f"kind = {values.get('kind')!r}: not an autobinomial field; fit one with model = 'autobinomial'")
         try:
-            neighbours = tuple(tuple((int(dy), int(dx)) for dy, dx in one) for one in held["neighbours"])
-            return cls(int(held["levels"]), neighbours, float(held["alpha"]), tuple(map(float, held["beta"])))
+            neighbours = tuple(tuple((int(dy), int(dx)) for dy, dx in one) for one in values["neighbours"])
+            return cls(int(values["levels"]), neighbours, float(values["alpha"]), tuple(map(float, values["beta"])))
         except (KeyError, TypeError, ValueError) as error:
             if isinstance(error, DomainError):
                 raise
@@ -218,28 +229,29 @@ def check_shape(shape: tuple[int, int], model: Autobinomial) -> None:
 
 
 def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
-    """Copy of a picture of grey levels in the form of the kernels.
+    """Return a copy of a picture of grey levels in the form of the kernels.
 
     Raises
     ------
     DomainError
         Not whole numbers, a level outside the model's, or a picture too small for its neighbours.
     """
-    held = np.asarray(field)
-    if held.dtype.kind == "f" and not np.isfinite(held).all():
+    picture = np.asarray(field)
+    if picture.dtype.kind == "f" and not np.isfinite(picture).all():
         raise DomainError(
-            f"{int((~np.isfinite(held)).sum())} of {held.size} pixels are NaN or infinite: choose a region without them, or fill them",
+            f"{int((~np.isfinite(picture)).sum())} of {picture.size} pixels are NaN or infinite: "
+            "choose a region without them, or fill them",
             name="image",
         )
-    if held.dtype.kind not in "iub":
+    if picture.dtype.kind not in "iub":
         raise DomainError(
-            f"grey levels are whole numbers 0 to {model.most}, not {held.dtype}: "
+            f"grey levels are whole numbers 0 to {model.most}, not {picture.dtype}: "
             "quantise the picture (seaglint.textures.autobinomial_texture)",
             name="image",
-            value=str(held.dtype),
+            value=str(picture.dtype),
         )
-    check_shape(held.shape, model)
-    low, high = int(held.min()), int(held.max())
+    check_shape(picture.shape, model)
+    low, high = int(picture.min()), int(picture.max())
     if low < 0 or high > model.most:
         raise DomainError(
             f"grey levels {low} to {high}: the field has 0 to {model.most}; quantise the picture to {model.levels} levels or fit with more",
@@ -247,4 +259,4 @@ def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
             value=(low, high),
             allowed=(0, model.most),
         )
-    return np.array(held, dtype=np.int16, order="C")
+    return np.array(picture, dtype=np.int16, order="C")

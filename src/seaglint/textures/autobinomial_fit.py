@@ -1,6 +1,7 @@
-"""Maximum likelihood of autobinomial fields by Monte Carlo: parameters whose samples have the picture's sums over pixels and pairs.
+"""Fit of an autobinomial field to a picture of grey levels, with standard errors and the regime of the fit.
 
-Fit of an autobinomial field to a picture of grey levels, with standard errors and the regime of the fit.
+:func:`fit` starts from the maximum of the pseudo-likelihood. :func:`maximum_likelihood` continues by Monte Carlo to the parameters at which
+samples have the picture's sums over pixels and pairs.
 """
 
 from __future__ import annotations
@@ -15,10 +16,9 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.free_form import JsonObject
 from seaglint.base.threads import single_threaded_algebra
-from seaglint.textures import autobinomial_sampler as kernels
 from seaglint.textures import autobinomial_sampler as sampler
-from seaglint.textures.autobinomial import Autobinomial, Classes, IntArray, checked_field, classes, reach
-from seaglint.textures.pseudo_likelihood import climb, conditional_log_likelihood, neighbour_sums
+from seaglint.textures.autobinomial import Autobinomial, Classes, IntArray, checked_field, classes, pairs_inside, reach
+from seaglint.textures.pseudo_likelihood import Optimum, climb, conditional_log_likelihood, neighbour_sums
 from seaglint.textures.regime import Regime, regime
 
 ROUNDS: Final = 60  #: Largest number of Newton's steps with sampled moments.
@@ -27,7 +27,7 @@ SWEEPS: Final = 150  #: Number of sweeps of a step; the first third of them is d
 
 CLOSE: Final = 4.0  #: Distance between picture and samples, in standard deviations of the sums, below which steps use more sweeps.
 
-CLOSE_SWEEPS: Final = 600
+CLOSE_SWEEPS: Final = 600  #: Number of sweeps of a step near the maximum.
 
 LAST_SWEEPS: Final = 1500  #: Number of sweeps for the likelihood around the last step.
 
@@ -43,42 +43,33 @@ BATCHES: Final = 30  #: Number of parts of the last sweeps whose means give the 
 FEWEST_WEIGHTS: Final = 0.1  #: Least effective share of the last sweeps after weighting; below, importance sampling is not reliable.
 
 
-@dataclass(frozen=True)
-class Ascent:
-    """Result of the maximisation."""
-
-    model: Autobinomial  #: The field at the maximum.
-    covariance: FloatArray  #: Covariance of the parameters: inverse Fisher information and the error of the simulation.
-    rounds: int  #: Newton's steps taken.
-    distance: float  #: Left between the picture's sums and those of samples, in standard deviations of a sample's.
-    converged: bool  #: Whether picture and samples agree and the last weights are even enough.
-
-
 @dataclass
 class _Chain:
-    """Chain of samples whose model changes on the way, and its sums."""
+    """Chain of samples with a model that changes from step to step, and its sums."""
 
     state: NDArray[np.int16]
-    lattice: kernels.ColourPlan
+    lattice: sampler.ColourPlan
     key: NDArray[np.int64]
     keep_histogram: bool
     done: int = 0
 
     def draws(self, model: Autobinomial, sweeps: int) -> FloatArray:
-        """Sums after each of several further sweeps; without the sum of levels where the histogram is fixed."""
-        held = sampler.sampling_law(model)
+        """Return sums after each of several further sweeps; without the sum of levels where the histogram is fixed."""
+        law = sampler.sampling_law(model)
         sums = np.empty((sweeps, 1 + len(model.beta)))
         for i in range(sweeps):
             if self.keep_histogram:
-                kernels.exchange_kernel(self.state, held, self.lattice, self.key, self.done, 1)
+                sampler.exchange_kernel(self.state, law, self.lattice, self.key, self.done, 1)
             else:
-                sampler.sweep(self.state, held, self.lattice, self.key, self.done, 1)
-            sums[i] = sampler.sums_of(self.state, held, self.lattice)
+                sampler.sweep(self.state, law, self.lattice, self.key, self.done, 1)
+            sums[i] = sampler.sums_of(self.state, law, self.lattice)
             self.done += 1
         return sums[:, int(self.keep_histogram) :]
 
 
-def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int, *, periodic: bool, keep_histogram: bool = False) -> Ascent:
+def maximum_likelihood(
+    field: NDArray[np.int16], first: Autobinomial, seed: int, *, periodic: bool, keep_histogram: bool = False
+) -> Optimum:
     """Maximise the likelihood from ``first``: Newton's steps with moments from sampled pictures, then importance sampling.
 
     Parameters
@@ -86,15 +77,15 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     field : array of int16, (rows, columns)
         Grey levels.
     first : Autobinomial
-        Where to begin: the pseudo-likelihood's maximum.
+        First parameters: the pseudo-likelihood's maximum.
     seed : int
         Seed of the simulation.
     periodic : bool
-        Whether opposite edges are neighbours; else the likelihood is that of the inner pixels given those at the edge.
+        Whether opposite edges are neighbours; else the likelihood is of the inner pixels given the pixels at the edge.
     keep_histogram : bool
-        Take the likelihood of the picture given its histogram, and exchanges for sweeps: couplings whose exchange samples have the
-        picture's mean products of neighbours. alpha stays. Without periods the products are those inside the picture, of as many pairs as a
-        torus has.
+        Take the likelihood of the picture given its histogram, and exchanges for sweeps: couplings at which exchange samples have the
+        picture's mean products of neighbours. alpha is unchanged. Without periods the products inside the picture are scaled to the number
+        of pairs of a torus.
 
     References
     ----------
@@ -115,45 +106,46 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
 
     while rounds < ROUNDS:
         rounds += 1
+        # Near the maximum the noise of the sampled sums would exceed the gap: more sweeps.
         sweeps = SWEEPS if distance > CLOSE else CLOSE_SWEEPS
         sampled = chain.draws(model, sweeps)[sweeps // 3 :]
         step, distance = newton(observed - sampled.mean(axis=0), np.atleast_2d(np.cov(sampled.T)))
         if distance < NEAR or not np.isfinite(distance):
             break
+        # Steps are limited twice: by the range of validity of the sampled moments, and by the change of the mean field's slope.
         turn = 0.5 * model.most * float(np.abs(step[-len(pairs) :]) @ pairs)
         model = moved(step * min(1.0, LONGEST_STEP / distance, LARGEST_TURN / turn))
     size = 1 + len(first.beta)
     covariance = np.full((size, size), np.nan)
     if not distance < NEAR:
-        return Ascent(model, covariance, rounds, float(distance), False)
+        return Optimum(model, covariance, rounds, False, float(distance))
     shift, inner, distance, even = _last(chain.draws(model, LAST_SWEEPS) - observed)
     covariance[int(keep_histogram) :, int(keep_histogram) :] = inner
-    return Ascent(moved(shift), covariance, rounds, distance, bool(distance < 1e-3 and even > FEWEST_WEIGHTS))
+    return Optimum(moved(shift), covariance, rounds, bool(distance < 1e-3 and even > FEWEST_WEIGHTS), distance)
 
 
 def inside_products(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
-    """Mean product of a pair of each class inside the picture, times the number of pairs of a pixel of a torus [level²].
+    """Return the mean product of a pair of each class inside the picture, times the number of pairs of a pixel of a torus [level²].
 
     The mean is the whole picture's: pixels at the edge, which are in fewer pairs, may have another.
     """
     mean = float(field.mean())
-    held = field - mean
-    rows, columns = held.shape
+    centred = field - mean
     products = np.zeros(len(neighbours))
     for k, one in enumerate(neighbours):
-        for dy, dx in one:
-            left, right = max(-dx, 0), max(dx, 0)
-            products[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean()) + mean * mean
+        for offset in one:
+            first, second = pairs_inside(centred, offset)
+            products[k] += float((first * second).mean()) + mean * mean
     return products
 
 
 def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
-    """Step that closes a gap between sums, and the gap in standard deviations of a sample's sums."""
+    """Return the step that closes a gap between sums, and the gap in standard deviations of a sample's sums."""
     scale = np.sqrt(np.diag(covariance))
     if not (scale > 0.0).all():
         return np.zeros_like(gap), np.inf
-    even = covariance / np.outer(scale, scale)
-    values, vectors = np.linalg.eigh(even)
+    # The correlation matrix: sums of unit variance make its condition independent of the size of the picture.
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
     if values[0] < 1e-10 * values[-1]:
         return np.zeros_like(gap), np.inf
     along = vectors.T @ (gap / scale)
@@ -161,10 +153,10 @@ def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
-    """Maximum of the likelihood relative to that of the sampled model, by importance weights of the samples' sums for a shift.
+    """Maximise the likelihood relative to the sampled model's, by importance weights of the samples' sums for a shift.
 
-    Takes sums less those of the picture; returns the shift, its covariance (with the error of the simulation), the gap that is left and
-    the share of the samples that count.
+    ``differences`` are the samples' sums less the picture's. Returns the shift, its covariance (with the error of the simulation), the
+    remaining gap and the effective share of the samples.
     """
     shift = np.zeros(differences.shape[1])
     weights, distance = np.full(differences.shape[0], 1.0 / differences.shape[0]), np.inf
@@ -178,7 +170,7 @@ def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float
         weights /= weights.sum()
     share = 1.0 / (differences.shape[0] * float((weights**2).sum()))
     inverse = np.linalg.pinv(np.atleast_2d(np.cov(differences.T, aweights=weights)), rcond=1e-14, hermitian=True)
-    batches = np.array([part.mean(axis=0) for part in np.array_split(differences, BATCHES)])
+    batches = np.array([batch.mean(axis=0) for batch in np.array_split(differences, BATCHES)])
     simulation = inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse
     return shift, np.asarray(inverse + simulation), float(distance), share
 
@@ -194,14 +186,14 @@ class AutobinomialFit:
     """Fitted autobinomial field."""
 
     model: Autobinomial  #: The field.
-    covariance: FloatArray  #: Covariance of :attr:`parameters`; NaN where the picture is too small to tell.
+    covariance: FloatArray  #: Covariance of :attr:`parameters`; NaN where the picture is too small to determine it.
     log_pseudo_likelihood: float  #: Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
-    pixels: int  #: Pixels that entered, each with all its neighbours.
+    pixels: int  #: Number of fitted pixels, each with all its neighbours.
     method: Method  #: Method of the fit.
     converged: bool  #: Whether the maximum was reached.
     steps: int  #: Newton's steps taken.
     regime: Regime | None  #: Regime of samples of the fit; None where it was not requested.
-    #: Left between the picture's sums and those of samples, in standard deviations of a sample's; None of a pseudo-likelihood.
+    #: Remaining gap between the picture's sums and the samples', in standard deviations of a sample's; None for a pseudo-likelihood.
     distance: float | None = None
 
     @property
@@ -273,9 +265,9 @@ def fit(
     isotropic : bool
         One coupling for each distance; else one for each symmetric pair of neighbours.
     method : {"pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"}
-        Maximum pseudo-likelihood; or from there maximum likelihood with sampled moments (seconds), whose Gibbs samples have the picture's
-        mean and products of neighbours; or that given the histogram, whose exchange samples have them. The last has no alpha to find: it is
-        kept from the pseudo-likelihood, and its variance is NaN.
+        Maximum pseudo-likelihood; or from there maximum likelihood with sampled moments (seconds), at which Gibbs samples have the
+        picture's mean and products of neighbours; or the likelihood given the histogram, at which exchange samples have them. The last one
+        does not determine alpha, which is taken from the pseudo-likelihood with a variance of NaN.
     periodic : bool
         Whether opposite edges are neighbours, as in samples on a torus; else pixels at the edge only serve as neighbours.
     neighbours : tuple of tuple of (int, int), optional
@@ -283,7 +275,7 @@ def fit(
     seed : int
         Seed of the simulations.
     start : array, (1 + classes,), optional
-        Where the climb of the pseudo-likelihood begins; it ends in the same place.
+        First parameters of the pseudo-likelihood; the maximum does not depend on them.
     check : bool
         Whether to sample the fit and name its regime (under a second).
 
@@ -299,15 +291,15 @@ def fit(
 
     Notes
     -----
-    Standard errors are those of the sandwich formula (pseudo-likelihood) or of the inverse Fisher information with the error of the
+    Standard errors follow from the sandwich formula (pseudo-likelihood) or from the inverse Fisher information with the error of the
     simulation (Monte Carlo).
 
     Examples
     --------
     >>> from seaglint.textures.autobinomial_sampler import sample
     >>> known = Autobinomial.of(4, 1, -1.2, (0.2,))
-    >>> found = fit(sample(known, (64, 64), 50, seed=1), 4, periodic=True, check=False)
-    >>> bool((abs(found.parameters - known.parameters) < 3.0 * found.standard_errors).all())
+    >>> result = fit(sample(known, (64, 64), 50, seed=1), 4, periodic=True, check=False)
+    >>> bool((abs(result.parameters - known.parameters) < 3.0 * result.standard_errors).all())
     True
     """
     if method not in get_args(Method):
@@ -318,28 +310,24 @@ def fit(
     refuse_flat(field, levels)
     _refuse_few(field, model, periodic=periodic)
     pixels, regressors = neighbour_sums(field, ties, periodic=periodic)
-    top = climb(pixels, regressors, model.most, ties, start, periodic=periodic)
-    model, covariance = model.with_parameters(top.parameters), top.covariance
-    converged, steps, distance = top.converged, top.steps, None
+    optimum = climb(pixels, regressors, model, start, periodic=periodic)
     if method != "pseudo-likelihood":
-        ascent = maximum_likelihood(field, model, seed, periodic=periodic, keep_histogram=method == "monte-carlo-exchange")
-        converged, steps, distance = ascent.converged, ascent.rounds, ascent.distance
-        model, covariance = ascent.model, ascent.covariance
+        optimum = maximum_likelihood(field, optimum.model, seed, periodic=periodic, keep_histogram=method == "monte-carlo-exchange")
     return AutobinomialFit(
-        model,
-        covariance,
-        conditional_log_likelihood(field, model, periodic=periodic),
-        pixels.size,
-        method,
-        converged,
-        steps,
-        regime(field, model, seed) if check else None,
-        distance,
+        model=optimum.model,
+        covariance=optimum.covariance,
+        log_pseudo_likelihood=conditional_log_likelihood(field, optimum.model, periodic=periodic),
+        pixels=pixels.size,
+        method=method,
+        converged=optimum.converged,
+        steps=optimum.steps,
+        regime=regime(field, optimum.model, seed) if check else None,
+        distance=optimum.distance,
     )
 
 
 def refuse_flat(field: NDArray[np.int16], levels: int) -> None:
-    """Refuse pictures of one value, and those of two values for a fit with more levels."""
+    """Refuse pictures of one value, and pictures of two values for a fit with more levels."""
     values = np.unique(field)
     if values.size == 1:
         raise DomainError(

@@ -1,10 +1,8 @@
-"""Kernels of the autobinomial field: exact binomial deviates from random bits, sweeps, exchanges and sums over pairs.
+"""Samples of an autobinomial field: Gibbs sweeps in parallel colours, and Metropolis exchanges that preserve the histogram.
 
-Every random number is a function of (seed, sweep, pixel): bytes depend neither on threads nor on what was drawn before.
-
-Samples of an autobinomial field: Gibbs sweeps in parallel colours, and Metropolis exchanges that keep the histogram.
-
-Convergence of Gibbs chains of a field: energy traces, effective sample size and R-hat (arviz-stats).
+The kernels draw exact binomial deviates from random bits and sum over pairs. Every random number is a function of (seed, sweep, pixel):
+bytes depend neither on threads nor on earlier draws. :func:`mixing` measures the convergence of Gibbs chains by energy traces, effective
+sample size and R-hat (arviz-stats).
 """
 
 from __future__ import annotations
@@ -168,6 +166,7 @@ def exchange_kernel(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: 
             if step == 0:
                 continue
             gain = step * (neighbour_sum(field, law, plan, y, x) - neighbour_sum(field, law, plan, v, u))
+            # Where the two are neighbours, each is in the other's sum, and the exchange does not change their product.
             gain -= step * step * coupling_between(law, (rows, columns), v - y, u - x)
             if gain >= 0.0 or uniform(key, 2) < math.exp(gain):
                 field[y, x] += step
@@ -228,16 +227,16 @@ def words(seed: int, purpose: str) -> NDArray[np.int64]:
     return stream(seed, purpose).integers(0, WORD, size=2, endpoint=True)
 
 
-def sweep(field: NDArray[np.int16], held: Law, lattice: ColourPlan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
+def sweep(field: NDArray[np.int16], law: Law, lattice: ColourPlan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Run Gibbs sweeps in place, in threads for large pictures; the bytes are the same either way."""
     run = gibbs_in_threads if field.size >= IN_THREADS_FROM else gibbs
-    run(field, held, lattice, key, first, sweeps)
+    run(field, law, lattice, key, first, sweeps)
 
 
-def sums_of(field: NDArray[np.int16], held: Law, lattice: ColourPlan) -> FloatArray:
-    """Sufficient statistics: sum of levels, and of the products of each class of pairs [level, level²]."""
-    result = np.zeros(2 + int(held.group.max()))
-    pair_sums(field, held, lattice, result)
+def sums_of(field: NDArray[np.int16], law: Law, lattice: ColourPlan) -> FloatArray:
+    """Return the sufficient statistics: sum of levels, and of the products of each class of pairs [level, level²]."""
+    result = np.zeros(2 + int(law.group.max()))
+    pair_sums(field, law, lattice, result)
     return result
 
 
@@ -258,7 +257,7 @@ def mean_field_share(model: Autobinomial) -> float:
 def sample(
     model: Autobinomial, shape: tuple[int, int], sweeps: int, seed: int, *, periodic: bool = True, start: IntArray | None = None
 ) -> NDArray[np.int16]:
-    """Sample of a picture by Gibbs sweeps: every pixel from its conditional distribution, colour by colour.
+    """Sample a picture by Gibbs sweeps: every pixel from its conditional distribution, colour by colour.
 
     Parameters
     ----------
@@ -267,7 +266,7 @@ def sample(
     shape : (int, int)
         Rows and columns.
     sweeps : int
-        Sweeps over all pixels; :func:`seaglint.textures.autobinomial_sampler.mixing` says whether they are enough.
+        Sweeps over all pixels; :func:`seaglint.textures.autobinomial_sampler.mixing` tests whether they suffice.
     seed : int
         Same seed, same bytes, whatever the threads.
     periodic : bool
@@ -310,9 +309,10 @@ def sample(
 
 
 def exchange(image: IntArray, model: Autobinomial, sweeps: int, seed: int) -> NDArray[np.int16]:
-    """Sample of a picture with exactly the histogram of ``image``, by Metropolis exchanges of pairs of pixels.
+    """Sample a picture with exactly the histogram of ``image``, by Metropolis exchanges of pairs of pixels.
 
-    Cannot freeze into a constant or lose its contrast, whatever the couplings: the way out of a fit in the frozen or molten regime.
+    The sample cannot freeze into a constant or lose its contrast, whatever the couplings, and therefore suits a fit in the frozen or molten
+    regime.
 
     Parameters
     ----------
@@ -384,7 +384,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     ----------
     A. Vehtari et al., "Rank-normalization, folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021), 667-718.
     """
-    judge = optional("arviz_stats.base.array", "the judgement of chains").array_stats
+    statistics = optional("arviz_stats.base.array", "the judgement of chains").array_stats
 
     if chains < 2 or draws < 8:
         raise DomainError(f"chains = {chains}, draws = {draws}: R-hat compares 2 chains or more of 8 draws or more")
@@ -401,6 +401,6 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     pairs = np.array([1, *map(len, model.neighbours)]) * (shape[0] * shape[1])
     watched = np.concatenate([energy[..., None], traces], axis=-1)
     columns = [np.ascontiguousarray(watched[..., k]) for k in range(watched.shape[-1])]
-    rhat = np.array([judge.rhat(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
-    effective = np.array([judge.ess(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
+    rhat = np.array([statistics.rhat(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
+    effective = np.array([statistics.ess(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
     return Mixing(energy, traces / pairs, rhat, effective)

@@ -1,6 +1,6 @@
-"""Grey levels of a picture: conversion of radiance to whole numbers and back.
+"""Texture of an autobinomial field: grey levels of the field, and the values that they represent.
 
-Texture of an autobinomial field: grey levels of the field, and the values that they represent.
+:class:`GreyLevels` converts radiance to grey levels and back. :func:`fit_texture` fits a texture and chooses the sampler.
 """
 
 from __future__ import annotations
@@ -66,13 +66,13 @@ class GreyLevels:
             NaN, a constant picture, or more levels than values.
         """
         check_levels(levels)
-        held = np.asarray(picture, dtype=np.float64)
-        bad = int((~np.isfinite(held)).sum())
+        values = np.asarray(picture, dtype=np.float64)
+        bad = int((~np.isfinite(values)).sum())
         if bad:
             raise DomainError(
-                f"{bad} of {held.size} pixels are NaN or infinite: choose a region without them, or fill them", name="picture"
+                f"{bad} of {values.size} pixels are NaN or infinite: choose a region without them, or fill them", name="picture"
             )
-        low, high = float(held.min()), float(held.max())
+        low, high = float(values.min()), float(values.max())
         if low == high:
             raise DomainError(
                 f"every pixel is {low:g}: a constant picture has no texture; choose a region that varies", name="picture", value=low
@@ -80,7 +80,7 @@ class GreyLevels:
         if spacing == "even":
             edges = np.linspace(low, high, levels + 1)[1:-1]
         else:
-            edges = np.quantile(held, np.arange(1, levels) / levels)
+            edges = np.quantile(values, np.arange(1, levels) / levels)
             if np.unique(edges).size < levels - 1:
                 raise DomainError(
                     f"levels = {levels}: too many pixels of this picture are equal for so many levels of equal share; "
@@ -88,12 +88,12 @@ class GreyLevels:
                     name="levels",
                     value=levels,
                 )
-        placed = np.searchsorted(edges, held.ravel(), side="right")
+        placed = np.searchsorted(edges, values.ravel(), side="right")
         counts = np.bincount(placed, minlength=levels)
         between = np.concatenate([[low], edges, [high]])
-        middle = 0.5 * (between[1:] + between[:-1])
-        means = np.bincount(placed, held.ravel(), minlength=levels) / np.maximum(counts, 1)
-        return cls(edges, np.where(counts > 0, means, middle))
+        centres = 0.5 * (between[1:] + between[:-1])
+        means = np.bincount(placed, values.ravel(), minlength=levels) / np.maximum(counts, 1)
+        return cls(edges, np.where(counts > 0, means, centres))
 
     def to_levels(self, picture: ArrayLike) -> NDArray[np.int16]:
         """Level of each pixel; values beyond the extremes are in the outermost levels."""
@@ -121,9 +121,9 @@ APART: Final = 0.03
 class AutobinomialTexture:
     """Texture of grey levels of an autobinomial field, with the values and the histogram of the fitted picture."""
 
-    field: Autobinomial  #: Autobinomial.
+    field: Autobinomial  #: Field of the grey levels.
     grey: GreyLevels  #: Value that each level represents.
-    #: Share of each level in the picture [1]: samples by exchange keep it, so that no phase transition can freeze or melt them.
+    #: Share of each level in the picture [1]: samples by exchange preserve it, so that no phase transition can freeze or melt them.
     histogram: tuple[float, ...]
     sampler: Sampler = "exchange"  #: Method that draws samples.
 
@@ -174,7 +174,7 @@ class AutobinomialTexture:
         }
 
     @classmethod
-    def from_dict(cls, held: Mapping[str, Any]) -> AutobinomialTexture:
+    def from_dict(cls, values: Mapping[str, Any]) -> AutobinomialTexture:
         """Read the output of :meth:`to_dict`.
 
         Raises
@@ -182,11 +182,11 @@ class AutobinomialTexture:
         DataError
             Another kind of model, or one that is not whole.
         """
-        model = Autobinomial.from_dict(dict(held))
+        model = Autobinomial.from_dict(dict(values))
         try:
-            grey = GreyLevels(np.array(held["grey_edges"], float), np.array(held["grey_values"], float))
-            histogram = tuple(map(float, held["histogram"]))
-            sampler: Sampler = held["sampler"]
+            grey = GreyLevels(np.array(values["grey_edges"], float), np.array(values["grey_values"], float))
+            histogram = tuple(map(float, values["histogram"]))
+            sampler: Sampler = values["sampler"]
         except (KeyError, TypeError, ValueError) as error:
             raise DataError(f"not a whole autobinomial texture ({error!r}): fit it anew") from error
         if not (grey.values.size == len(histogram) == model.levels and abs(sum(histogram) - 1.0) < 1e-6):
@@ -200,12 +200,12 @@ class AutobinomialTexture:
 class AutobinomialTextureFit:
     """Fitted texture with the diagnostics of the fit."""
 
-    texture: AutobinomialTexture  #: AutobinomialTexture.
-    #: The field's; where that asked for did not converge, the one whose exchange samples are nearer to the picture, it or the
-    #: pseudo-likelihood's.
+    texture: AutobinomialTexture  #: Texture with its sampler.
+    #: Fit of the field. If the requested fit did not converge, it or the pseudo-likelihood's, whichever has exchange samples nearer to the
+    #: picture.
     found: AutobinomialFit
     tried: Way  #: Requested method for the couplings.
-    notes: tuple[str, ...] = ()  #: tuple of str.
+    notes: tuple[str, ...] = ()  #: Reasons for the choice of couplings and sampler.
 
 
 def fit_texture(
@@ -221,9 +221,10 @@ def fit_texture(
     """Fit a texture to a picture and choose the sampler that reproduces its contrast and correlation.
 
     With ``method`` auto a usable fit of the pseudo-likelihood is sampled by Gibbs sweeps, if they nearly have the picture's histogram.
-    Where that fit is frozen or molten, or the histogram is to be kept, couplings are those of the likelihood given the histogram, and
-    samples exchanges. A Monte Carlo likelihood that does not converge is reported, with the distance of samples from the picture; samples
-    are then exchanges, at those couplings where it stopped or where the pseudo-likelihood has its top, whose correlations are nearer.
+    Where that fit is frozen or molten, or the histogram is to be preserved, couplings maximise the likelihood given the histogram, and
+    samples are drawn by exchanges. A Monte Carlo likelihood that does not converge is reported, with the distance of samples from the
+    picture; samples are then drawn by exchanges at the last couplings or at the pseudo-likelihood's maximum, whichever gives the nearer
+    correlations.
 
     Parameters
     ----------

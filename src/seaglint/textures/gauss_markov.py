@@ -123,7 +123,7 @@ def symbol(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
     Raises
     ------
     DomainError
-        A torus that is too small, or one of whose waves has no finite variance.
+        A torus that is too small, or one with a wave without a finite variance.
     """
     sides = require_torus(model, shape)
     result = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, sides)
@@ -180,10 +180,8 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
 
     places = 2.0 * np.pi * np.array(np.unravel_index(lowest, values.shape)).T / np.array(sides)
     # Near the valley: a long first step would leave it for another.
-    found_at = (
-        minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - 3 * steps, w + 3 * steps, strict=True))) for w in places
-    )
-    return min(float(result.fun) for result in found_at)
+    minima = (minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - 3 * steps, w + 3 * steps, strict=True))) for w in places)
+    return min(float(result.fun) for result in minima)
 
 
 def spectral_density(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
@@ -238,7 +236,7 @@ def log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
 
 
 def conditional(model: GaussMarkov, field: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Expected value of each pixel given its neighbours, where all of them lie in the picture, and its actual value [u].
+    """Return the expected value of each pixel given its neighbours, where all of them lie in the picture, and its actual value [u].
 
     Parameters
     ----------
@@ -248,7 +246,7 @@ def conditional(model: GaussMarkov, field: ArrayLike) -> tuple[FloatArray, Float
 
     Returns
     -------
-    expected, seen : ndarray, shape (frames - 2 t, rows - 2 y, columns - 2 x)
+    expected, actual : ndarray, shape (frames - 2 t, rows - 2 y, columns - 2 x)
         For a reach (t, y, x).
 
     Raises
@@ -263,14 +261,14 @@ def conditional(model: GaussMarkov, field: ArrayLike) -> tuple[FloatArray, Float
     def moved(d: Offset) -> FloatArray:
         return x[tuple(slice(r + step, n - r + step) for r, step, n in zip(reach, d, x.shape, strict=True))]
 
-    seen = moved((0, 0, 0))
-    expected = np.full(seen.shape, model.mean)
+    actual = moved((0, 0, 0))
+    expected = np.full(actual.shape, model.mean)
     for d, b in zip(model.offsets, model.coefficients, strict=True):
         expected += b * (moved(d) + moved((-d[0], -d[1], -d[2])) - 2.0 * model.mean)
-    return expected, seen
+    return expected, actual
 
 
 def pseudo_log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
     """Mean log density of a pixel given its neighbours (Besag 1975) [per pixel]; arguments as in :func:`conditional`."""
-    expected, seen = conditional(model, field)
-    return float(-0.5 * math.log(2.0 * math.pi * model.variance) - 0.5 * np.mean((seen - expected) ** 2) / model.variance)
+    expected, actual = conditional(model, field)
+    return float(-0.5 * math.log(2.0 * math.pi * model.variance) - 0.5 * np.mean((actual - expected) ** 2) / model.variance)

@@ -5,9 +5,9 @@ c_k theta_k]``, ``lambda(w) = theta_0 - 2 sum_k theta_k cos(w . d_k)``, needs of
 concave, and has one optimum where the model has those covariances too (Dempster 1972). Newton's method finds it from anywhere; its matrices
 are covariances of covariances, a transform of ``1/lambda²``.
 
-A picture is no torus: what lies at its left border is no neighbour of what lies at its right one. There covariances are sums over the pairs
-inside, over their number (Guyon 1982), without the plain periodogram's error at the border; frequencies are those of a torus as large as
-the picture.
+A picture is no torus: pixels at its left border are no neighbours of pixels at its right one. Its covariances are sums over the pairs
+inside, divided by their number (Guyon 1982), without the plain periodogram's error at the border; the grid of frequencies belongs to a
+torus as large as the picture.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Covariances:
         return float(self.values[t, y, x])
 
     def damped(self) -> Covariances:
-        """Return the covariances times a triangle along each axis, with a spectrum without negative values: those of a field."""
+        """Return the covariances times a triangle along each axis, with a spectrum without negative values, as a field has."""
         out = self.values.copy()
         for axis, reach in enumerate(self.reach):
             lags = np.abs(np.arange(-reach, reach + 1))
@@ -115,7 +115,7 @@ def covariances(field: ArrayLike, reach: Sequence[int], *, periodic: bool = Fals
 class GaussMarkovFit:
     """Fitted Gauss-Markov field."""
 
-    model: GaussMarkov  #: GaussMarkov.
+    model: GaussMarkov  #: Field at the optimum.
     standard_errors: tuple[float, ...]  #: Standard errors of the coefficients [1], from the information of the likelihood.
     variance_error: float  #: Standard error of the conditional variance [u²].
     log_likelihood: float  #: At the optimum [1].
@@ -227,6 +227,7 @@ def _maximise(likelihood: _Likelihood, start: FloatArray | None, tolerance: floa
         decrement = float(gradient @ direction)
         if decrement < tolerance * max(1.0, abs(value)):
             return theta, value, step
+        # Halve the step until it stays inside the region of positive spectra and gains its share of the expected gain.
         length = 1.0
         while True:
             tried = theta + length * direction
@@ -270,8 +271,8 @@ def fit(
     Examples
     --------
     >>> field = np.random.default_rng(1).normal(size=(64, 64))
-    >>> found = fit(field, [(0, 1), (1, 0)], periodic=True)
-    >>> bool(max(map(abs, found.model.coefficients)) < 3 * max(found.standard_errors))
+    >>> result = fit(field, [(0, 1), (1, 0)], periodic=True)
+    >>> bool(max(map(abs, result.model.coefficients)) < 3 * max(result.standard_errors))
     True
     """
     requested = tuple(canonical(d) for d in offsets)
@@ -299,23 +300,25 @@ def _require_pixels(data: Covariances, count: int) -> None:
 def _result(likelihood: _Likelihood, theta: FloatArray, value: float, steps: int, notes: tuple[str, ...] = ()) -> GaussMarkovFit:
     data = likelihood.data
     _, information = likelihood.derivatives(likelihood.spectrum(theta))
-    spread = np.linalg.inv(information) / data.pixels
+    precision_covariance = np.linalg.inv(information) / data.pixels
     b = theta[1:] / theta[0]
     # b = theta_k / theta_0 and v = 1 / theta_0, by their derivatives.
     jacobian = np.concatenate([-b[:, None], np.eye(b.size)], axis=1) / theta[0]
-    errors = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, spread, jacobian))
+    errors = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, precision_covariance, jacobian))
     model = GaussMarkov(likelihood.offsets, tuple(map(float, b)), float(1.0 / theta[0]), data.mean)
     if not data.periodic:
         least = least_symbol(model, likelihood.shape)
         if least < LEAST:
-            # The grid of the data does not see the wave between its frequencies that would have no finite variance.
+            # A wave between the frequencies of the data's grid would have no finite variance.
             model = replace(model, coefficients=tuple(float(v) * (1.0 - LEAST) / (1.0 - least) for v in b))
             notes = (
                 *notes,
                 f"weights were scaled down by {100 * (LEAST - least) / (1.0 - least):.2g} % so that the model can be sampled at any size",
             )
     total = data.pixels * (value - 0.5 * math.log(2.0 * math.pi))
-    return GaussMarkovFit(model, tuple(map(float, errors)), float(np.sqrt(spread[0, 0]) / theta[0] ** 2), total, data.pixels, steps, notes)
+    return GaussMarkovFit(
+        model, tuple(map(float, errors)), float(np.sqrt(precision_covariance[0, 0]) / theta[0] ** 2), total, data.pixels, steps, notes
+    )
 
 
 def candidates(reach: Sequence[int]) -> tuple[Offset, ...]:
@@ -334,8 +337,8 @@ def candidates(reach: Sequence[int]) -> tuple[Offset, ...]:
 def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussMarkovFit:
     """Choose the neighbourhood by Schwarz's criterion, adding one pair after the other, and fit it.
 
-    At each step the pair joins whose score test promises the largest gain; it stays if the criterion falls, and the search ends where none
-    does. At the end pairs that are no longer worth their parameter leave.
+    At each step the pair joins whose score test promises the largest gain; it stays if the criterion falls, and otherwise the search
+    ends. At the end pairs that are no longer worth their parameter are removed.
 
     Parameters
     ----------

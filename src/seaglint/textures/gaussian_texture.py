@@ -62,7 +62,7 @@ class GaussianTexture:
         }
 
     @classmethod
-    def from_dict(cls, held: Mapping[str, Any]) -> GaussianTexture:
+    def from_dict(cls, values: Mapping[str, Any]) -> GaussianTexture:
         """Read the output of :meth:`to_dict`.
 
         Raises
@@ -70,12 +70,12 @@ class GaussianTexture:
         DataError
             Another kind of model, or one that is not whole.
         """
-        if held.get("kind") != KIND:
-            raise DataError(f"kind = {held.get('kind')!r}: not a Gauss-Markov texture; fit one with model = 'gauss-markov'")
+        if values.get("kind") != KIND:
+            raise DataError(f"kind = {values.get('kind')!r}: not a Gauss-Markov texture; fit one with model = 'gauss-markov'")
         try:
-            slow = held.get("modulation")
+            slow = values.get("modulation")
             return cls(
-                GaussMarkov.from_dict(held), Marginal.from_dict(held["marginal"]), None if slow is None else Modulation.from_dict(slow)
+                GaussMarkov.from_dict(values), Marginal.from_dict(values["marginal"]), None if slow is None else Modulation.from_dict(slow)
             )
         except (KeyError, TypeError, IndexError) as error:
             raise DataError(f"not a whole Gauss-Markov texture ({error!r}): fit it anew") from error
@@ -85,12 +85,12 @@ class GaussianTexture:
 class TextureFit:
     """Fitted texture with the diagnostics of the fit."""
 
-    texture: GaussianTexture  #: GaussianTexture.
+    texture: GaussianTexture  #: Field, marginal and slow field.
     field: estimation.GaussMarkovFit  #: Standard errors and criterion of the Gaussian field.
     correlation_error: float  #: Share of the variance that the expansion of the marginal transform leaves out [1].
     #: Log ratios of exceedances at 2.5, 3 and 3.5 standard deviations of the filtered picture, sample over data. Shape (3,).
     tail_misfit: FloatArray
-    notes: tuple[str, ...] = ()  #: tuple of str.
+    notes: tuple[str, ...] = ()  #: Remarks on the fit.
 
 
 def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tuple[int, int, int], ...]:
@@ -99,9 +99,9 @@ def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tupl
     Frames are compared where there are eight of them or more.
     """
     time = min(reach[0], shape[0] // 4) if shape[0] >= 8 else 0
-    here = estimation.candidates((0, *reach[1:]))
-    then = estimation.candidates((time, min(reach[1], SPACE_IN_TIME), min(reach[2], SPACE_IN_TIME)))
-    return tuple(sorted({canonical(d) for d in (*here, *(d for d in then if d[0] > 0))}))
+    in_frame = estimation.candidates((0, *reach[1:]))
+    in_others = estimation.candidates((time, min(reach[1], SPACE_IN_TIME), min(reach[2], SPACE_IN_TIME)))
+    return tuple(sorted({canonical(d) for d in (*in_frame, *(d for d in in_others if d[0] > 0))}))
 
 
 def fit_texture(
@@ -138,22 +138,22 @@ def fit_texture(
     x = np.array(data, np.float64, ndmin=3)
     pool = neighbours(x.shape, reach)
     far = np.abs(np.array(pool)).max(axis=0)
-    seen = estimation.covariances(x, [min(int(r), (n - 1) // 2) for r, n in zip(far, x.shape, strict=True)])
-    pool = tuple(d for d in pool if all(abs(p) <= r for p, r in zip(d, seen.reach, strict=True)))
-    variance = seen.at((0, 0, 0))
+    measured = estimation.covariances(x, [min(int(r), (n - 1) // 2) for r, n in zip(far, x.shape, strict=True)])
+    pool = tuple(d for d in pool if all(abs(p) <= r for p, r in zip(d, measured.reach, strict=True)))
+    variance = measured.at((0, 0, 0))
     if not variance > 0.0:
         raise DataError("all values are equal: there is no texture to fit; choose another region")
     marginal = fit_marginal(x, tails)
-    latent = marginal.latent_correlation(seen.values / variance)
-    field = estimation.choose(replace(seen, values=latent, mean=0.0), pool, most)
+    latent = marginal.latent_correlation(measured.values / variance)
+    field = estimation.choose(replace(measured, values=latent, mean=0.0), pool, most)
     notes = list(field.notes)
-    slow, left = None, np.full(3, np.nan)
+    slow, misfit = None, np.full(3, np.nan)
     if product or (product is None and tails != "gaussian"):
-        slow, left = find_modulation(x, field.model, marginal, seed)
+        slow, misfit = find_modulation(x, field.model, marginal, seed)
     if slow is not None:
         notes.append(
             f"{tails} values alone leave the filtered picture short of exceedances: fine structure is multiplied by a slow gamma field of "
             f"shape {slow.shape:.3g}"
         )
     texture = GaussianTexture(field.model, marginal, slow)
-    return TextureFit(texture, field, marginal.truncation, left, tuple(notes))
+    return TextureFit(texture, field, marginal.truncation, misfit, tuple(notes))

@@ -1,4 +1,4 @@
-"""Long tails of filtered pictures: what the marginal transform does not reproduce, and the slow field that does.
+"""Long tails of filtered pictures: the part that the marginal transform does not reproduce, and the slow field that does.
 
 False alarms are counted in the Laplacian of a picture, and its tails have two sources. Pixels whose own values have a long tail, sparse
 glints on a dark sea, keep it when they are filtered: the marginal transform suffices. In a bright corridor pixels are spread evenly, and
@@ -46,7 +46,7 @@ class Tail:
 
 
 def interior(frames: ArrayLike) -> NDArray[np.float32]:
-    """Laplacian of the pixels away from the border, in standard deviations of their frame, (frames, rows - 2, columns - 2)."""
+    """Return the Laplacian of the pixels away from the border, in standard deviations of their frame, (frames, rows - 2, columns - 2)."""
     out = Laplacian().apply(np.asarray(frames, np.float32))[:, 1:-1, 1:-1]
     return standardise(out, np.ones(out.shape[1:], np.bool_))
 
@@ -62,8 +62,8 @@ def tail(frames: ArrayLike) -> Tail:
     def along(axis: int, longest: int) -> FloatArray:
         n = strength.shape[axis]
         lags = range(1, min(longest, n - 1) + 1)
-        head, last = (np.moveaxis(strength, axis, 0), np.moveaxis(strength, axis, 0))
-        return np.array([float(np.mean(head[lag:] * last[:-lag])) / variance for lag in lags])
+        moved = np.moveaxis(strength, axis, 0)
+        return np.array([float(np.mean(moved[lag:] * moved[:-lag])) / variance for lag in lags])
 
     lines = [along(axis, 16) for axis in (0, 1, 2)]
     lengths = [_length(line) for line in lines]
@@ -80,14 +80,14 @@ def _length(line: FloatArray) -> float:
 
 
 def misfit(sample: Tail, data: Tail) -> FloatArray:
-    """Log of the ratios of rates at the thresholds, sample over data [1]; one pixel replaces none."""
+    """Return the logarithm of the ratios of rates at the thresholds, sample over data [1]; a fraction of a pixel replaces 0."""
     return np.asarray(
         np.log(np.maximum(sample.rates, 0.3 / PILOT) / np.maximum(data.rates, 0.5 * data.rates[0] / max(data.counts[0], 1.0) + 1e-12))
     )
 
 
 def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, seed: int = 0) -> tuple[Modulation | None, FloatArray]:
-    """Slow field with which filtered samples have the tails of the data.
+    """Search the slow field with which filtered samples have the tails of the data.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     modulation : Modulation or None
         None where the marginal transform alone is as near, or nearer.
     misfit : ndarray, shape (3,)
-        Log ratios of the rates at :data:`THRESHOLDS` that are left.
+        Remaining log ratios of the rates at :data:`THRESHOLDS`.
     """
     target = tail(data)
     shape = pilot_shape(model, np.shape(data)[0])
@@ -122,9 +122,9 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
         lengths = tuple(max(stretch * length, 0.5) for length in target.lengths)
         for nu in SHAPES:
             tried = Modulation(float(nu), lengths)  # type: ignore[arg-type]
-            made = filtered(rough(tried, shape, seed), density)
-            made /= made.std()
-            sampled = tail(marginal.transform(made))
+            noise = filtered(rough(tried, shape, seed), density)
+            noise /= noise.std()
+            sampled = tail(marginal.transform(noise))
             left = misfit(sampled, target)
             # Tails first; of two lengths with the same tails, the one whose exceedances cluster like the data's.
             total = cost(left) + 0.25 * float(np.mean((sampled.clusters - target.clusters) ** 2))

@@ -36,7 +36,7 @@ REACH: Final = 7.0
 #: Number of points of the table, linear between them: error below 1e-5 of the standard deviation for a gamma of shape 1/2.
 TABLE: Final = 4097
 
-KEPT: Final = 512  #: Number of quantiles of an empirical distribution.
+EMPIRICAL: Final = 512  #: Number of quantiles of an empirical distribution.
 
 #: Quantiles between which a family is fitted, so that a few values of a target or a bad pixel do not determine the tail.
 INNER: Final = (0.0005, 0.9995)
@@ -45,9 +45,9 @@ INNER: Final = (0.0005, 0.9995)
 @njit
 def _interpolate(g: np.ndarray, table: np.ndarray, out: np.ndarray, first: int, end: int) -> None:
     last = table.size - 1
-    scale = np.float32(last / (2.0 * 7.0))
+    scale = np.float32(last / (2.0 * REACH))
     for i in range(first, end):
-        place = (g[i] + np.float32(7.0)) * scale
+        place = (g[i] + np.float32(REACH)) * scale
         k = int(place)
         k = 0 if place < 0.0 else (last - 1 if k >= last else k)
         share = min(max(place - np.float32(k), np.float32(0.0)), np.float32(1.0))
@@ -61,7 +61,7 @@ class Marginal:
     Raises
     ------
     DomainError
-        A kind that there is not, or parameters outside their range.
+        An unknown kind, or parameters outside their range.
     """
 
     kind: Tails = "gaussian"  #: One of :data:`TAILS`.
@@ -110,7 +110,7 @@ class Marginal:
         return np.interp(np.asarray(values, np.float64), rising, grid[places])
 
     def log_slope(self, g: ArrayLike) -> FloatArray:
-        """Logarithm of ``dx/dg`` [log u], by which densities of pixels differ from those of the Gaussian field."""
+        """Logarithm of ``dx/dg`` [log u], by which densities of pixels differ from the Gaussian field's."""
         step = 1e-3
         u = np.asarray(g, np.float64)
         return np.log(np.maximum((self(u + step) - self(u - step)) / (2.0 * step), 1e-300))
@@ -160,7 +160,7 @@ class Marginal:
     def latent_correlation(self, output: ArrayLike) -> FloatArray:
         """Correlation of the Gaussian field for a given correlation ``output`` of the pixels [1], shape of it.
 
-        Correlations below what the distribution can have (a gamma of shape 1 cannot go below -0.64) give that of -1.
+        Correlations below the distribution's lower limit (-0.64 for a gamma of shape 1) give the latent correlation -1.
 
         Examples
         --------
@@ -183,11 +183,11 @@ class Marginal:
         return result
 
     @classmethod
-    def from_dict(cls, held: Mapping[str, Any]) -> Marginal:
+    def from_dict(cls, values: Mapping[str, Any]) -> Marginal:
         """Read the output of :meth:`to_dict`."""
-        shape = held.get("shape")
-        quantiles = tuple(map(float, held.get("quantiles", ())))
-        return cls(held["kind"], float(held["loc"]), float(held["scale"]), None if shape is None else float(shape), quantiles)
+        shape = values.get("shape")
+        quantiles = tuple(map(float, values.get("quantiles", ())))
+        return cls(values["kind"], float(values["loc"]), float(values["scale"]), None if shape is None else float(shape), quantiles)
 
 
 def _standard(marginal: Marginal) -> Callable[[FloatArray], FloatArray]:
@@ -259,7 +259,7 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
     DataError
         Values that are all equal.
     DomainError
-        A kind that there is not.
+        An unknown kind.
     """
     from scipy import special
     from scipy.optimize import minimize_scalar
@@ -273,20 +273,20 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
     if tails not in TAILS:
         raise DomainError(f"tails = {tails!r}; allowed are {', '.join(TAILS)}")
     if tails == "empirical":
-        knots = np.linspace(-4.0, 4.0, KEPT)
+        knots = np.linspace(-4.0, 4.0, EMPIRICAL)
         quantiles = (np.quantile(x, special.ndtr(knots)) - mean) / std
         return Marginal("empirical", mean, std, None, tuple(map(float, quantiles)))
     # Even steps of probability, and more of them in both tails.
     g = np.linspace(float(special.ndtri(INNER[0])), float(special.ndtri(INNER[1])), 600)
     weight = np.exp(-0.25 * g**2)
-    seen = np.quantile(x, special.ndtr(g))
+    measured = np.quantile(x, special.ndtr(g))
 
     def distance(log_shape: float, side: int) -> tuple[float, Marginal]:
         basis = Marginal(tails, 0.0, float(side), math.exp(log_shape))(g)
-        middle = np.average(basis, weights=weight)
-        slope = float(np.average((basis - middle) * seen, weights=weight) / np.average((basis - middle) ** 2, weights=weight))
-        loc = float(np.average(seen, weights=weight) - slope * middle)
-        error = float(np.average((seen - loc - slope * basis) ** 2, weights=weight))
+        centre = np.average(basis, weights=weight)
+        slope = float(np.average((basis - centre) * measured, weights=weight) / np.average((basis - centre) ** 2, weights=weight))
+        loc = float(np.average(measured, weights=weight) - slope * centre)
+        error = float(np.average((measured - loc - slope * basis) ** 2, weights=weight))
         return (error, Marginal(tails, loc, side * slope, math.exp(log_shape))) if slope > 0.0 else (math.inf, Marginal())
 
     # Gamma and K down to a shape of 0.05; the lognormal's s is small where the tail is short.

@@ -11,9 +11,9 @@ from scipy.special import expit, gammaln, log_expit
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.textures.autobinomial import Autobinomial, Classes, IntArray, checked_field, reach
+from seaglint.textures.autobinomial import Autobinomial, Classes, IntArray, checked_field, pairs_inside, reach
 
-MOST_STEPS: Final = 100
+MOST_STEPS: Final = 100  #: Largest number of Newton's steps.
 
 #: Gain of a further Newton step in log pseudo-likelihood per pixel at which the iteration ends: the couplings then have ten digits.
 DECREMENT: Final = 1e-18
@@ -25,19 +25,21 @@ LARGEST_CONDITION: Final = 1e12
 
 
 @dataclass(frozen=True)
-class Climb:
-    """Result of the maximisation."""
+class Optimum:
+    """Maximum of a pseudo-likelihood or likelihood."""
 
-    parameters: FloatArray  #: alpha and the couplings.
-    covariance: FloatArray  #: Covariance of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
-    log_likelihood: float  #: Log pseudo-likelihood, all pixels [nat].
-    steps: int  #: Newton's steps taken.
-    gradient: float  #: Largest slope that is left, per pixel and for sums of unit variance [nat].
-    converged: bool  #: Whether no step gains any more.
+    model: Autobinomial  #: Field at the maximum.
+    #: Covariance of the parameters, by the sandwich formula or from the inverse Fisher information with the error of the simulation; NaN
+    #: where the picture is too small to determine it.
+    covariance: FloatArray
+    steps: int  #: Number of Newton's steps.
+    converged: bool  #: Whether the maximum was reached.
+    #: Remaining gap between the picture's sums and the samples', in standard deviations of a sample's; None for a pseudo-likelihood.
+    distance: float | None = None
 
 
 def neighbour_sums(field: IntArray, neighbours: Classes, *, periodic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Levels of pixels, and a matrix of 1 and the sum of each class of their neighbours [level].
+    """Return levels of pixels, and a matrix of 1 and the sum of each class of their neighbours [level].
 
     Returns
     -------
@@ -46,14 +48,14 @@ def neighbour_sums(field: IntArray, neighbours: Classes, *, periodic: bool) -> t
     sums : array, (rows, columns, 1 + classes)
         The regressors of the conditional law.
     """
-    held = np.asarray(field, dtype=np.float64)
+    padded = np.asarray(field, dtype=np.float64)
     down, across = reach(neighbours)
     if periodic:
-        held = np.pad(held, ((down, down), (across, across)), mode="wrap")
-    rows, columns = held.shape[0] - 2 * down, held.shape[1] - 2 * across
+        padded = np.pad(padded, ((down, down), (across, across)), mode="wrap")
+    rows, columns = padded.shape[0] - 2 * down, padded.shape[1] - 2 * across
 
     def moved(dy: int, dx: int) -> NDArray[np.float64]:
-        return held[down + dy : down + dy + rows, across + dx : across + dx + columns]
+        return padded[down + dy : down + dy + rows, across + dx : across + dx + columns]
 
     sums = np.empty((rows, columns, 1 + len(neighbours)))
     sums[..., 0] = 1.0
@@ -68,7 +70,7 @@ def log_choices(levels: NDArray[Any], most: int) -> NDArray[np.float64]:
 
 
 def conditional_log_likelihood(image: IntArray, model: Autobinomial, *, periodic: bool = False) -> float:
-    """Log probability of a pixel given its neighbours, mean over a picture [nat]: the measure for pictures held out of the fit.
+    """Return the log probability of a pixel given its neighbours, mean over a picture [nat]: the measure for pictures held out of the fit.
 
     Parameters
     ----------
@@ -98,39 +100,36 @@ def conditional_log_likelihood(image: IntArray, model: Autobinomial, *, periodic
 
 
 def climb(
-    levels: NDArray[np.float64], sums: NDArray[np.float64], most: int, neighbours: Classes, start: FloatArray | None, *, periodic: bool
-) -> Climb:
+    levels: NDArray[np.float64], sums: NDArray[np.float64], first: Autobinomial, start: FloatArray | None, *, periodic: bool
+) -> Optimum:
     """Maximise the pseudo-likelihood.
 
     Parameters
     ----------
     levels, sums : array
         Arrays from :func:`neighbour_sums`.
-    most : int
-        Largest grey level.
-    neighbours : tuple of tuple of (int, int)
-        Classes of the sums; scores of neighbours are correlated, those of other pixels are not.
+    first : Autobinomial
+        Field with the levels and classes of the sums; its parameters are not used.
     start : array, (1 + classes,), optional
         First parameters; independent pixels by default.
     periodic : bool
-        Whether the sums are those of a torus.
+        Whether opposite edges are neighbours in the sums.
 
     Raises
     ------
     DomainError
-        Neighbour sums that are proportional to each other, or a picture for which the best couplings are infinite.
+        Neighbour sums that are proportional to each other, or a picture with infinite best couplings.
 
-    Notes
-    -----
-    The log pseudo-likelihood is concave (a binomial regression): halved Newton's steps reach its one maximum from any start. A score
-    is uncorrelated with those of pixels that are no neighbours, so that the middle of the sandwich is a sum over neighbours alone.
+    Notes ----- The log pseudo-likelihood is concave (a binomial regression): halved Newton's steps reach its one maximum from any start.
+    Scores of pixels that are no neighbours are uncorrelated, so that the middle of the sandwich is a sum over neighbours alone.
 
     References
     ----------
     J. Besag, "Statistical analysis of non-lattice data", The Statistician 24 (1975), 179-195; X. Guyon, "Random fields on a network"
     (1995), Sec. 5.3 (sandwich formula).
     """
-    x, count = levels.ravel(), levels.size
+    x, count, most = levels.ravel(), levels.size, first.most
+    # Sums of mean 0 and variance 1 make the information well conditioned; the results are converted back at the end.
     centre, spread = sums.reshape(count, -1).mean(axis=0), sums.reshape(count, -1).std(axis=0)
     centre[0], spread[0] = 0.0, 1.0
     _refuse_even_sums(spread)
@@ -179,29 +178,26 @@ def climb(
     scores = z.reshape(sums.shape) * (levels - most * chance.reshape(levels.shape))[..., None]
     information = (z * (most * chance * (1.0 - chance))[:, None]).T @ z
     bread = np.linalg.inv(information)
-    scaled = bread @ score_covariance(scores, neighbours, periodic=periodic) @ bread
+    scaled = bread @ score_covariance(scores, first.neighbours, periodic=periodic) @ bread
     back = np.diag(1.0 / spread)
     back[0, 1:] = -centre[1:] / spread[1:]
     covariance = back @ scaled @ back.T
     if np.linalg.eigvalsh(scaled)[0] <= 0.0:
         covariance = np.full_like(covariance, np.nan)
-    total = count * now + float(log_choices(x, most).sum())
-    return Climb(back @ theta, covariance, total, steps, float(np.abs(gradient).max()), converged)
+    return Optimum(first.with_parameters(back @ theta), covariance, steps, converged)
 
 
 def score_covariance(scores: NDArray[np.float64], neighbours: Classes, *, periodic: bool) -> FloatArray:
-    """Covariance of the sum of scores, from products of pixels with themselves and with their neighbours."""
-    parts = scores.shape[-1]
-    flat = scores.reshape(-1, parts)
+    """Return the covariance of the sum of scores, from products of pixels with themselves and with their neighbours."""
+    count = scores.shape[-1]
+    flat = scores.reshape(-1, count)
     total = flat.T @ flat
-    rows, columns = scores.shape[:2]
     for dy, dx in (offset for one in neighbours for offset in one):
         if periodic:
-            pairs = flat.T @ np.roll(scores, (-dy, -dx), axis=(0, 1)).reshape(-1, parts)
+            pairs = flat.T @ np.roll(scores, (-dy, -dx), axis=(0, 1)).reshape(-1, count)
         else:
-            left, right = max(-dx, 0), max(dx, 0)
-            here = scores[: rows - dy, left : columns - right].reshape(-1, parts)
-            pairs = here.T @ scores[dy:, right : columns - left].reshape(-1, parts)
+            first, second = (pixels.reshape(-1, count) for pixels in pairs_inside(scores, (dy, dx)))
+            pairs = first.T @ second
         total = total + pairs + pairs.T
     return total
 
@@ -216,8 +212,8 @@ def _refuse_even_sums(spread: FloatArray) -> None:
 
 def _refuse_twins(information: FloatArray) -> None:
     """Refuse classes of neighbours of which one is a function of another."""
-    held = np.sqrt(np.diag(information))
-    if not held.all() or np.linalg.cond(information / np.outer(held, held)) > LARGEST_CONDITION:
+    scale = np.sqrt(np.diag(information))
+    if not scale.all() or np.linalg.cond(information / np.outer(scale, scale)) > LARGEST_CONDITION:
         raise DomainError(
             "sums over different classes of neighbours are proportional in this picture (stripes, a ramp, or pixels all but certain): take "
             "a lower order, isotropic classes, or fewer levels",

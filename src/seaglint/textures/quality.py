@@ -1,7 +1,7 @@
 """Similarity of two pictures or sequences as textures, in numbers, such as a sample and the data that it was fitted to.
 
-The false alarms of the Laplacian-filtered picture are what matters to a detector; distances of values, spectra, correlations in space and
-time and co-occurrence of grey levels say where a model fails that meets them, or why it does not.
+The false alarms of the Laplacian-filtered picture determine the performance of a detector. Distances of values, spectra, correlations in
+space and time and co-occurrence of grey levels show where a model fails that reproduces them, or why it does not reproduce them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
 from seaglint.textures.long_tails import interior
 
-THRESHOLDS: Final = (3.0, 3.5)
+THRESHOLDS: Final = (3.0, 3.5)  #: Thresholds of the compared rates [standard deviations].
 
 LAGS: Final = 12  #: Largest distance of the compared correlations [px].
 
@@ -60,7 +60,7 @@ LIMITS: Final[Mapping[str, float]] = {
 class Likeness:
     """Texture measures of one picture or sequence."""
 
-    name: str  #: str.
+    name: str  #: Name for reports.
     values: FloatArray  #: Sorted sample of the pixels [u].
     rates: tuple[FalseAlarmRate, ...]  #: Rates of the filtered picture at 3 and 3.5 standard deviations.
     curve: RateCurve  #: At all thresholds.
@@ -94,7 +94,17 @@ class RatePair:
         """Return the rates of the first and the second picture."""
         ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
         ends = [a.rate_low, a.rate_high], [b.rate_low, b.rate_high]
-        return cls(a.threshold_sigma, a.gaussian_rate, a.rate, ends[0], b.rate, ends[1], a.ratio, b.ratio, ratio)
+        return cls(
+            threshold_sigma=a.threshold_sigma,
+            gaussian_rate=a.gaussian_rate,
+            first=a.rate,
+            first_interval=ends[0],
+            second=b.rate,
+            second_interval=ends[1],
+            first_over_gaussian=a.ratio,
+            second_over_gaussian=b.ratio,
+            second_over_first=ratio,
+        )
 
 
 @dataclass(frozen=True)
@@ -292,7 +302,7 @@ def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, fr
 
 
 def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels: int = LEVELS) -> dict[str, float]:
-    """Features of the grey levels of pairs of pixels (Haralick, Shanmugam and Dinstein 1973), mean of four directions [1].
+    """Compute features of the grey levels of pairs of pixels (Haralick, Shanmugam and Dinstein 1973), mean of four directions [1].
 
     Parameters
     ----------
@@ -315,9 +325,9 @@ def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels
     out: dict[str, list[float]] = {name: [] for name in ("contrast", "homogeneity", "energy", "entropy", "correlation")}
     rows, columns = grey.shape[1:]
     for down, right in PAIRS:
-        here = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
-        there = grey[:, down:, max(right, 0) : columns + min(right, 0)]
-        table = np.bincount((here * levels + there).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
+        first = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
+        second = grey[:, down:, max(right, 0) : columns + min(right, 0)]
+        table = np.bincount((first * levels + second).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
         p = (table + table.T) / (2.0 * table.sum())
         mean = float((p * i).sum())
         variance = max(float((p * (i - mean) ** 2).sum()), 1e-300)

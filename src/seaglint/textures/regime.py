@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.textures import autobinomial_sampler as sampler
-from seaglint.textures.autobinomial import Autobinomial, Classes
+from seaglint.textures.autobinomial import Autobinomial, Classes, pairs_inside
 
 Name = Literal["usable", "frozen", "molten"]
 
@@ -91,6 +91,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     """
     rows, columns = (min(size, max(CHECK_SIDE, 4 * far + 1)) for size, far in zip(field.shape, model.reach, strict=True))
     starts = [np.full((rows, columns), level, dtype=np.int16) for level in (0, model.most)]
+    # Samples begun at opposite levels differ at the end if the field has several phases.
     low, high = (sampler.sample(model, (rows, columns), sweeps, seed + i, start=start) for i, start in enumerate(starts))
     own = sampler.sample(model, (rows, columns), sweeps, seed + 2, start=field[:rows, :columns])
     memory = abs(float(high.mean()) - float(low.mean())) / model.most
@@ -107,32 +108,30 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
         name = "molten"
     slope, phases = mean_field(model, float(field.mean()) / model.most)
     return Regime(
-        name,
-        slope,
-        phases,
-        memory,
-        float(own.mean()),
-        float(field.mean()),
-        float(own.std()),
-        float(field.std()),
-        tuple(map(float, own_correlations)),
-        tuple(map(float, data)),
+        name=name,
+        susceptibility=slope,
+        phases=phases,
+        memory=memory,
+        sample_mean=float(own.mean()),
+        data_mean=float(field.mean()),
+        sample_std=float(own.std()),
+        data_std=float(field.std()),
+        sample_correlation=tuple(map(float, own_correlations)),
+        data_correlation=tuple(map(float, data)),
     )
 
 
 def correlations(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
-    """Correlation of pixels with each class of their neighbours, inside the picture [1]; 0 for a constant one."""
-    held = field - field.mean()
-    variance = float((held * held).mean())
-    rows, columns = held.shape
+    """Return the correlation of pixels with each class of their neighbours, inside the picture [1]; 0 for a constant one."""
+    centred = field - field.mean()
+    variance = float((centred * centred).mean())
     result = np.zeros(len(neighbours))
     if variance == 0.0:
         return result
     for k, one in enumerate(neighbours):
-        for dy, dx in one:
-            left, right = max(-dx, 0), max(dx, 0)
-            here, there = held[: rows - dy, left : columns - right], held[dy:, right : columns - left]
-            result[k] += float((here * there).mean()) / variance / len(one)
+        for offset in one:
+            first, second = pairs_inside(centred, offset)
+            result[k] += float((first * second).mean()) / variance / len(one)
     return result
 
 
@@ -162,6 +161,7 @@ def mean_field(model: Autobinomial, share: float | None = None, waves: int = 64)
     pull = 2.0 * model.most * sum(beta * len(one) for one, beta in zip(model.neighbours, model.beta, strict=True))
     m = np.linspace(0.0, 1.0, 20001)[1:-1]
     gap = 1.0 / (1.0 + np.exp(np.clip(-(model.alpha + pull * m), -700.0, 700.0))) - m
+    # A solution is stable where the gap changes from positive to negative.
     falling = np.flatnonzero((gap[:-1] > 0.0) & (gap[1:] <= 0.0))
     if share is None:
         solutions = m[falling] if falling.size else m[[int(np.argmin(np.abs(gap)))]]

@@ -22,7 +22,7 @@ STEPS: Final = 5  #: Number of places of a region of one size along each side.
 FEW: Final = 8  #: Number of frames in which slow changes are measured; those between them add little.
 
 #: Limits of slow changes that are reported: share of the variance, and ratio of the largest to the smallest standard deviation.
-TOLD: Final = (0.1, 1.4)
+REPORTED: Final = (0.1, 1.4)
 
 #: Limits of slow changes beyond which a picture is refused: a fit's correlations then differ from the data's by more than 0.1.
 REFUSED: Final = (0.5, 2.0)
@@ -31,7 +31,7 @@ TERMS: Final = 14  #: Number of coefficients without the constant of the surface
 
 PARTS: Final = 3  #: Number of rows and columns of parts whose standard deviations are compared.
 
-LOOKED_AT: Final = 64  #: Number of rows and columns in which slow changes are measured, evenly spread over the region.
+SAMPLED: Final = 64  #: Number of rows and columns in which slow changes are measured, evenly spread over the region.
 
 #: Upper 95 % of chi-square with :data:`TERMS` degrees of freedom over its mean, and of the range of 9 normal deviates.
 BY_CHANCE: Final = (1.7, 4.4)
@@ -130,13 +130,13 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
 
 @dataclass(frozen=True)
 class Changes:
-    """Slow changes of a picture from place to place, less those of correlated pixels by chance.
+    """Slow changes of a picture from place to place, less the changes that correlated pixels have by chance.
 
-    Effects and not levels of a test: in a large picture the least change is significant, and no measured sea is without.
+    They are sizes of effects and not levels of a test: in a large picture the least change is significant, and every measured sea has one.
     """
 
     mean: float  #: Share of the variance in a surface of degree 4 through the mean [1].
-    spread: float  #: Largest over smallest standard deviation of nine parts, that surface taken off [1].
+    spread: float  #: Largest over smallest standard deviation of nine parts, less that surface [1].
 
     def beyond(self, limits: tuple[float, float]) -> bool:
         """True if one of the two is above its limit."""
@@ -146,9 +146,9 @@ class Changes:
     def text(self) -> str:
         """Slow changes in words."""
         messages = []
-        if self.mean > TOLD[0]:
+        if self.mean > REPORTED[0]:
             messages.append(f"mean changes slowly from place to place ({100.0 * self.mean:.0f} % of the variance)")
-        if self.spread > TOLD[1]:
+        if self.spread > REPORTED[1]:
             messages.append(f"variance differs from place to place (standard deviations of its parts by a factor of {self.spread:.2g})")
         return " and its ".join(messages)
 
@@ -156,7 +156,7 @@ class Changes:
 def examine(frames: NDArray[np.floating]) -> Changes:
     """Measure the slow changes of a region, shape (frames, rows, columns)."""
     some = np.asarray(frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).astype(int))], np.float64)
-    some = some[:, :: max(some.shape[1] // LOOKED_AT, 1), :: max(some.shape[2] // LOOKED_AT, 1)]
+    some = some[:, :: max(some.shape[1] // SAMPLED, 1), :: max(some.shape[2] // SAMPLED, 1)]
     variance = float(some.var())
     if not variance > 0.0:
         return Changes(0.0, 1.0)
@@ -180,7 +180,11 @@ def even_region(frames: NDArray[np.floating]) -> PixelRegion | None:
     rows, columns = frames.shape[-2:]
     for share in SHARES:
         examined = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
-        passed = [(changes.mean / TOLD[0] + changes.spread / TOLD[1], region) for changes, region in examined if not changes.beyond(TOLD)]
+        passed = [
+            (changes.mean / REPORTED[0] + changes.spread / REPORTED[1], region)
+            for changes, region in examined
+            if not changes.beyond(REPORTED)
+        ]
         if passed:
             return min(passed, key=lambda pair: pair[0])[1]
     return None
@@ -205,7 +209,7 @@ def require_stationary(frames: NDArray[np.floating], within: PixelRegion | None 
     within : PixelRegion, optional
         The region in the picture, so that the part is named in rows and columns of the picture; the frames by default.
     detrended : bool
-        Whether slow changes were taken off already.
+        Whether slow changes were removed already.
 
     Returns
     -------
@@ -218,15 +222,15 @@ def require_stationary(frames: NDArray[np.floating], within: PixelRegion | None 
         Not stationary.
     """
     changes = examine(frames)
-    if not changes.beyond(TOLD):
+    if not changes.beyond(REPORTED):
         return ()
-    part = even_region(frames)
-    if part is not None and within is not None:
-        part = PixelRegion(within.top + part.top, within.top + part.bottom, within.left + part.left, within.left + part.right)
+    even = even_region(frames)
+    if even is not None and within is not None:
+        even = PixelRegion(within.top + even.top, within.top + even.bottom, within.left + even.left, within.left + even.right)
     if not changes.beyond(REFUSED):
-        advice = "no part of it is even" if part is None else f"--region {part} is even"
+        advice = "no part of it is even" if even is None else f"--region {even} is even"
         return (f"the picture's {changes.text}; {advice}" + ("" if detrended else ", and --detrend takes such changes off"),)
-    advice = "no part of it is even: choose a smaller region" if part is None else f"choose region = '{part}'"
+    advice = "no part of it is even: choose a smaller region" if even is None else f"choose region = '{even}'"
     raise DataError(
         f"the picture is not stationary: its {changes.text}; {advice}, "
         + ("" if detrended else "take slow changes off with detrend=True, ")

@@ -4,9 +4,9 @@ Waves of a torus are independent: complex Gaussian amplitudes with the variances
 the field without any approximation, and periodic in rows, columns and time: frame N is frame 0.
 
 The product (the source article's Eq. 20, ``L = xi E``) is taken where the fast field is made: ``x = h * (sqrt(V) e)``, e white, V a slow
-field of gamma distributed values with mean 1, h the filter whose square is the spectral density. As e is white and independent of V, x
-has exactly the spectrum of the Gaussian field. What changes is that calm and rough patches alternate, so that its fine structure has long
-tails.
+field of gamma distributed values with mean 1, h the filter whose square is the spectral density. As e is white and independent of V, x has
+exactly the spectrum of the Gaussian field. Unlike in the Gaussian field calm and rough patches alternate, so that its fine structure has
+long tails.
 """
 
 from __future__ import annotations

@@ -13,9 +13,8 @@ from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.analysis.analyze_recording import FEWEST_PIXELS
 from seaglint.analysis.recording import survey
 from seaglint.analysis.region import Gatherer
-from seaglint.analysis.summary import number
 from seaglint.base.errors import DataError
-from seaglint.base.free_form import JsonObject
+from seaglint.base.free_form import JsonObject, number
 from seaglint.base.reports import absent_numbers
 from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
@@ -121,7 +120,7 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
         analysis = analyze(recording, AnalysisOptions(mask=mask), progress)
     if "glint" not in analysis.regions:
         raise DataError(f"the region has too few pixels with values ({'; '.join(analysis.notes)}); drag another one")
-    out = analysis.regions["glint"].as_dict(recording.frame_rate)
+    out = analysis.regions["glint"].as_dict()
     region = {"left": where.left, "top": where.top, "width": where.width, "height": where.height}
     known = {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region}
     return {**known, "blur_px": recording.blur_px, "blur": recording.blur, **out}

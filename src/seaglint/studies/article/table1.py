@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
-from seaglint.analysis.summary import AlarmSummary
+from seaglint.analysis.region import AlarmSummary
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject, TomlTables
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
@@ -292,11 +292,10 @@ def _interval(alarm: AlarmSummary) -> list[float | None] | None:
 
 def _alarms(analysis: Analysis) -> dict[tuple[str, float], AlarmSummary]:
     """Return the alarms by region and threshold, as far as the article has them."""
-    regions = analysis.summary().present
     return {
         (name, alarm.threshold_sigma): alarm
         for name in ARTICLE
-        for alarm in regions[name].false_alarms
+        for alarm in analysis.regions[name].false_alarms
         if alarm.threshold_sigma in ARTICLE[name]
     }
 

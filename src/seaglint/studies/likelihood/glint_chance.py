@@ -19,7 +19,7 @@ from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.free_form import JsonObject
 from seaglint.climate import draws as by
 from seaglint.climate.conditions import CloudLaw, Conditions, GeographicRegion, Times, conditions, illuminated, months_of, smoothed
-from seaglint.climate.draws import Estimate, SamplingPlan, Stratum, estimate, strata
+from seaglint.climate.draws import Estimate, SamplingPlan, estimate, strata
 from seaglint.climate.exceeding_azimuths import azimuth_shares
 from seaglint.climate.glint_radiance import Looks, detected, deviation, exceeded_by, exceeds, looks, passes
 from seaglint.climate.likelihood_summary import (
@@ -76,7 +76,7 @@ class GlintLikelihood:
     draws: Draws
     thresholds: tuple[float, ...]
     estimates: tuple[Estimate, ...]
-    strata: tuple[tuple[Stratum, ...], ...]  #: Strata of every threshold.
+    strata: tuple[tuple[StratumChance, ...], ...]  #: Strata of every threshold.
     values: tuple[FloatArray, ...]  #: Values of every threshold and draw.
 
     @property
@@ -112,7 +112,7 @@ class GlintLikelihood:
             weather=DrawnWeather(
                 None if settings.weather is None else str(settings.weather), len(self.model.table), list(self.model.models)
             ),
-            strata=[_chance(threshold, s) for threshold, of in zip(self.thresholds, self.strata, strict=True) for s in of],
+            strata=[stratum for of_threshold in self.strata for stratum in of_threshold],
             notes=[*self.model.notes, *self._azimuth_notes],
         )
 
@@ -177,8 +177,8 @@ def likelihood(
     classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
     one_look = values if not drawn.shares else tuple(measured(model, replace(drawn, shares={}), t) for t in model.wanted.threshold_w_m2_sr)
     by_threshold = tuple(
-        (*strata(v, drawn.plan, classes, weight=drawn.weight), *strata(one, drawn.plan, of_looks, weight=drawn.weight))
-        for v, one in zip(values, one_look, strict=True)
+        (*strata(v, drawn.plan, classes, t, weight=drawn.weight), *strata(one, drawn.plan, of_looks, t, weight=drawn.weight))
+        for t, v, one in zip(model.wanted.threshold_w_m2_sr, values, one_look, strict=True)
     )
     tell(3, 3)
     return GlintLikelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, by_threshold, values)
@@ -378,9 +378,3 @@ def _classes_of_looks(drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
         "azimuth_from_sun_deg": (np.degrees(drawn.azimuth_from_sun) % 360.0, by.BEARINGS),
         "bearing_deg": (np.degrees(drawn.azimuth_from_sun + drawn.solar_azimuth) % 360.0, by.BEARINGS),
     }
-
-
-def _chance(threshold: float, s: Stratum) -> StratumChance:
-    """Return plain numbers of a stratum: JSON knows no infinities and no NaN."""
-    high, contribution = (value if math.isfinite(value) else None for value in (s.high, s.contribution))
-    return StratumChance(threshold, s.by, s.low, high, s.share, s.value, s.interval_low, s.interval_high, contribution)
