@@ -95,7 +95,7 @@ def _made(name: str, entry: CommandEntry) -> Any:
 
 
 class Commands(Mapping[str, Any]):
-    """Commands of the program by name, each imported when it is asked for.
+    """Commands of the program by name, each imported when it is called.
 
     Examples
     --------
@@ -154,7 +154,7 @@ def _termination() -> Iterator[None]:
 
 @contextmanager
 def _printable_usage() -> Iterator[None]:
-    """Let complaints about the command line repeat only what a terminal shows as it is."""
+    """Let errors of the command line repeat printable characters only."""
     try:
         yield
     except Exception as error:

@@ -1,4 +1,4 @@
-"""``seaglint atmosphere``: what is understood of a sounding, the air of a scenario as a file, MODTRAN's files written and read."""
+"""``seaglint atmosphere``: soundings as they are read, the air of a scenario as a file, MODTRAN's files written and read."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
 
 
-SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario that says none [K].
+SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario without one [K].
 
 
 class DeckFormat(StrEnum):
@@ -38,11 +38,11 @@ def _atmosphere() -> None:
 def export(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
 ) -> None:
     """Write the air of a scenario's sensor height and band.
 
-    Transmittance, radiance and sunlight: a start for an atmosphere file of your own.
+    Transmittance, radiance and sunlight: a start for your own atmosphere file.
     """
     from seaglint.formats.air_file import require_kind, write_atmosphere
     from seaglint.scenario.load import load_scenario
@@ -66,8 +66,8 @@ def write(
     form: Annotated[
         DeckFormat, typer.Option("--format", help="tape5: MODTRAN 4 and 5; tape5-lowtran7: LOWTRAN7; modtran6-json: MODTRAN 6")
     ] = DeckFormat.TAPE5,
-    scattered: Annotated[bool, typer.Option(help="ask for sunlight scattered by the air, where the Sun is up")] = True,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace files that stand in the folder")] = False,
+    scattered: Annotated[bool, typer.Option(help="request sunlight scattered by the air, where the Sun is up")] = True,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing files in the folder")] = False,
 ) -> None:
     """Write a MODTRAN deck of a scenario's lines of sight.
 
@@ -95,7 +95,7 @@ def read(
         ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
 ) -> None:
     """Make a file of air from what MODTRAN or LOWTRAN7 computed.
 
@@ -140,7 +140,7 @@ def info(
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw temperature, humidity and refractivity")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
 ) -> None:
     """Levels, water vapour and refraction of a sounding.
 
@@ -199,7 +199,7 @@ def path_command(
     spectroscopy: Annotated[str, typer.Option("--spectroscopy", help="even air: absorption, lblrtm or lowtran7")] = "lblrtm",
     haze: Annotated[str, typer.Option("--haze", help="even air: aerosol, as atmosphere.haze of a scenario")] = "none",
     output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
 ) -> None:
     """Transmittance of paths through the air.
 
@@ -248,10 +248,10 @@ def sky_command(
         str, typer.Option("--zenith-deg", metavar="A,B,...", help="zenith angles looked at from the sensor, in degrees; or FIRST:LAST:STEP")
     ],
     azimuth_deg: Annotated[
-        str | None, typer.Option("--azimuth-deg", metavar="A,B,...", help="azimuths looked at, clockwise from north; that of the sensor")
+        str | None, typer.Option("--azimuth-deg", metavar="A,B,...", help="azimuths, clockwise from north; default: the sensor's")
     ] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
 ) -> None:
     """Radiance and apparent temperature of the clear sky.
 

@@ -24,10 +24,10 @@ def compare(
         float | None, typer.Option("--depression-deg", help="angle below the horizontal at which the sea is looked at; 90 is the nadir")
     ] = None,
     resolution_cm: Annotated[
-        float | None, typer.Option("--resolution-cm", help="full width at half maximum of the spectrum in cm-1; that of the file")
+        float | None, typer.Option("--resolution-cm", help="full width at half maximum of the spectrum in cm-1; default: the file's")
     ] = None,
     spectroscopy: Annotated[
-        str | None, typer.Option("--spectroscopy", help="absorption of the air, lblrtm or lowtran7; that of the scenario")
+        str | None, typer.Option("--spectroscopy", help="absorption of the air, lblrtm or lowtran7; default: the scenario's")
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:

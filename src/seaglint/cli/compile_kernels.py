@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.scenario.model import Scenario
 
-POLL = 0.5  #: Seconds between two looks at what has been compiled.
+POLL = 0.5  #: Time between two counts of compiled kernels [s].
 
 _settings: Any = numba.config  # made at run time, where type checkers do not see it
 

@@ -196,7 +196,7 @@ def checksum(path: Path) -> str:
 
 
 def read_checksums(path: Path) -> dict[str, str]:
-    """File of ``sha256sum`` lines; empty where there is none."""
+    """Return the text of a file of ``sha256sum`` lines; empty if the file is missing."""
     if not path.is_file():
         return {}
     return {

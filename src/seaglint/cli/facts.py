@@ -1,4 +1,4 @@
-"""The commands ``seaglint info`` and ``seaglint doctor``: of a file, and of the installation."""
+"""``seaglint info``: contents of a file. ``seaglint doctor``: check of the installation."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def doctor(
 
 
 def _compile(scenario: Path | None, as_json: bool, show: ProgressMode) -> None:
-    """Compile the kernels of a scenario and say where they are."""
+    """Compile the kernels of a scenario and print their folder."""
     from seaglint.cli.compile_kernels import compile_kernels
     from seaglint.cli.terminal.messages import show_logs
     from seaglint.cli.terminal.program import only_numpy

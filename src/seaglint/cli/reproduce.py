@@ -118,7 +118,7 @@ def fig12(
     pixels: Annotated[
         int | None, typer.Option("--pixels", min=16, max=512, help="pixels along each side, fewer for a quick look; 512")
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="continue an unfinished sequence")] = False,
     overwrite: Overwrite = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
@@ -174,7 +174,7 @@ def table1(
     """Table 1 of the article, of false alarms, beside ours.
 
     Renders two seconds of glint for it: some five minutes on two cores. They are counted as rendered and through a detector with a blur
-    of 1.2 pixels, which is assumed: the article does not state that of its sensor. Other blurs stand below each row.
+    of 1.2 pixels, which is assumed: the article does not state its sensor's. Other blurs are listed below each row.
     """
     from seaglint.cli.terminal.progress import progress
     from seaglint.formats.tables.table_text import write_columns
@@ -212,7 +212,7 @@ def measured(
     Writes DIR/measured.csv and measured.png.
 
     Measured are AERI's zenith sky, HIS over the sea from 20 km, IRIS from space and a wave buoy. MODTRAN 4's path and sky and RRTMGP's
-    paths and skies are those of models. The data come with the package, and their sources are in measured.csv.
+    paths and skies come from models. The data come with the package, and their sources are in measured.csv.
     """
     from seaglint.store.outputs import refuse_existing, write_text
 

@@ -1,4 +1,4 @@
-"""The report of an analysis: one HTML file with its tables and pictures inside, which asks nothing of the network."""
+"""Report of an analysis: one HTML file with its tables and pictures inside, which loads nothing from the network."""
 
 from __future__ import annotations
 

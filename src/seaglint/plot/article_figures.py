@@ -1,8 +1,6 @@
-"""Figure 10 of the source article, drawn from the dataset of its study.
+"""Figures 2, 3, 4, 10 and 12 of the source article, drawn from the datasets of the studies. Equal datasets give equal bytes.
 
-Figures 2, 3, 4 and 10 of the source article, drawn from the datasets of the studies. The same dataset gives the same bytes.
-
-The class of the source article's Fig. 12: a frame in colours and in grey, and the geometry from the side.
+Figure 12 is drawn as its class: a frame in colours and in grey, and the geometry from the side.
 """
 
 from __future__ import annotations
@@ -287,7 +285,7 @@ class EngagementWays(Protocol):
 
     @property
     def ahead(self) -> dict[str, FloatArray]:
-        """Distance ahead of the sensor's start by name [m, (frames,)]; that of the sensor is ``"sensor"``."""
+        """Distance ahead of the sensor's start by name [m, (frames,)]; the sensor itself has the name ``"sensor"``."""
         ...
 
     @property

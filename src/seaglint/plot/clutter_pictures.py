@@ -1,18 +1,7 @@
-"""Parts that the pictures of clutter share: panels, colours of the regions, units on labels, text on an empty axis.
+"""Pictures of clutter statistics: regions, slices in time, distributions, false alarms, correlation. Equal analyses give equal bytes.
 
-Where the regions lie in the mean image, and a row and a column in time.
-
-How clutter hangs together: exceedances in time, brightness in space and time, spectrum.
-
-Distributions of brightness with the fits to them.
-
-False-alarm rates against the threshold: counted, Gaussian, extrapolated.
-
-The pictures of a report, in its order, with what stands above and below them.
-
-Pictures of clutter statistics: regions, slices in time, distributions, false alarms, memory. The same analysis gives the same bytes.
-
-What the data cannot tell (time in a single frame, a region that is missing) is said in words in the panel.
+A panel that the data cannot fill (time in a single frame, a missing region) states the reason in words. ``report_pictures`` lists all
+pictures in the order of a report, with the title above and the caption below each.
 """
 
 from __future__ import annotations
@@ -354,7 +343,7 @@ def histogram_edges(values: NDArray[Any]) -> FloatArray:
     low, high = float(values.min()), float(values.max())
     quartiles = np.percentile(values, [25.0, 75.0])
     width = 2.0 * float(quartiles[1] - quartiles[0]) / values.size ** (1.0 / 3.0)
-    # Never more cells than can be told apart, and never cells that single precision could not.
+    # Never more cells than can be distinguished, and no cells narrower than single precision resolves.
     width = max(width, (high - low) / _MOST_BINS, 1e-6 * max(abs(low), abs(high)))
     if np.all(values == np.rint(values)):
         step = float(max(math.ceil(width - 1e-9), 1))
@@ -366,7 +355,7 @@ def histogram_edges(values: NDArray[Any]) -> FloatArray:
 def _level(p: float, replicates: int) -> str:
     if not math.isfinite(p):
         return "no level"
-    # A bootstrap of n draws cannot tell levels below 1 / (n + 1).
+    # A bootstrap of n draws cannot resolve levels below 1 / (n + 1).
     return f"p < {2.0 / (replicates + 1):.2g}" if p <= 1.0 / (replicates + 1) else f"p = {p:.2g}"
 
 
@@ -478,7 +467,7 @@ PICTURES: Final = {
         "Of the same pixel, in the filtered images. Thin lines: what independent exceedances of the same rate would give.",
     ),
     "slices": ReportFigure(
-        draw_slices, "A row and a column in time", "Through the middle of the corridor, or of the picture where there is none."
+        draw_slices, "A row and a column in time", "Through the middle of the corridor, or of the picture if it has no corridor."
     ),
     "histograms": ReportFigure(
         draw_histograms,

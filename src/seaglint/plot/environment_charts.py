@@ -1,8 +1,8 @@
-"""Picture of a profile of the air: temperature, humidity and refractivity, the lowest kilometre below the whole.
+"""Charts of the environment: a profile of the air, a weather table, and the likelihood of glint.
 
-Picture of a weather table: wind rose, joint density of wind and cloud, means by month, missing values.
-
-Charts of the likelihood of glint: by threshold, bearing, month and hour; maps by month; the article's Fig. 5.
+The profile shows temperature, humidity and refractivity, the lowest kilometre below the whole. The weather table is shown as wind rose,
+joint density of wind and cloud, means by month and missing values. The likelihood is drawn by threshold, bearing, month and hour, as maps by
+month, and as Fig. 5 of the source article.
 """
 
 from __future__ import annotations

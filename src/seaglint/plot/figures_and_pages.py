@@ -1,7 +1,4 @@
-"""Figures that need no screen, shown by notebooks, and as bytes.
-
-Pages of reports: one HTML file with tables and pictures inside, which asks nothing of the network.
-"""
+"""New figures that need no screen, figures as bytes, and the HTML pages of reports, which load nothing from the network."""
 
 from __future__ import annotations
 
@@ -89,7 +86,7 @@ def page(title: str, body: Iterable[str]) -> str:
 
 
 def number(value: Any, digits: int = 3) -> str:
-    """A number for a table; what does not exist is a dash."""
+    """Return a number for a table; a missing one is a dash."""
     if value is None:
         return ABSENT
     if isinstance(value, bool):
@@ -105,7 +102,7 @@ def interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
-    """Cells are text; those of the columns ``words`` are sentences."""
+    """Return a table of text; cells of the columns ``words`` hold sentences."""
 
     def cell(tag: str, place: int, text: str) -> str:
         return f'<{tag} class="text">{escape(text)}</{tag}>' if place in words else f"<{tag}>{escape(text)}</{tag}>"
@@ -123,7 +120,7 @@ def bullets(texts: Iterable[str], kind: str = "") -> str:
 
 
 def notes(texts: Sequence[str], none: str = "") -> str:
-    """Return remarks in a box; where there are none, the sentence ``none``."""
+    """Return remarks in a box; without remarks the sentence ``none``."""
     return bullets(texts, "notes") if texts else f'<div class="notes none">{escape(none)}</div>'
 
 
@@ -133,7 +130,7 @@ def all_numbers(results: Any) -> str:
 
 
 def section(title: str, *parts: str) -> str:
-    """A heading and what stands below it."""
+    """Return a heading and the text below it."""
     return "\n".join([f"<h2>{escape(title)}</h2>", *parts])
 
 

@@ -1,6 +1,6 @@
-"""Lines of equal elevation and azimuth across the picture of a camera that has no grid of them.
+"""Picture of a sequence or map: radiance and apparent temperature, with angles on the axes.
 
-A picture of a sequence or map: radiance and apparent temperature, angles on the axes.
+Where rows and columns are not lines of equal elevation and azimuth (plane images, rolled cameras), such lines are drawn across the picture.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Frames written in the format of a file's ending, as the numbers of the run, single precision or counts.
+"""Export of a run in the format of a file's ending: numbers by :mod:`seaglint.formats.export`, moving pictures by :mod:`seaglint.plot.video`.
 
-A run in the format of a file's ending: numbers by :mod:`seaglint.formats.export`, moving pictures by :mod:`seaglint.plot.video`.
+Numbers are written as stored, in single precision, or as counts.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ def write_stack(
     output : path
         File to write, with one of the endings of :func:`seaglint.formats.export.endings`.
     dtype : {"uint16", "float32"}, optional
-        Type of the numbers; that of the run by default. Counts of 16 bits stay as they are, other values become
+        Type of the numbers; the type of the run by default. Counts of 16 bits stay unchanged, other values become
         :class:`~seaglint.formats.export.stack.Counts`.
     limits : (float, float), optional
-        Range of those counts; that of the values by default, for which all frames are read once more.
+        Range of those counts; by default the range of the values, for which all frames are read once more.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
     progress : callable, optional
         ``progress(done, total)``.
 
@@ -111,7 +111,7 @@ def write_stack(
             yield numbers.of(image)
 
     with ExitStack() as held:
-        # The header gets its name last of all: what has one is whole.
+        # The header gets its final name last: a file with a header is complete.
         partials = [held.enter_context(moved_when_whole(file)) for file in reversed(files)][::-1]
         for partial in partials:
             partial.unlink(missing_ok=True)  # left by a process that was killed
@@ -123,7 +123,7 @@ def write_stack(
 
 
 def _range(images: Iterable[NDArray[Any]]) -> tuple[float, float]:
-    """Smallest and largest finite value; 0 and 0 where there is none."""
+    """Return the smallest and the largest finite value; 0 and 0 without finite values."""
     low, high = np.inf, -np.inf
     for image in images:
         finite = image[np.isfinite(image)]
@@ -162,7 +162,7 @@ def export_run(
     colours, rate, scale
         As in :func:`seaglint.plot.video.write_video`.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
     progress : callable, optional
         ``progress(done, total)``.
 

@@ -1,4 +1,7 @@
-"""Brightness of a preview: limits from the pixels shown, of the sea where the sky would take the scale, and a logarithm beside glint."""
+"""Brightness scale of a preview: limits from the displayed pixels, and a logarithm beside glint.
+
+Where the sky alone would determine the scale, the limits are taken from the sea.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ _FLAT: Final = 0.1  #: Share of a linear scale that the middle half of the pixel
 #: Part of the sea below the horizon that takes the sky's radiance with distance, and sets no limit [% of the pixels of the sea].
 _FAR: Final = 25.0
 
-_OWN: Final = 0.5  #: Share of the whole scale below which the sea gets a scale of its own [1].
+_OWN: Final = 0.5  #: Share of the whole scale below which the sea gets its own scale [1].
 
 #: Brightest sky over the middle of the sea from which the Sun lights it: air emits at most 1.5 times as much, at night in 3.5-5 um [1].
 _SUNLIT: Final = 2.0
@@ -39,7 +42,7 @@ _DECADES: Final = 12  #: Largest number of decades beside a bar.
 def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any] | None = None) -> Scale:
     """Return the scale of images: its limits leave out one pixel in five hundred at either end.
 
-    Where the sky alone makes an automatic scale more than twice as wide as the sea needs, its limits are those of the sea.
+    Where the sky alone makes an automatic scale more than twice as wide as the sea needs, its limits are the limits of the sea.
 
     Parameters
     ----------
@@ -49,7 +52,7 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any]
         ``auto`` takes the logarithm where half of the pixels would share less than a tenth of a linear scale at its dark end; the others
         span the sky too.
     depression : ndarray, optional
-        Angle of the pixels below the sea's horizon, negative in the sky, of a shape that broadcasts to that of ``values`` [deg].
+        Angle of the pixels below the sea's horizon, negative in the sky, of a shape that broadcasts to the shape of ``values`` [deg].
 
     Returns
     -------
@@ -77,7 +80,7 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any]
 
 
 def _sea_alone(values: NDArray[Any], depression: NDArray[Any], limits: tuple[float, float]) -> NDArray[Any]:
-    """Return the values without those of the sky, and of the sea below the horizon, beyond the sea's own limits; all where none is to go.
+    """Return the values within the limits of the sea: brighter or darker pixels of the sky, and of the sea below the horizon, are left out.
 
     Air warmer or colder than the water would leave the sea a small part of the scale: at night in 8-12 um 0.7 K of 8 K.
     """

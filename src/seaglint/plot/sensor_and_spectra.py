@@ -1,7 +1,4 @@
-"""Picture of a sensor's figures of merit: MTF with its parts, and the noise budget.
-
-Picture of spectra side by side: measured and computed on the left, their difference on the right.
-"""
+"""Pictures of a sensor (MTF with its parts, noise budget) and of two spectra: measured and computed, with their difference."""
 
 from __future__ import annotations
 

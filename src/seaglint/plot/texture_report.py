@@ -172,7 +172,7 @@ def write_comparison(
     about : sequence of str
         Sentences on the fit: what was fitted to what, and how.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
 
     Raises
     ------

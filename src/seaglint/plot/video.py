@@ -1,6 +1,6 @@
-"""Formats of videos: their endings, codecs, and the frame rates that they hold.
+"""Videos of a sequence, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV).
 
-A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV).
+Each ending has a codec and the frame rates that it can store.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ _MAX_SIDE: Final = 4096  # what H.264 decoders take; wider panoramas are average
 _SAMPLED_FRAMES: Final = 16  # frames that set the grey scale
 _CAPTION: Final = 56  # px; two lines of text
 _LEAST_WIDTH: Final = 480  # px that the caption takes; narrower pictures get black beside them
-_USUAL_RATE: Final = 25.0  # Hz, where the run does not tell its own
+_USUAL_RATE: Final = 25.0  # Hz, if the run has no frame rate
 _REMEDY: Final = "make room or choose another place; nothing was written"
 
 #: Colours of brightness: grey, dark to bright or the other way, or an even rise of lightness and hue (Matplotlib's inferno).
@@ -88,7 +88,7 @@ def palette(colours: Colours) -> NDArray[np.uint8]:
 
 
 def shown_rate(dataset: xr.Dataset, variable: str, ending: str) -> float:
-    """Frames per second of a video [Hz]: that of the run, within what the format holds."""
+    """Return the frame rate of a video [Hz]: the rate of the run, within the limits of the format."""
     low, high = video_format(ending).rates
     return min(max(stored_frame_rate(dataset, dataset[variable]) or _USUAL_RATE, low), high)
 
@@ -109,7 +109,7 @@ def grey(image: NDArray[np.floating], low: float, high: float) -> NDArray[np.uin
 
 
 def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float | None) -> NDArray[np.uint8]:
-    """Picture with a strip below it: the time, a bar from the darkest to the brightest grey, and what its ends are."""
+    """Picture with a strip below it: the time, a bar from the darkest to the brightest grey, and the values at its ends."""
     from matplotlib import get_data_path
     from PIL import Image, ImageDraw, ImageFont
 

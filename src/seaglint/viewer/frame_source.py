@@ -1,6 +1,6 @@
-"""Opening of files for display: layers, directions, truth; only headers are read until a frame is requested.
+"""Frames of any file that can be displayed: layers, directions and truth, read one by one on request.
 
-Source of frames: any file that can be displayed, in one form and read frame by frame on request.
+Opening reads headers only. Sequences, maps, pictures and recordings then have the same form.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _MAPS: Final = (".nc", ".nc4")
 class Layer:
     """Layer of a file: one image for each frame."""
 
-    #: ``name``, ``label``, ``unit``: By which it is asked for, what it is, and the unit as it is written.
+    #: ``name``, ``label``, ``unit``: Name in requests, label on the page, and unit as written there.
     name: str
     label: str
     unit: str
@@ -263,7 +263,7 @@ Image = NDArray[np.floating[Any]]
 
 MOST_CACHED: Final = 48_000_000  #: Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence.
 
-MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a chunk of its own on disk.
+MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a separate chunk on disk.
 
 
 class GoneError(DataError):
@@ -273,7 +273,7 @@ class GoneError(DataError):
 class ViewerSource:
     """Frames, layers, truth and directions of one file; see :func:`open_source`.
 
-    A file that changes is opened again; one that is gone is told as a :class:`~seaglint.base.errors.DataError` and is back once it is
+    A file that changes is opened again; a missing file is reported as a :class:`~seaglint.base.errors.DataError` and is back once it is
     there.
     """
 
@@ -287,7 +287,7 @@ class ViewerSource:
         try:
             self._place, self._stamp = self._find()
         except GoneError:
-            self._place, self._stamp = Path(path), ()  # never was: the reader says what would do
+            self._place, self._stamp = Path(path), ()  # the place is empty: the reader's error names the allowed files
         self._opened = self._open()
 
     @property
@@ -339,7 +339,7 @@ class ViewerSource:
             return self._done
 
     def layer(self, name: str | None = None) -> Layer:
-        """Return a layer by its name; the main one where none is given.
+        """Return a layer by its name; the main one by default.
 
         Raises
         ------

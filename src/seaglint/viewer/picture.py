@@ -1,8 +1,7 @@
-"""Brightness scale of a picture: values become 255 levels, linearly, between percentiles, or by plateau equalisation.
+"""Displayed picture of a source: one layer, optionally less the layer of another source, on a brightness scale.
 
-Level 0 is kept for pixels without a value. The colours of the levels are drawn by the browser.
-
-Displayed picture of a source: its layer, an optional source that is subtracted, and its scale.
+The scale maps values to 255 levels: linearly, between percentiles, or by plateau equalisation. Level 0 marks pixels without a value. The
+browser draws the colours of the levels.
 """
 
 from __future__ import annotations

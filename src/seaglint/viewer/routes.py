@@ -1,12 +1,7 @@
-"""Analyses that take longer than an answer may: one thread each, with progress, stopped when no browser asks for them.
+"""Requests of the page of sequences: its script, pictures, probes, traces, analyses and downloads.
 
-Probe and trace: a pixel's values in every layer, its direction, and its values over time.
-
-Downloads of the viewer: a frame as picture or numbers, a clip, and statistics as a table.
-
-Addresses of the page of sequences: the requests of its script.
-
-Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path.
+Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Analyses that take longer
+than a browser waits run in one thread each, with progress, and stop when no browser polls them any more.
 """
 
 from __future__ import annotations
@@ -300,7 +295,7 @@ class Query:
         self._given = request.query_params
 
     def word(self, name: str) -> str | None:
-        """Return the text, or None where there is none."""
+        """Return the text, or None if it is empty."""
         return self._given.get(name) or None
 
     def integer(self, name: str, default: int | None = None) -> int:
@@ -326,7 +321,7 @@ class Query:
         return value
 
     def rectangle(self) -> Rectangle | None:
-        """Return a region, or None where none is given."""
+        """Return a region, or None if the request has none."""
         if self.word("width") is None:
             return None
         return Rectangle(*(min(max(self.integer(name), -(10**9)), 10**9) for name in ("left", "top", "width", "height")))
@@ -414,7 +409,7 @@ class _Pages:
         return self._file(str(request.path_params["name"]))
 
     def icon(self, request: Request) -> Response:
-        """Return the icon, which browsers ask for by this name where a page names none."""
+        """Return the icon, which browsers request by this name if a page names no icon."""
         return self._file("icon.svg")
 
     def _file(self, name: str) -> Response:

@@ -1,10 +1,8 @@
-"""Access control of the viewer and limits of requests: the outermost layer of the server.
+"""Server of the viewer: its pages, access control and limits of requests. No data leave the machine.
 
-A page of another site that a user has open can send requests to this machine, and a name that its owner points here (DNS rebinding)
-makes the browser believe that both are one site. Requests are therefore refused unless ``Host`` is a name that the server was started
-with, and ``Origin``, where a browser sends one, is that same host. Beyond the own machine a token is asked for as well.
-
-Server of the viewer: an address and its pages; no data leave the machine.
+A page of another site that a user has open can send requests to this machine, and a name whose owner lets it point here (DNS rebinding)
+makes the browser treat both as one site. The outermost layer of the server therefore refuses requests unless ``Host`` is a name that the
+server was started with, and ``Origin``, if a browser sends one, is the same host. From other machines a token is required as well.
 """
 
 from __future__ import annotations
@@ -47,7 +45,7 @@ MOST_BODY: Final = 1_000_000  #: Largest size of a request's body or of a websoc
 
 MOST_ADDRESS: Final = 4096  #: Largest size of a request's path and query [bytes].
 
-# Scripts of NiceGUI's pages are written into them. Nothing may be asked for from elsewhere, whatever a page holds.
+# Scripts of NiceGUI's pages are written into them. Nothing may be loaded from other hosts, whatever a page contains.
 _POLICY: Final = "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; frame-ancestors 'none'; form-action 'self'"
 _STRICT: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'; "
@@ -270,7 +268,7 @@ def require_installed() -> None:
     Raises
     ------
     BackendError
-        NiceGUI or what it stands on is not installed.
+        NiceGUI or a library that it needs is not installed.
     """
     from importlib.util import find_spec
 
@@ -307,7 +305,7 @@ def _with_pages(addresses: list[Any], pages: Sequence[Page]) -> Any:
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """Return a socket that listens at ``port``, or at the first free one from :data:`PORT` on where none is given.
+    """Return a socket that listens at ``port``, or at the first free one from :data:`PORT` on by default.
 
     Raises
     ------

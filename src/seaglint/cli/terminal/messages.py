@@ -1,10 +1,7 @@
-"""Messages of the commands: lines for the user on stderr, results for a program on stdout, errors in the words of the command line.
+"""Lines that the commands print: messages and errors on stderr, results on stdout.
 
-Log messages of the package, printed as plain lines on stderr.
-
-Numbers as they are typed and told by ``seaglint detect``.
-
-Plain text tables of results.
+Errors are written in the words of the command line (options instead of parameters), log records of the package as plain lines. Below them
+are the tables of results in plain text, and the numbers that ``seaglint detect`` reads and prints.
 """
 
 from __future__ import annotations
@@ -61,7 +58,7 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
     """Return an error's text with parameters spelled as the options that set them.
 
     Errors speak of parameters, which a user of the command line never sees: ``name = value`` and ``name=True`` anywhere, and a name alone
-    that stands in backticks, or whose underscore tells it from a word. Keys of a scenario file, which have a dot before them, stay. In the
+    in backticks, or with an underscore, which no word has. Keys of a scenario file, which have a dot before them, stay. In the
     error of a file (``of_file``), which has keys without a dot too, ``name=value`` without spaces is a parameter and ``name = value`` none.
 
     Examples
@@ -87,7 +84,7 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
 
 
 def printable(text: str) -> str:
-    r"""Return a text that a terminal shows as it is: what would steer it stands as an escape, what fills the screen is cut.
+    r"""Return a text without characters that steer a terminal: these become escapes, and very long words and lines are cut.
 
     Values and names of files come from anywhere: control characters, those that reverse the direction of writing, and separators of
     lines are written as Python writes them; words of more than :data:`LONGEST_WORD` characters keep their beginning.

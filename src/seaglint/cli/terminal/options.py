@@ -1,8 +1,6 @@
-"""Options that several commands have.
+"""Options that several commands share: output, progress, overwriting, the scale of previews, and numbers of frames.
 
-The option ``--scale`` of previews, and what a preview may replace.
-
-The frames asked for on the command line: ``37``, ``37:38``, ``10:``, ``:20``, of a stored run also ``0:100:2``.
+Frames are written ``37``, ``37:38``, ``10:`` or ``:20``; of a stored run also with a step, ``0:100:2``.
 """
 
 from __future__ import annotations
@@ -27,12 +25,12 @@ class PreviewScale(StrEnum):
 
 
 def place_given(text: str) -> Path | str:
-    """A store's name: a URL as it stands, else a path without a slash at its end, which would put what lies beside the store elsewhere."""
+    """Return the name of a store: a URL unchanged, a path without a final slash, so that files beside the store get the right folder."""
     bare = text.rstrip("/\\") or text
     return bare if "://" in text else Path(bare)
 
 
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace an existing output")]
 StoreOption = Annotated[str, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")]
 ShardOption = Annotated[
     str | None,
@@ -50,7 +48,7 @@ ScaleOption = Annotated[
 
 
 def refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
-    """Refuse to write a preview over what may be somebody's, and say why a name is taken that was not given."""
+    """Refuse to replace a file by a preview; the error states how the preview got its name."""
     from seaglint.store.outputs import refuse_existing
 
     if path.exists() and not replace:

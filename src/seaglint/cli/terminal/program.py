@@ -1,15 +1,15 @@
-"""A quick start of the program: what its libraries do at the start for the sake of others is put off.
+"""Start and help of the program: a quick start, completion in the shell, lists of formats, and examples.
 
-Completion of commands and options in the user's shell.
+Quick start: libraries that search the machine at import, for the benefit of other programs, are kept from doing so.
 
-Typer's own options take no shell: they look for the one that started them, and find another from within make, tmux or a script.
+Completion: Typer's options for it detect the shell that started the program, which fails within make, tmux and scripts. The options here
+take the name of the shell.
 
-Help texts that list the library's formats, which are looked up when the help page is printed and not before.
+Lists of formats in help texts are looked up when a help page is printed, so that no reader of files is imported at the start.
 
-The example at the end of each command's help: lines that work in an empty folder, and in one where others were typed before.
-
-Examples that need a scenario or a recording begin with the same lines. These work again: the scenario is replaced by the same, and
-``--resume`` takes a finished recording as it is. All else that an example writes has a name of its own.
+Examples: each command's help ends with lines that work in an empty folder, and also in a folder where other examples were typed before.
+Examples that need a scenario or a recording begin with the same two lines, which can be repeated: the scenario is replaced by an equal one,
+and ``--resume`` accepts a finished recording. Every other file that an example writes has a different name.
 """
 
 from __future__ import annotations

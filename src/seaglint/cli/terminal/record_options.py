@@ -1,12 +1,8 @@
-"""Values of options that are small files or layouts of files: weights, masks, raw layouts.
+"""Options of a command, derived from the records that it takes: requests of the studies, results and workers.
 
-Options of a command from the records that it takes: requests of the studies, and what commands share.
-
-Workers that options ask for: processes on this machine, or a Dask cluster.
-
-Options of where results go and of how work is run, as records that commands share.
-
-The end of a work that was cut into shares: the message after a share, and the check of the whole.
+Each field of a record becomes one option with the help text of the field. Some options name small files (weights, masks) or layouts of raw
+files; these are read here. The records ``ResultOptions`` and ``RunOptions`` are shared by commands: where results are written, who computes
+them, and what is printed at the end of a share of the work.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Style of the workbench: the colours of the viewer's other pages.
+"""Page of the workbench: the form on the left, pictures of its scenario on the right, in the style of the viewer's pages.
 
-Redrawing of pictures a little after the last change; a newer change replaces a picture in progress.
-
-Page of the workbench: the form at the left, pictures of its scenario at the right.
+Pictures are drawn again shortly after the last change; a newer change replaces a picture in progress.
 """
 
 from __future__ import annotations
@@ -399,7 +397,7 @@ class Bench:
         self.status.set_text(f"{len(mistakes)} to correct" if mistakes else "valid")
 
     async def _ask(self) -> None:
-        """Ask for confirmation before the file is replaced."""
+        """Require a confirmation before the file is replaced."""
         scenario = self._scenario
         if scenario is None:
             ui.notify("the scenario is not valid yet; correct it first", type="negative")

@@ -26,7 +26,7 @@ def main() -> None:
             answer: tuple[str, PreviewPicture | SeaglintError] = ("picture", picture(job, scenario))
         except SeaglintError as error:
             answer = ("error", error)
-        except Exception as error:  # a defect of seaglint is told, and the page lives on
+        except Exception as error:  # a defect of seaglint is reported, and the page continues to work
             answer = ("error", SeaglintError(f"{type(error).__name__}: {error}; this is a defect of seaglint, please report it"))
         pickle.dump(answer, answers)
         answers.flush()

@@ -1,7 +1,4 @@
-"""Form of a scenario, derived from its JSON Schema: groups by table, fields by key.
-
-Draft of a scenario: its values as typed, the scenario that they give, and its mistakes.
-"""
+"""Draft of a scenario: its fields from the JSON Schema, the values as typed, the scenario that they define, and their mistakes."""
 
 from __future__ import annotations
 
@@ -27,7 +24,7 @@ from seaglint.store.outputs import moved_when_whole
 Kind = Literal["number", "text", "list", "tables", "switch", "choice", "file"]
 
 # A comment and no docstring: Sphinx cannot draw up a signature of an alias.
-Keys = tuple[str | int, ...]  # where a key stands in the file: names of tables and keys, places in lists
+Keys = tuple[str | int, ...]  # place of a key in the file: names of tables and keys, indices in lists
 
 
 @dataclass(frozen=True)
@@ -39,7 +36,7 @@ class Field:
     #: ``switch`` or ``choice``.
     kind: Kind
     hint: str = ""
-    default: Any = None  #: Value where none is given; None without a default.
+    default: Any = None  #: Default value; None without a default.
     choices: tuple[Any, ...] = ()  #: Values of a choice; for a list, the allowed items.
     required: bool = False
 
@@ -224,7 +221,7 @@ class Draft:
         return None if self.source is None else self.source.parent
 
     def get(self, keys: Keys) -> Any:
-        """Return the value at a place; None where there is none."""
+        """Return the value at a place; None if the place is empty."""
         here: Any = self.raw
         for key in keys:
             if isinstance(here, Mapping):

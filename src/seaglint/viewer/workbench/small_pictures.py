@@ -1,4 +1,4 @@
-"""Small pictures of a scenario, computed in a process of their own so that the page stays responsive."""
+"""Small pictures of a scenario, computed in a separate process so that the page stays responsive."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class PreviewPicture:
     elevation: tuple[float, float] | None
     pixels: tuple[int, int]  #: Width and height of the whole picture.
     seconds: float  #: Time of the computation [s].
-    #: Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to that of the picture.
+    #: Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to the shape of the picture.
     depression: NDArray[np.float64] | None = None
 
 

@@ -1,7 +1,4 @@
-"""Course of the Sun over a day at a place, and its position at a time of day.
-
-Card of the Sun: its angles, or its course over a day at a place with a slider.
-"""
+"""Card of the Sun: its angles, or its course over a day at a place with a slider for the time."""
 
 from __future__ import annotations
 

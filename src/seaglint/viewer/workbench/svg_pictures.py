@@ -1,6 +1,6 @@
-"""Small picture as SVG: pixels, axes and colour bar.
+"""Pictures of the workbench as SVG: pixels with axes and colour bar, and the plan of a scenario from above.
 
-Plan of a scenario from above: the sensor's view, range rings, horizon, objects and their ways.
+The plan shows the sensor's view, range rings, horizon, objects and their tracks.
 """
 
 from __future__ import annotations
