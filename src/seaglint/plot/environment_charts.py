@@ -1,8 +1,8 @@
 """Charts of the environment: a profile of the air, a weather table, and the likelihood of glint.
 
 The profile shows temperature, humidity and refractivity, the lowest kilometre below the whole. The weather table is shown as wind rose,
-joint density of wind and cloud, means by month and missing values. The likelihood is drawn by threshold, bearing, month and hour, as maps by
-month, and as Fig. 5 of the source article.
+joint density of wind and cloud, means by month and missing values. The likelihood is drawn by threshold, bearing, month and hour, as maps
+by month, and as Fig. 5 of the source article.
 """
 
 from __future__ import annotations

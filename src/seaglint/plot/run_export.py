@@ -1,6 +1,6 @@
-"""Export of a run in the format of a file's ending: numbers by :mod:`seaglint.formats.export`, moving pictures by :mod:`seaglint.plot.video`.
+"""Export of a run in the format that the ending of a file names.
 
-Numbers are written as stored, in single precision, or as counts.
+:mod:`seaglint.formats.export` writes numbers, :mod:`seaglint.plot.video` moving pictures. Numbers are written as stored, in single precision, or as counts.
 """
 
 from __future__ import annotations
