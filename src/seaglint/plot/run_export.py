@@ -1,6 +1,7 @@
 """Export of a run in the format that the ending of a file names.
 
-:mod:`seaglint.formats.export` writes numbers, :mod:`seaglint.plot.video` moving pictures. Numbers are written as stored, in single precision, or as counts.
+:mod:`seaglint.formats.export` writes numbers, :mod:`seaglint.plot.video` moving pictures. Numbers are written as stored, in single
+precision, or as counts.
 """
 
 from __future__ import annotations
