@@ -31,14 +31,14 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
     path : path
         File to write, usually ``.html``.
     overwrite : bool
-        Whether a file that is there may be replaced.
+        Flag: an existing file may be replaced.
     progress : callable
-        Called with (pictures drawn, pictures in all).
+        Called with the numbers of pictures: drawn, and in all.
 
     Returns
     -------
     Path
-        As given.
+        The path.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
 
 
 def report(analysis: Analysis, progress: Progress = lambda done, total: None) -> str:
-    """The report as text."""
+    """Return the report as HTML text."""
     results = analysis.summary()
     images: dict[str, str] = {}
     for done, (name, picture) in enumerate(PICTURES.items(), start=1):
@@ -115,6 +115,7 @@ def _summary(results: AnalysisSummary) -> str:
                     number(entry.gaussian_rate),
                     number(entry.ratio),
                     number(entry.inflation),
+                    # Without a frame rate the column has frames, as its heading says.
                     number(time) if time is not None or results.frame_rate_hz is not None else number(frames),
                     "; ".join(dict.fromkeys(notes)),
                 ]
@@ -207,7 +208,8 @@ def _fits(analysis: Analysis, results: AnalysisSummary) -> list[str]:
 
 
 def _level(p: float | None, least: float | None) -> str:
-    """A level; the smallest that the bootstrap can give is an upper bound."""
+    """Return a level as text; the smallest level of the bootstrap is an upper bound."""
+    # A thousandth allows for rounding of the smallest level, 1 / (replicates + 1).
     return f"≤\u00a0{number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
 
 

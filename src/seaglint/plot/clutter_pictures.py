@@ -36,7 +36,7 @@ COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
 
 
 def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axes, str, Region]]]:
-    """A panel for each region that there is."""
+    """Return a figure of a height [in] and its panels, one for each region of the analysis."""
     number = len(analysis.regions)
     figure = new_figure(max(5.0 * number, 7.0), height)
     axes = figure.subplots(1, number, squeeze=False)[0]
@@ -44,31 +44,32 @@ def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axe
 
 
 def say(axes: Axes, text: str) -> None:
-    """Write text on an empty axis."""
+    """Write text in the middle of an empty panel."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes, fontsize=10, color="0.35", wrap=True)
 
 
 def beyond(values: NDArray[Any], low: float, high: float) -> str:
-    """Ends of a colour bar beyond which there are values."""
+    """Return the ends of a colour bar that values exceed, as Matplotlib's ``extend``: both, max, min or neither."""
     with np.errstate(invalid="ignore"):
         above, below = bool((values > high).any()), bool((values < low).any())
     return {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
 
 
 def unit_of(units: str | None, unknown: str = "unit") -> str:
-    """Units for labels: powers raised, ``W m-2 sr-1`` as W m⁻² sr⁻¹."""
+    """Return units for labels, with raised powers: ``W m-2 sr-1`` as W m⁻² sr⁻¹."""
+    # Only digits behind a letter are powers: a number that begins the units is a factor.
     raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
     return re.sub(r"(?<=[A-Za-z])-?\d+(?=\s|$)", lambda power: power[0].translate(raised), units) if units else unknown
 
 
 def values_label(analysis: Analysis) -> str:
-    """Label of an axis or bar of the recording's values."""
+    """Return the label of an axis or colour bar with the recording's values."""
     return f"values [{unit_of(analysis.recording.units, 'unit not known')}]"
 
 
 def per_frame(analysis: Analysis) -> tuple[float, str]:
-    """Seconds in a frame and the unit's name; frames where no rate is known."""
+    """Return the duration of a frame and its unit: seconds, or 1 frame where no frame rate is known."""
     rate = analysis.recording.frame_rate
     return (1.0 / rate, "s") if rate else (1.0, "frames")
 
@@ -79,7 +80,7 @@ _LEFT_OUT: Final = "#c2a5cf"
 
 
 def draw_regions(analysis: Analysis) -> Figure:
-    """Mean image with the outlines of the regions, and the row and column of :func:`draw_slices`."""
+    """Draw the mean image with the outlines of the regions, and the row and column of :func:`draw_slices`."""
     from matplotlib.colors import ListedColormap
     from matplotlib.lines import Line2D
 
@@ -116,7 +117,7 @@ def draw_regions(analysis: Analysis) -> Figure:
 
 
 def draw_slices(analysis: Analysis) -> Figure:
-    """A row and a column in time: raw, filtered, and above 3 sigma (the article's Fig. 7); profiles of a single frame."""
+    """Draw a row and a column in time: raw, filtered, and above 3 sigma (the article's Fig. 7). A single frame has profiles."""
     figure = new_figure(13.0, 7.5)
     panels = figure.subplots(2, 3, squeeze=False)
     slices = analysis.slices
@@ -150,7 +151,7 @@ def draw_slices(analysis: Analysis) -> Figure:
 
 
 def _profiles(line: Any, raw: NDArray[Any], filtered: NDArray[Any], above: NDArray[Any], label: str) -> None:
-    """A single frame has lines, not slices."""
+    """Draw raw and filtered values along a line of a single frame, which has no slices in time."""
     for axes, values in zip(line, (raw, filtered), strict=False):
         axes.plot(values, color="0.2", linewidth=0.7)
         axes.set(xlabel=label, xlim=(0, values.size - 1))
@@ -165,7 +166,7 @@ _FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 def draw_exceedances(analysis: Analysis) -> Figure:
-    """Exceedances of each pixel in time: joint probability (the article's Fig. 6) and correlation, 1/e marked."""
+    """Draw joint probability (the article's Fig. 6) and correlation of each pixel's exceedances in time, with 1/e marked."""
     figure = new_figure(12.0, 4.6 if analysis.recording.frames > 1 else 1.6)
     left, right = figure.subplots(1, 2)
     left.set_title("joint probability of exceeding now and later", fontsize=10)
@@ -177,9 +178,11 @@ def draw_exceedances(analysis: Analysis) -> Figure:
         alarms = next(iter(region.alarms.values()))
         for threshold, style in zip(alarms.thresholds, ("-", "--", "-.", ":", ":", ":"), strict=False):
             joint = alarms.joint(threshold)
+            # A curve needs two lags, and a correlation a rate above 0.
             if alarms.pixels == 0 or np.isfinite(joint.joint).sum() < 2 or not joint.rate > 0.0:
                 continue
             time, _ = joint.correlation_time()
+            # The slowest curve sets the axis: ten of its correlation times.
             longest = max(longest, 10.0 * time if time is not None else 10.0)
             legend = f"{name}, {threshold:g} σ" + ("" if time is None else f": {time * seconds:.3g} {label}")
             lines.append((legend, COLOURS[name], style, joint.joint, joint.correlation, joint.rate))
@@ -208,7 +211,7 @@ def draw_exceedances(analysis: Analysis) -> Figure:
 
 
 def draw_memory(analysis: Analysis) -> Figure:
-    """Clutter in space and time: correlation along both axes and in time, spectrum by rings and in the plane."""
+    """Draw the clutter in space and time: correlation along both axes and in time, spectrum by rings and in the plane."""
     figure = new_figure(12.0, 9.0)
     (space, time), (rings, plane) = figure.subplots(2, 2)
     seconds, label = per_frame(analysis)
@@ -221,7 +224,9 @@ def draw_memory(analysis: Analysis) -> Figure:
             space.plot(np.arange(rho.size), rho, color=colour, linestyle=style, label=f"{name}, {axis}: {legend}")
             reach = max(reach, min(5.0 * length, rho.size - 1.0) if math.isfinite(length) else 10.0)
         rho = region.temporal.rho
+        # Lag 0 alone is no curve.
         if np.isfinite(rho).sum() > 1:
+            # The time is in seconds where the frame rate is known, otherwise in frames already.
             frames = region.temporal.time * (analysis.recording.frame_rate or 1.0)
             legend = f"{frames * seconds:.3g} {label}" if math.isfinite(frames) else "no 1/e"
             time.plot(seconds * np.arange(rho.size), rho, color=colour, label=f"{name}: {legend}")
@@ -259,7 +264,7 @@ def draw_memory(analysis: Analysis) -> Figure:
 
 
 def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
-    """Spectrum of the corridor, or of everything, over both frequencies."""
+    """Draw the spectrum of the corridor, or else of the whole image, over both frequencies."""
     from matplotlib.colors import LogNorm
 
     for name in ("glint", "all"):
@@ -271,8 +276,10 @@ def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
         most = float(np.nanmax(density))
         if not most > 0.0:
             continue
+        # Frequencies are at the middle of their cells, which are 1/size cycles per pixel wide.
         half = 0.5 / region.spectrum.frequency.size
         ends = float(region.spectrum.frequency[0]) - half, float(region.spectrum.frequency[-1]) + half
+        # A few nearly empty cells would take most of the colours: the lowest 2 % share one, and six decades are enough.
         least = max(float(np.nanpercentile(density, 2.0)), 1e-6 * most)
         image = axes.imshow(
             np.maximum(density, least), norm=LogNorm(least, most), cmap="viridis", extent=(*ends, ends[1], ends[0]), interpolation="nearest"
@@ -300,7 +307,7 @@ _MOST_BINS: Final = 150
 
 
 def draw_histograms(analysis: Analysis) -> Figure:
-    """Histogram of each region on a logarithmic axis with every valid fit, its distance and level (the article's Figs. 8 and 9)."""
+    """Draw the histogram of each region, logarithmic, with every valid fit, its distance and level (the article's Figs. 8 and 9)."""
     figure, panels = panels_of(analysis, 5.2)
     for axes, name, region in panels:
         x = region.sample
@@ -313,12 +320,14 @@ def draw_histograms(analysis: Analysis) -> Figure:
         density = counts / (x.size * np.diff(edges))
         axes.stairs(np.where(counts > 0, density, np.nan), edges, color="0.2", linewidth=1.0, fill=False, label="data")
         axes.set_yscale("log", subs=[])
+        # One value in the narrowest cell lies above the lower end of the axis by a factor of three.
         lowest, highest = 0.3 / (x.size * float(np.diff(edges).min())), 3.0 * float(density.max())
         grid = np.linspace(edges[0], edges[-1], 800)
         for family in FAMILIES:
             fit = region.fits.get(family)
             if fit is None or not fit.is_valid:
                 continue
+            # All other families have their values above the location, where some densities have a pole.
             inside = grid if family == "gaussian" else grid[grid > (fit.loc or 0.0)]
             with np.errstate(all="ignore"):
                 values = fit.pdf(inside)
@@ -336,16 +345,19 @@ def draw_histograms(analysis: Analysis) -> Figure:
 
 
 def histogram_edges(values: NDArray[Any]) -> FloatArray:
-    """Edges of a histogram: Freedman and Diaconis' width, at most 150 cells; of whole numbers, cells of as many each.
+    """Return the edges of a histogram with Freedman and Diaconis' width, at most 150 cells.
 
-    Cells that hold now three and now four whole numbers would show a comb that is not in the data.
+    For whole numbers every cell holds equally many of them: cells of three and of four numbers by turns would show a comb that is not in the
+    data.
     """
     low, high = float(values.min()), float(values.max())
     quartiles = np.percentile(values, [25.0, 75.0])
+    # Freedman and Diaconis (1981): twice the interquartile range over the cube root of the number of values.
     width = 2.0 * float(quartiles[1] - quartiles[0]) / values.size ** (1.0 / 3.0)
     # Never more cells than can be distinguished, and no cells narrower than single precision resolves.
     width = max(width, (high - low) / _MOST_BINS, 1e-6 * max(abs(low), abs(high)))
     if np.all(values == np.rint(values)):
+        # 1e-9 keeps a width that is a whole number but for rounding.
         step = float(max(math.ceil(width - 1e-9), 1))
         return np.arange(low - 0.5, high + 0.5 + step, step)
     number = min(max(math.ceil((high - low) / width), 1), _MOST_BINS)
@@ -360,7 +372,7 @@ def _level(p: float, replicates: int) -> str:
 
 
 def draw_rates(analysis: Analysis) -> Figure:
-    """False-alarm rate of each region against threshold: measured, Gaussian, and extrapolated with its band and limit of trust."""
+    """Draw the false-alarm rate of each region against threshold: measured, Gaussian, and extrapolated with its band and limit of trust."""
     figure, panels = panels_of(analysis, 5.4)
     for axes, name, region in panels:
         axes.set_title(name, fontsize=10)
@@ -392,6 +404,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
                 _remark(axes, f"no extrapolation: {reason}")
             else:
                 furthest = max(furthest, _extrapolated(axes, tail, pixels))
+    # Far out the Gaussian rate underflows to 0, which a logarithmic axis cannot show.
     m = np.linspace(0.0, furthest, 400)
     axes.plot(m, np.maximum(gaussian_rate(m), 1e-300), color="0.3", linestyle="--", linewidth=1.0, label="Gaussian tail")
     axes.axhline(1.0 / pixels, color="0.3", linestyle=":", linewidth=0.9)
@@ -404,13 +417,14 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         transform=axes.get_yaxis_transform(),
     )
     axes.set_yscale("log", subs=[])
+    # Two decades below one alarm in all pixels leave room for the extrapolated tail.
     axes.set(xlim=(0.0, furthest), ylim=(0.01 / pixels, 1.0), xlabel="threshold [standard deviations σ]")
     axes.grid(alpha=0.25)
     axes.legend(fontsize=7, loc="upper right", framealpha=0.85)
 
 
 def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> None:
-    """Counted thresholds with their 95 % intervals; an open circle has none."""
+    """Draw the counted thresholds with their 95 % intervals; an open circle marks a threshold without interval."""
     labelled = not label
     for rate in alarms.rates():
         if not rate.rate > 0.0:
@@ -425,7 +439,8 @@ def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> No
 
 
 def _extrapolated(axes: Axes, tail: TailFit, pixels: int) -> float:
-    """Tail and its band; returns the threshold up to which it is worth seeing."""
+    """Draw a fitted tail and its band; return the threshold at which the axis ends [standard deviations]."""
+    # To a rate of 3 % of one alarm in all pixels, but not much further than twice the trusted part of the tail.
     end = tail.threshold_for(0.03 / pixels) or tail.trusted_to_sigma
     end = min(end, tail.threshold + 2.0 * (tail.trusted_to_sigma - tail.threshold) + 2.0)
     m = np.linspace(tail.threshold, max(end, tail.trusted_to_sigma), 200)
@@ -437,14 +452,14 @@ def _extrapolated(axes: Axes, tail: TailFit, pixels: int) -> float:
 
 
 def _remark(axes: Axes, text: str) -> None:
-    """Small print in the lower right corner."""
+    """Write small print in the lower right corner."""
     box = {"facecolor": "w", "edgecolor": "none", "alpha": 0.8}
     axes.text(0.98, 0.02, textwrap.fill(text, 44), transform=axes.transAxes, fontsize=7, ha="right", va="bottom", bbox=box)
 
 
 @dataclass(frozen=True)
 class ReportFigure:
-    """One of the report's figures."""
+    """Figure of the report, with its title and caption."""
 
     draw: Callable[[Analysis], Figure]
     title: str

@@ -33,14 +33,14 @@ TALL = 20.0  #: Height of the upper panels [km].
 
 
 def write_air_plot(summary: AirSummary, output: Path) -> Path:
-    """Write the picture, complete or not at all."""
+    """Write the charts of a profile of air to a picture file, complete or not at all."""
     with moved_when_whole(output) as partial:
         draw_air(summary).savefig(partial, dpi=120, format=output.suffix.lstrip(".").lower())
     return output
 
 
 def draw_air(summary: AirSummary) -> Figure:
-    """Profiles against height: up to 20 km above, the lowest kilometre below."""
+    """Draw profiles against height: up to 20 km above, the lowest kilometre below."""
     air = summary.profile
     figure = new_figure(10.0, 7.5)
     panels = figure.subplots(2, 3, height_ratios=(1.4, 1.0))
@@ -52,9 +52,11 @@ def draw_air(summary: AirSummary) -> Figure:
     )
     # rays are trapped where the modified refractivity falls with height
     low_columns = (*columns[:2], ("modified refractivity [10⁻⁶]", dry + 1e6 * air.height / air.earth_radius, "C2"))
+    # The model atmosphere continues above the sounding's top; 1 m allows for rounded heights.
     given = air.height <= summary.top + 1.0
     for row, top, quantities in zip(panels, (TALL, 1.0), (columns, low_columns), strict=True):
         inside = z <= top * 1.001
+        # Evenly spaced up to the top of the panel, which may lie between two levels.
         fine = np.linspace(0.0, top, 400)
         for axes, (label, values, colour) in zip(row, quantities, strict=True):
             axes.plot(np.interp(fine, z, values), fine, color=colour, linewidth=1.2)
@@ -135,7 +137,9 @@ def _joint(figure: Any, axes: Any, facts: WeatherFacts) -> None:
     axes.set_xticks(range(percent.shape[1]), [f"{k}" for k in range(percent.shape[1])])
     axes.set_yticks(range(percent.shape[0]), _classes(joint.speed_edges_m_s))
     for (row, column), value in np.ndenumerate(percent):
+        # Cells that would round to 0 stay empty.
         if value >= 0.5:
+            # White on the dark cells of the colours, black on the light ones.
             colour = "white" if value > 0.6 * percent.max() else "black"
             axes.text(column, row, f"{value:.0f}" if value >= 10 else f"{value:.1f}", ha="center", va="center", fontsize=7, color=colour)
     linked = facts.wind_cloud_correlation
@@ -205,6 +209,7 @@ def _thresholds(axes: Axes, summary: LikelihoodSummary) -> None:
     rows = sorted(summary.results, key=lambda row: row.threshold_w_m2_sr)
     x, p = np.array([row.threshold_w_m2_sr for row in rows]), np.array([row.probability for row in rows])
     low, high = np.array([row.interval for row in rows]).T
+    # Rounding may put an estimate just outside its interval, and Matplotlib refuses negative lengths of bars.
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
     axes.set(
         xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
@@ -233,12 +238,13 @@ def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
 
 
 def write_map(dataset: xr.Dataset, output: Path) -> None:
-    """Draw the map of every month."""
+    """Draw a map of the chance of glint for every month into a picture file."""
     chance = dataset["probability"].isel(threshold=0)
     months = chance.month.to_numpy().tolist()
     columns = min(4, len(months))
     rows = math.ceil(len(months) / columns)
     figure = new_figure(3.2 * columns, 2.6 * rows + 0.6)
+    # Months without any glint still need a colour scale above 0.
     most = max(float(chance.max()), 1e-6)
     image = None
     for i, month in enumerate(months):
@@ -255,10 +261,11 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
 
 
 def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:
-    """Draw chances by threshold and by month of several sea regions, :func:`seaglint.studies.likelihood.chance_map.regions`."""
+    """Draw chances by threshold and by month for several sea regions, from :func:`seaglint.studies.likelihood.chance_map.regions`."""
     figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     for name, columns in result.items():
+        # A logarithmic axis has no 0; 1e-6 is below its lower end.
         left.loglog(columns["threshold"], np.maximum(columns["probability"], 1e-6), label=name)
         right.plot(np.arange(12), columns["by_month"], marker="o", label=name)
     left.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability of a look [1]", ylim=(1e-4, 1.0))

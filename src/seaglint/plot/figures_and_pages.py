@@ -20,10 +20,11 @@ _DOTS_PER_INCH: Final = 100
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as PNG, without date or version inside."""
+    """Return a figure as PNG, without date or version inside."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     buffer = io.BytesIO()
+    # Set here, so that a user's settings of Matplotlib do not change the bytes of a report.
     figure.set_dpi(_DOTS_PER_INCH)
     # Not savefig, which lays everything out twice.
     FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
@@ -31,7 +32,7 @@ def png(figure: Figure) -> bytes:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """A figure of this size [inch] that needs no screen; notebooks show it without pyplot."""
+    """Return an empty figure of a size [inch] that needs no screen; notebooks display it without pyplot."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -43,7 +44,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 ABSENT: Final = "–"  #: Text in place of a number that does not exist.
 
-WIDE: Final = 9  #: Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view.
+WIDE: Final = 9  #: Number of columns from which a table is set smaller and its numbers may wrap, so that the last columns stay in view.
 
 STYLE: Final = """
 body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;
@@ -74,7 +75,7 @@ pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; font-size: .8rem; }
 
 
 def page(title: str, body: Iterable[str]) -> str:
-    """The whole page as text."""
+    """Return the whole HTML page as text."""
     head = (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -89,15 +90,17 @@ def number(value: Any, digits: int = 3) -> str:
     """Return a number for a table; a missing one is a dash."""
     if value is None:
         return ABSENT
+    # Before whole numbers, of which Python's truth values are a subclass.
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int):
         return f"{value:,}".replace(",", "\u202f")
+    # Exponents without leading zero and plus sign; a minus sign instead of a hyphen.
     return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "\u2212")
 
 
 def interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
-    """Two ends for a table."""
+    """Return an interval for a table; where an end is missing, a dash."""
     return ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
 
 
@@ -125,7 +128,7 @@ def notes(texts: Sequence[str], none: str = "") -> str:
 
 
 def all_numbers(results: Any) -> str:
-    """Return everything that a report is made from, as JSON that opens on a click."""
+    """Return all results of a report as JSON that opens on a click."""
     return f"<details><summary>All numbers as JSON</summary><pre>\n{escape(json_text(results, indent=1))}\n</pre></details>"
 
 
@@ -135,6 +138,6 @@ def section(title: str, *parts: str) -> str:
 
 
 def figure(content: bytes, title: str, caption: str) -> str:
-    """A PNG picture with its caption, inside the page."""
+    """Return a PNG picture and its caption as HTML; the pixels are inside the page."""
     data = base64.b64encode(content).decode("ascii")
     return f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'

@@ -55,6 +55,7 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
 
     axes.set_xlabel("column")
     axes.set_ylabel("row")
+    # Contours need two rows and two columns.
     if min(azimuth.shape) < 2:
         return
     # Round the nadir, or the whole compass, azimuth has a seam that its lines would bunch on.
@@ -76,12 +77,13 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
 
 
 def _turned(azimuth: FloatArray, towards: float) -> FloatArray:
-    """Angles from an azimuth, -180 to 180 [deg]."""
+    """Return angles measured from an azimuth, -180 to 180 [deg]."""
     return np.asarray((azimuth - towards + 180.0) % 360.0 - 180.0)
 
 
 def _draw_azimuth(axes: Axes, towards: float, azimuth: FloatArray) -> None:
-    """Line of one azimuth, drawn as the zero of a sine, with its label where it leaves the picture."""
+    """Draw the line of one azimuth as the zero of a sine, with its label where the line leaves the picture."""
+    # A sine has no seam at 360 degrees, where azimuth jumps; its second zero, in the opposite direction, is masked by the cosine.
     off = np.radians(azimuth - towards)
     sine = np.where(np.cos(off) > 0.0, np.sin(off), np.nan)
     if not (np.any(sine < 0.0) and np.any(sine > 0.0)):
@@ -91,32 +93,36 @@ def _draw_azimuth(axes: Axes, towards: float, azimuth: FloatArray) -> None:
     at_row, at_column = _inner(rows), _inner(columns)
     row, column = np.indices(azimuth.shape)
     inside = (row >= at_row) & (row < rows - at_row) & (column >= at_column) & (column < columns - at_column)
+    # The label is written where the line crosses a rectangle at the labels' distance from the edge.
     ring = inside & ((row == at_row) | (row == rows - 1 - at_row) | (column == at_column) | (column == columns - 1 - at_column))
     distance = np.where(ring, np.abs(_turned(azimuth, towards)), np.inf)
     place = np.unravel_index(int(np.argmin(distance)), distance.shape)
+    # Further away than a quarter of the step between two lines, the label would not be on its line.
     if distance[place] < 0.25 * 45.0:
         _write(axes, float(place[1]), float(place[0]), f"{towards:g}° az")
 
 
 def _label_elevation(axes: Axes, level: float, azimuth: FloatArray, elevation: FloatArray) -> None:
-    """Write an elevation where its line is nearest to the azimuth between two labelled ones, inside the picture and beside other labels."""
+    """Write an elevation where its line is nearest to the azimuth between two labelled ones, inside the picture and apart from other labels."""
     rows, columns = elevation.shape
     row, column = np.indices(elevation.shape)
     inside = (np.minimum(row, rows - 1 - row) >= _inner(rows)) & (np.minimum(column, columns - 1 - column) >= _inner(columns))
     for text in axes.texts:
         x, y = text.get_position()
         inside &= (np.abs(column - x) > _APART[0] * columns) | (np.abs(row - y) > _APART[1] * rows)
+    # About the change of elevation from one pixel to the next.
     step = max(float(np.ptp(elevation)) / min(elevation.shape), 1e-9)
     near = inside & (np.abs(elevation - level) <= 1.5 * step)
     if not near.any():
         return
+    # Distance from the azimuth of the labels in steps of the lines, plus distance from the line in pixels.
     off = np.where(near, np.abs(_turned(azimuth, _BESIDE)) / 45.0 + np.abs(elevation - level) / step, np.inf)
     place = np.unravel_index(int(np.argmin(off)), off.shape)
     _write(axes, float(place[1]), float(place[0]), f"{level:g}°")
 
 
 def _inner(pixels: int) -> int:
-    """Distance of labels from the edge [px]."""
+    """Return the distance of labels from the edge of a side [px]."""
     return min(round(_INSET * pixels), (pixels - 1) // 2)
 
 
@@ -125,7 +131,7 @@ def _write(axes: Axes, column: float, row: float, text: str) -> None:
 
 
 def _outline(text: Any) -> None:
-    """White with a dark edge, legible on any grey and colour."""
+    """Make a text white with a dark edge, legible on any grey and colour."""
     from matplotlib.patheffects import withStroke
 
     text.set_color("white")
@@ -138,13 +144,13 @@ def _step(centres: FloatArray) -> float | None:
 
 
 def _edges(centres: FloatArray, alone: float) -> tuple[float, float]:
-    """First and last edge of pixels; a single one is ``alone`` wide."""
+    """Return the first and the last edge of pixels; a single pixel is ``alone`` wide."""
     step = _step(centres) or alone
     return float(centres[0] - 0.5 * step), float(centres[-1] + 0.5 * step)
 
 
 def _title(dataset: xr.Dataset, frame: int) -> str:
-    """Facts of the scene, from the scenario in the attributes, and the time of a frame."""
+    """Return facts of the scene, from the scenario in the attributes, and the time of a frame."""
     band = stored_band(dataset.attrs)
     facts = [f"{band.min_um:g}–{band.max_um:g} µm"]
     try:
@@ -155,6 +161,7 @@ def _title(dataset: xr.Dataset, frame: int) -> str:
             facts.append(f"Sun zenith {scenario['sun']['zenith_deg']:g}°, azimuth {scenario['sun']['azimuth_deg']:g}°")
         elif scenario.get("time"):
             facts.append(str(scenario["time"]["utc"]))
+    # Maps of other programs have no scenario, or another one: its facts are then left out.
     except (KeyError, ValueError, TypeError):
         pass
     if "time" in pictures(dataset).dims:
@@ -165,6 +172,7 @@ def _title(dataset: xr.Dataset, frame: int) -> str:
 def _panel(
     figure: Figure, axes: Axes, values: NDArray[Any], extent: tuple[float, float, float, float], name: str, colours: str, norm: Normalize
 ) -> Any:
+    # Very wide and very high pictures are stretched to fill their panel.
     shape: Literal["equal", "auto"] = "equal" if 0.2 < abs((extent[3] - extent[2]) / (extent[1] - extent[0])) < 5.0 else "auto"
     image = axes.imshow(values, cmap=colours, norm=norm, extent=extent, origin="upper", aspect=shape, interpolation="nearest")
     axes.set_xlabel("azimuth [deg]")
@@ -177,9 +185,10 @@ def _panel(
 
 
 def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
-    """Colour scales of radiance and of apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
+    """Return the colour scales of radiance and apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
     from matplotlib.colors import FuncNorm, Normalize
 
+    # Noise can make the lower end negative, and no temperature has a negative radiance.
     low, high = (float(t) for t in to_temperature(np.array([max(scale.low, 0.0), scale.high]), band))
     known = bool(np.isfinite([low, high]).all()) and high > low
     if not scale.logarithmic:
@@ -187,6 +196,7 @@ def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
     bright = FuncNorm((scale.share, scale.value), scale.low, scale.high)
     if not known:
         return bright, Normalize()
+    # A table for both directions instead of solving Planck's law for each pixel; a node for each of 256 levels, and the end.
     share = np.linspace(0.0, 1.0, 257)
     kelvin = to_temperature(scale.value(share), band)
 
@@ -200,7 +210,7 @@ def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
 
 
 def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
-    """Units on the colour bars: both of radiance, the article's reads 100 times the SI number."""
+    """Write units on the colour bars: two for radiance, where the article's unit reads 100 times the SI number."""
     symbol = VARIABLES["radiance"].symbol
     thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
     if scale.logarithmic:
@@ -222,7 +232,7 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
 
 
 def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool:
-    """Whether most of the sky is outside the scale, and most of the sea inside."""
+    """Return True where most of the sky is outside the scale and most of the sea inside."""
     known = np.isfinite(radiance)
     outside = known & ((radiance > scale.high) | (radiance < scale.low))
     sea = np.broadcast_to(below > 0.0, radiance.shape) & known
@@ -233,7 +243,7 @@ def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool
 
 
 def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -> None:
-    """Dotted line at the horizon, which a sky beyond the scale does not show, and words on that; a grid has elevations of its rows."""
+    """Draw a dotted line at the horizon, which a sky beyond the scale hides, and note it in the title; a grid has elevations of its rows."""
     if elevation is not None:
         axes.axhline(float(np.mean(elevation + below[:, 0])), color="deepskyblue", linestyle=":", linewidth=1.2)
     else:
@@ -242,7 +252,7 @@ def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
-    """Figure of the first frame of a sequence, or of a map; see :func:`seaglint.plot.scale.scale_of` for the scale.
+    """Return a figure of the first frame of a sequence, or of a map; :func:`seaglint.plot.scale.scale_of` explains ``scale``.
 
     Raises
     ------
@@ -267,6 +277,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     else:
         x, (top, bottom) = (-0.5, azimuth.shape[1] - 0.5), (-0.5, azimuth.shape[0] - 0.5)
     extent = (*x, bottom, top)
+    # Wide pictures are placed one below the other, high ones side by side.
     wide = abs((x[1] - x[0]) / (top - bottom)) > 1.0
     figure = new_figure(*((9.0, 9.0) if wide else (12.0, 6.0)))
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)

@@ -1,4 +1,4 @@
-"""Export of a run in the format that the ending of a file names.
+"""Export of a run in the format that belongs to the ending of a file.
 
 :mod:`seaglint.formats.export` writes numbers, :mod:`seaglint.plot.video` moving pictures. Numbers are written as stored, in single
 precision, or as counts.
@@ -52,7 +52,7 @@ def write_stack(
         Type of the numbers; the type of the run by default. Counts of 16 bits stay unchanged, other values become
         :class:`~seaglint.formats.export.stack.Counts`.
     limits : (float, float), optional
-        Range of those counts; by default the range of the values, for which all frames are read once more.
+        Range of these counts; by default the range of the values, for which all frames are read a second time.
     overwrite : bool
         Replace an existing file.
     progress : callable, optional
@@ -61,9 +61,9 @@ def write_stack(
     Raises
     ------
     DataError
-        An ending, a type or a range that cannot be, an output that exists.
+        The ending, the type or the range is not allowed, or the output exists.
     BackendError
-        A library that is not installed.
+        A library is not installed.
     StorageError
         No room or no rights; nothing is left behind.
     """
@@ -88,6 +88,7 @@ def write_stack(
     for file in files:
         refuse_existing(file, overwrite=overwrite)
     total = stack.shape[0]
+    # The range of the values is known only after a first pass over all frames.
     passes = 2 if scaled and limits is None else 1
     done = 0
 
@@ -170,9 +171,9 @@ def export_run(
     Raises
     ------
     DataError
-        An ending, choice or combination that cannot be; an output that exists, or lies inside the run.
+        The ending, a choice or a combination is not allowed; the output exists, or lies inside the run.
     BackendError
-        A library that is not installed.
+        A library is not installed.
     StorageError
         No room or no rights; nothing is left behind.
     """
@@ -230,6 +231,7 @@ def _show(
     video.write_video(
         stack.dataset, output, scale or "auto", variable=stack.variable, colours=colours, limits=limits, rate=shown, progress=progress
     )
+    # A rate that differs by more than rounding is reported beside the rate of the run.
     own = stack.frame_rate
     other = f" (the run has {own:g})" if own is not None and abs(shown / own - 1.0) > 1e-3 else ""
     return Exported((output,), stack.variable, stack.units, stack.shape, f"{colours} pictures, {shown:g} per second{other}")

@@ -29,7 +29,8 @@ _FAR: Final = 25.0
 
 _OWN: Final = 0.5  #: Share of the whole scale below which the sea gets its own scale [1].
 
-#: Brightest sky over the middle of the sea from which the Sun lights it: air emits at most 1.5 times as much, at night in 3.5-5 um [1].
+#: Ratio of the brightest sky to the median of the sea from which sunlight is taken as the reason [1]. Without sunlight the sky has at most
+#: 1.5 times the sea's radiance, at night in 3.5-5 um.
 _SUNLIT: Final = 2.0
 
 _CLOSE: Final = 0.055  #: Least distance of two numbers beside a bar [share of its length].
@@ -72,6 +73,7 @@ def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any]
     if kind == "linear" or finite.size == 0:
         return Scale(low, high)
     quarter, middle, three_quarters = (float(v) for v in np.percentile(finite, (25.0, 50.0, 75.0)))
+    # Glint is a bright tail: the pixels crowd at the dark end. Where they crowd at the bright end, a logarithm would not separate them.
     crowded = three_quarters - quarter < _FLAT * (high - low) and middle - low < 0.5 * (high - low)
     if kind == "auto" and not crowded:
         return Scale(low, high)
@@ -88,6 +90,7 @@ def _sea_alone(values: NDArray[Any], depression: NDArray[Any], limits: tuple[flo
     sea, sky = known & (depression > 0.0), known & (depression <= 0.0)
     if not sea.any() or not sky.any():
         return values
+    # The part of the sea closest to the horizon has nearly the radiance of the sky above it, and would bring the sky's limits back.
     near = sea & (depression > np.percentile(depression[sea], _FAR))
     if not near.any():
         return values
@@ -99,11 +102,12 @@ def _sea_alone(values: NDArray[Any], depression: NDArray[Any], limits: tuple[flo
     dark = low_far >= low_sky
     within = values[near | (known & ~(bright & (values > high)) & ~(dark & (values < low)))]
     low, high = scale_limits(within)
+    # Where both scales are of similar width, the sky stays within the scale.
     return within if high - low < _OWN * (limits[1] - limits[0]) else values
 
 
 def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
-    """Numbers of a colour bar, with as many digits as make neighbours differ, at least ``digits`` and at most 9.
+    """Return the numbers of a colour bar with as many digits as make neighbours differ, at least ``digits`` and at most 9.
 
     Examples
     --------
@@ -112,6 +116,7 @@ def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
     >>> tick_labels(np.array([903.0, 4610.0, 25400.0]))
     ['903', '4610', '25400']
     """
+    # Neighbours may be equal even with 9 digits; the labels with 9 are returned then.
     for figures in range(digits, 10):
         labels = [rounded(value, figures) for value in values]
         if len(set(labels)) == len(labels):
@@ -140,6 +145,7 @@ def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[Floa
     """
     low, high = (float(end) for end in value(np.array([0.0, 1.0])))
     ticks: list[float] = []
+    # Without positive values there are no powers of ten, and all numbers come from the gaps.
     top = int(np.floor(np.log10(high))) if high > 0.0 else None
     # Powers of ten first: where there is room for some of the numbers alone, for these.
     for factor in (1, 5, 2) if top is not None else ():
@@ -149,12 +155,14 @@ def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[Floa
                 at, others = share(np.array([tick])), share(np.array(ticks))
                 if np.all(np.abs(others - at) >= _CLOSE):
                     ticks.append(tick)
+    # Each round leaves at most about two thirds of every wide gap; the bound guarantees an end.
     for _ in range(_DECADES):
         ends = [0.0, *share(np.array(sorted(ticks))).tolist(), 1.0]
         wide = [(begin, end) for begin, end in pairwise(ends) if end - begin > _WIDE]
         if not wide:
             break
         for begin, end in wide:
+            # From the middle third of the gap, so that the number keeps its distance from both neighbours.
             third = (end - begin) / 3.0
             ticks.append(_roundest(*value(np.array([begin + third, end - third])).tolist()))
     return np.array(sorted(ticks))
@@ -165,9 +173,11 @@ def number_decades(bar: Colorbar) -> None:
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
     low, high = float(bar.norm.vmin or 1.0), float(bar.norm.vmax or 1.0)
+    # Three numbers a decade have room beside the bar up to four decades.
     factors = (1, 2, 5) if high / low < 1e4 else (1,)
     exponents = range(int(np.floor(np.log10(low))), int(np.floor(np.log10(high))) + 1)
     ticks = [tick for exponent in exponents for factor in factors if low <= (tick := float(f"{factor}e{exponent}")) <= high]
+    # Matplotlib's own labels are powers of ten with raised exponents; these are plain numbers.
     bar.locator, bar.minorlocator = FixedLocator(ticks), NullLocator()
     bar.formatter = FuncFormatter(lambda tick, _: rounded(tick, 9))
     bar.update_ticks()
@@ -175,9 +185,12 @@ def number_decades(bar: Colorbar) -> None:
 
 def _roundest(low: float, high: float) -> float:
     """Return the number with the fewest digits between two others."""
+    # From steps above both numbers down to the smallest positive double. 1e-300 keeps the logarithm finite where both are 0.
     for exponent in range(int(np.floor(np.log10(max(abs(low), abs(high), 1e-300)))) + 1, -320, -1):
+        # Coarse steps first: the first multiple inside has the fewest digits.
         for factor in (5, 2, 1):
             step = float(f"{factor}e{exponent}")
             if step > 0.0 and (value := np.ceil(low / step) * step) <= high:
+                # A multiple of the step has rounding errors in its last digits, which a label would show.
                 return float(f"{value:.12g}")
     return 0.5 * (low + high)

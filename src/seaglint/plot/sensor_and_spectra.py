@@ -37,6 +37,7 @@ def draw_sensor(sheet: SensorDataSheet) -> Figure:
     for name, part in mtf.parts["along"].items():
         left.plot(frequency, part, linewidth=0.9, linestyle="--", label=name)
     left.plot(frequency, mtf.along, color="black", linewidth=1.8, label="along rows")
+    # Equal curves are drawn once.
     if mtf.along != mtf.across:
         left.plot(frequency, mtf.across, color="0.5", linewidth=1.8, label="across rows")
     left.axvline(mtf.nyquist_cycles_per_mrad, color="0.6", linewidth=0.8)
@@ -60,7 +61,7 @@ GAP_CM: Final = 100.0  #: Step from which two parts of a spectrum are not joined
 
 
 def write_beside(spectra: Sequence[SpectraBeside], output: Path) -> Path:
-    """Write the picture of some spectra, complete or not at all."""
+    """Write the picture of spectra, complete or not at all."""
     with moved_when_whole(output) as partial:
         draw_beside(spectra).savefig(partial, dpi=110, format=output.suffix.lstrip(".").lower())
     return output
@@ -88,6 +89,7 @@ def draw_beside(spectra: Sequence[SpectraBeside]) -> Figure:
 
 
 def _parted(wavenumber_cm: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points of a line with gaps where samples are missing."""
+    """Return the points of a line, with gaps where samples are missing."""
+    # Matplotlib interrupts a line at a value that is no number.
     at = np.flatnonzero(np.diff(wavenumber_cm) > GAP_CM) + 1
     return np.insert(x, at, np.nan), np.insert(y, at, np.nan)

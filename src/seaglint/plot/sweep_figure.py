@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Variables that a picture shows, the first that is there; else the first with numbers.
+#: Variables that a picture shows, in order of preference; without any of them the first variable with numbers is shown.
 SHOWN: Final = ("apparent_temperature", "radiance", "transmittance", "netd_k", "probability")
 
-MOST_LINES: Final = 8  #: Lines of one panel at most; of more values these are spread evenly over them.
+MOST_LINES: Final = 8  #: Largest number of lines in a panel; of more values, this many are chosen evenly.
 
-MOST_PANELS: Final = 4
+MOST_PANELS: Final = 4  #: Largest number of panels, chosen likewise.
 
 
 def shown(dataset: xr.Dataset) -> str:
@@ -31,7 +31,7 @@ def shown(dataset: xr.Dataset) -> str:
     Raises
     ------
     DataError
-        No variable with numbers.
+        No variable has numbers.
     """
     numeric = [str(name) for name, values in dataset.data_vars.items() if values.dtype.kind in "iuf"]
     if not numeric:
@@ -42,13 +42,13 @@ def shown(dataset: xr.Dataset) -> str:
 def draw_sweep(dataset: xr.Dataset) -> Figure:
     """Return the figure of a sweep.
 
-    One dimension gives a line, two with numbers an image with a scale; further ones are lines or panels with a value each. Pictures are
-    shown by the mean of their pixels.
+    One dimension gives a line, two dimensions with numbers an image with a scale; further dimensions become lines or panels, one for each
+    value. Pictures are represented by the mean of their pixels.
 
     Raises
     ------
     DataError
-        Nothing to draw.
+        The sweep has no variable with numbers, or no finite value.
     """
     name = shown(dataset)
     values = dataset[name].astype(np.float64)
@@ -61,8 +61,9 @@ def draw_sweep(dataset: xr.Dataset) -> Figure:
     wide = [str(dim) for dim in values.dims if values.sizes[dim] > 1]
     values = values.squeeze([dim for dim in values.dims if values.sizes[dim] == 1])
     numbers = [dim for dim in wide if _is_numeric(dataset, dim)]
+    # Up to three values are easier to read as lines than as rows of an image.
     flat = len(wide) == 2 and len(numbers) == 2 and min(values.sizes[dim] for dim in wide) > 3
-    across = [] if flat else wide[:-2]  # view angles come last, and stay on the axes
+    across = [] if flat else wide[:-2]  # view angles come last and remain for the axes
     panels = _places(values, across)
     figure = new_figure(6.5 * min(len(panels), 2), 4.6 * ((len(panels) + 1) // 2))
     grid = figure.subplots((len(panels) + 1) // 2, min(len(panels), 2), squeeze=False).ravel()
@@ -108,18 +109,19 @@ def _said(dataset: xr.Dataset, place: dict[str, int]) -> str:
 
 
 def _spread(size: int, most: int) -> list[int]:
+    # Rounded positions may coincide; a set keeps each once.
     return sorted({round(float(at)) for at in np.linspace(0, size - 1, min(size, most))})
 
 
 def _places(values: xr.DataArray, dims: list[str]) -> list[dict[str, int]]:
-    """Return the places along further dimensions that have a panel each."""
+    """Return the positions along further dimensions that get a panel."""
     shape = tuple(values.sizes[dim] for dim in dims)
     chosen = _spread(int(np.prod(shape, dtype=int)), MOST_PANELS) if dims else [0]
     return [dict(zip(dims, map(int, np.unravel_index(at, shape)), strict=True)) if dims else {} for at in chosen]
 
 
 def _along(dataset: xr.Dataset, part: xr.DataArray) -> str | None:
-    """Return the dimension along the horizontal axis: view angles first, then the longest with numbers."""
+    """Return the dimension along the horizontal axis: a view angle, otherwise the longest dimension with numbers."""
     dims = [str(dim) for dim in part.dims]
     numeric = [dim for dim in dims if _is_numeric(dataset, dim)] or dims
     angle = [dim for dim in numeric if dim.startswith("view_")]

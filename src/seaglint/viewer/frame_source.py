@@ -37,18 +37,18 @@ _MAPS: Final = (".nc", ".nc4")
 class Layer:
     """Layer of a file: one image for each frame."""
 
-    #: ``name``, ``label``, ``unit``: Name in requests, label on the page, and unit as written there.
+    #: ``name``, ``label``, ``unit``: Name in requests; label and unit on the page.
     name: str
     label: str
     unit: str
     read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)  #: ``read(index)`` gives the image (rows, columns).
     saturation: float | None = None  #: Value at which the format or the detector saturates.
-    blur_px: float | None = None  #: Blur of what made the images, as :class:`seaglint.analysis.Recording` has it [px].
+    blur_px: float | None = None  #: Blur of the images, as in :class:`seaglint.analysis.Recording` [px].
 
 
 @dataclass(frozen=True)
 class ObjectBox:
-    """An object in view: its name, and the first column and row, columns and rows that it touches [px]."""
+    """Object in view: name, first column and row, number of columns and rows [px], and range [m]."""
 
     name: str
     left: float
@@ -78,12 +78,12 @@ class Opened:
 
 
 def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> Opened:
-    """Open the file or folder at a path; words as in :func:`~seaglint.formats.recording.open_recording`.
+    """Open the file or folder at a path; arguments as in :func:`~seaglint.formats.recording.open_recording`.
 
     Raises
     ------
     DataError
-        Nothing that can be looked at.
+        The path holds nothing that can be displayed.
     """
     if path.is_dir() and is_sequence(path):
         return _of_sequence(path, variable)
@@ -95,7 +95,7 @@ def open_path(path: Path, variable: str | None = None, channel: str | None = Non
 
 
 def _of_sequence(path: Path, variable: str | None) -> Opened:
-    """Open a store of seaglint. Of ``frame_done`` only existing chunks are read, since requesting each of many takes long."""
+    """Open a store of seaglint; only existing chunks of ``frame_done`` are read, since requesting each of many chunks takes long."""
     import xarray as xr
 
     try:
@@ -115,6 +115,7 @@ def _of_sequence(path: Path, variable: str | None) -> Opened:
         chunks = [np.empty(0, np.int64)]
         for chunk in sorted(names):
             frames = np.arange(chunk * unit, min((chunk + 1) * unit, count))
+            # A chunk of several frames may be half done; a chunk of one frame exists only when the frame is written.
             if unit > 1 and chunk not in full:
                 there = done_array[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
                 if there.all():
@@ -150,6 +151,7 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
     rows, columns = (int(size) for size in first.shape[-2:])
     layers = _layers(dataset, names)
     everything = np.arange(frames, dtype=np.int64)
+    # Files of other programs may lack angles, or have them in another form: a first call decides.
     towards: Callable[[int], Any] | None = lambda index: directions(dataset, index)  # noqa: E731
     try:
         assert towards is not None
@@ -243,6 +245,7 @@ def _of_recording(recording: Recording) -> Opened:
 
     def read(index: int) -> NDArray[np.floating[Any]]:
         block = np.array(recording.read_block(index, index + 1)[0])
+        # Single precision holds integers of 16 bits exactly, but not of 32.
         return block if block.dtype.kind == "f" else block.astype(np.float64 if block.dtype.itemsize > 2 else np.float32)
 
     full = None if recording.saturation is None else recording.saturation + recording.offset
@@ -273,8 +276,7 @@ class GoneError(DataError):
 class ViewerSource:
     """Frames, layers, truth and directions of one file; see :func:`open_source`.
 
-    A file that changes is opened again; a missing file is reported as a :class:`~seaglint.base.errors.DataError` and is back once it is
-    there.
+    A file that was replaced is opened again. A missing file is reported as a :class:`~seaglint.base.errors.DataError`, until it exists again.
     """
 
     def __init__(self, path: str | Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> None:
@@ -308,12 +310,14 @@ class ViewerSource:
         if any(sign in given.name for sign in "*?["):
             return given, ()
         finished = given.with_name(given.name.removesuffix(".partial"))
+        # A sequence has another name while it is being written; either may have been given.
         for place in dict.fromkeys((given, finished, partial_path(finished))):
             for path in (place / "zarr.json", place):
                 try:
                     status = path.stat()
                 except OSError:
                     continue
+                # The size of a folder changes with every file in it; a store is recognised by its zarr.json.
                 return place, (status.st_ino, status.st_mtime_ns, 0 if place.is_dir() else status.st_size)
         raise GoneError(f"{self.path}: is not there any more; put it back, or choose another one")
 
@@ -344,7 +348,7 @@ class ViewerSource:
         Raises
         ------
         DataError
-            No such layer.
+            The file has no such layer.
         """
         layers = self.opened.layers
         chosen = name or next(iter(layers))
@@ -358,7 +362,7 @@ class ViewerSource:
         Raises
         ------
         DataError
-            A frame that is not there (yet), a layer that does not exist, or a file that is gone.
+            The frame is not written (yet), the layer does not exist, or the file has disappeared.
         """
         with self._lock:
             chosen = self.layer(layer)
@@ -369,7 +373,9 @@ class ViewerSource:
                 image = chosen.read(index)
                 image.flags.writeable = False
                 self._bytes += image.nbytes
+            # Put back at the end: the first entry is the one not used for longest.
             self._cached[key] = image
+            # The frame just read stays, however large it is.
             while self._bytes > MOST_CACHED and len(self._cached) > 1:
                 self._bytes -= self._cached.popitem(last=False)[1].nbytes
             return image
@@ -378,6 +384,7 @@ class ViewerSource:
         frames = self._opened.frames
         if not 0 <= index < frames:
             raise DataError(f"frame {index}: {Path(self.path).name} has {frames}, from 0; choose one of them")
+        # The list of written frames is read again only where the known one lacks the frame.
         if index not in self._done and index not in self.done():
             raise DataError(f"frame {index}: is not written yet, {self._done.size} of {frames} are; wait or choose one of those")
 
@@ -389,7 +396,7 @@ class ViewerSource:
             return [] if read_boxes is None else read_boxes(index)
 
     def directions(self, index: int) -> tuple[Image, Image] | None:
-        """Return azimuth and elevation [deg] as :func:`seaglint.store.stored_images.directions` gives them; None where not known."""
+        """Return azimuth and elevation [deg] as :func:`seaglint.store.stored_images.directions` does; None where they are not known."""
         with self._lock:
             read_directions = self.opened.directions
             return None if read_directions is None else read_directions(index)
@@ -408,7 +415,7 @@ class ViewerSource:
         chosen = self.layer(layer)
         values = np.empty(frames.size)
         for place, frame in enumerate(frames.tolist()):
-            with self._lock:  # frame by frame: who plays the sequence meanwhile is not kept waiting
+            with self._lock:  # for each frame: a browser that plays the sequence does not wait for the whole trace
                 cached = self._cached.get((chosen.name, frame))
                 values[place] = (chosen.read(frame) if cached is None else cached)[row, column]
         return frames, values
@@ -421,7 +428,7 @@ class ViewerSource:
         layer : str, optional
             Layer; the main one by default.
         only : int, optional
-            The one frame wanted.
+            Single frame to return.
         """
         from dataclasses import replace
 
@@ -462,6 +469,6 @@ def open_source(path: str | Path, variable: str | None = None, channel: str | No
     Raises
     ------
     DataError
-        Nothing there, or nothing that can be looked at.
+        The path does not exist, or holds nothing that can be displayed.
     """
     return ViewerSource(path, variable, channel, axes)
