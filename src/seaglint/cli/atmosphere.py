@@ -1,4 +1,4 @@
-"""``seaglint atmosphere``: soundings as they are read, the air of a scenario as a file, MODTRAN's files written and read."""
+"""Commands ``seaglint atmosphere ...``: soundings, files of a scenario's air, MODTRAN's files, transmittance and sky."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario without one [K].
 
 
 class DeckFormat(StrEnum):
-    """Kinds of decks."""
+    """Formats of MODTRAN decks."""
 
     TAPE5 = "tape5"
     TAPE5_LOWTRAN7 = "tape5-lowtran7"
@@ -230,6 +230,7 @@ def path_command(
         typer.echo(f"{'range [m]':>12} {'height [m]':>12} {'transmittance':>14} {'path radiance [W m-2 sr-1]':>27}")
         for (height, arc), value in _flat(found.transmittance):
             glow = float(found.path_radiance.sel(target_height_m=height, range_m=arc))
+            # A ray whose lowest point lies below the sea does not reach the target.
             hidden = "  behind the horizon" if float(found.lowest_height.sel(target_height_m=height, range_m=arc)) < 0.0 else ""
             typer.echo(f"{arc:>12g} {height:>12g} {value:>14.4f} {glow:>27.5g}{hidden}")
     else:
@@ -287,7 +288,7 @@ def _band(text: str | None) -> tuple[float, float]:
 
 
 def _flat(values: xr.DataArray) -> list[tuple[tuple[float, ...], float]]:
-    """Return the coordinates and values of an array, one after the other."""
+    """Return pairs of coordinates and value for all elements of an array."""
     from itertools import product
 
     axes = [values[name].to_numpy().tolist() for name in values.dims]
@@ -304,7 +305,7 @@ def _refuse_table(output: Path | None, overwrite: bool, inputs: list[Path]) -> N
 
 
 def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> None:
-    """Write a dataset as NetCDF, or its numbers as the columns of a CSV file: without spectra, unless it has nothing else."""
+    """Write a dataset as NetCDF, or its numbers as columns of a CSV file; a CSV file has spectra only where there is nothing else."""
     if output is None:
         return
     if output.suffix.lower() == ".csv":
@@ -328,6 +329,7 @@ def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> Non
 _WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")  #: Kinds of files that may hold several places.
 
 
+#: Dimensions of a file of air, with their names in messages.
 _HELD = {
     "range_m": "paths",
     "sky_zenith_deg": "angles of sky from the sea",

@@ -1,4 +1,4 @@
-"""Compile the kernels of a scenario before they are needed, as ``seaglint doctor --compile`` does for images of containers and clusters."""
+"""Compilation of a scenario's kernels in advance: ``seaglint doctor --compile``, for images of containers and for clusters."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 POLL = 0.5  #: Time between two counts of compiled kernels [s].
 
-_settings: Any = numba.config  # made at run time, where type checkers do not see it
+_settings: Any = numba.config  # created at run time, invisible to type checkers
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Compiled:
 
     #: Scenario, or "the default scenario".
     scenario: str
-    #: Number of functions that were compiled now [1]; the others were there.
+    #: Number of functions that were compiled now [1]; the others were compiled before.
     compiled: int
     #: Wall time [s].
     seconds: float
@@ -54,21 +54,21 @@ class Compiled:
 
 
 def compile_kernels(file: Path | None, report: Progress) -> Compiled:
-    """Compute a mean map and one frame of a scenario, in all processors, which compiles what they call.
+    """Compute a mean map and one frame of a scenario on all processors, which compiles all kernels that they call.
 
     Parameters
     ----------
     file : Path, optional
-        Scenario; the default one if not given.
+        Scenario; the default scenario if not given.
     report : callable
-        Called with numbers of functions: compiled, and in all.
+        Called with the numbers of functions: compiled, and in all.
 
     Raises
     ------
     BackendError
-        No folder can be written, or kernels are not compiled here.
+        No folder can be written, or compilation is switched off.
     SeaglintError
-        A scenario that cannot be read or drawn.
+        The scenario cannot be read or drawn.
     """
     from seaglint.scenario.load import load_scenario, parse_scenario
 
@@ -96,7 +96,7 @@ def _nothing() -> Iterator[None]:
 
 
 def _run(scenario: Scenario) -> None:
-    """Compute what calls the kernels; nothing is stored."""
+    """Compute one frame and a mean map, which call the kernels; nothing is stored."""
     from seaglint.studies.mean.mean_map import mean
 
     if scenario.sensor.senses:
@@ -110,6 +110,7 @@ def _run(scenario: Scenario) -> None:
     images(0)
     try:
         mean(scenario)
+    # Some scenarios can be rendered but have no mean map; their other kernels are compiled all the same.
     except SeaglintError as error:
         log(f"kernels of mean maps are left out: {error}")
 

@@ -1,4 +1,4 @@
-"""The commands ``seaglint evaluate ...``: a CSV file of cases in, the same rows with results out."""
+"""Commands ``seaglint evaluate ...``: they add columns of results to a CSV file of cases."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ Output = Annotated[Path, typer.Option("-o", "--output", help="CSV file to write"
 
 
 def _one_thread() -> None:
-    """Keep matrix products to one thread where NumPy is still to be loaded and nobody has chosen.
+    """Limit matrix products to one thread, unless NumPy is loaded already or the user has set a number.
 
-    They are small here: threads that wait for each other take twice the processor time, and with other work beside them more time too.
+    The products are small: threads that wait for each other take twice the processor time, and on a busy machine more time too.
     """
     if "numpy" not in sys.modules:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMode, compute: Callable[..., Columns]) -> None:
-    """Read, compute, write; what can be refused before the work is."""
+    """Read cases, compute and write; errors in names of files are raised before the work."""
     from seaglint.formats.tables.input_tables import read_cases, write_cases
     from seaglint.store.outputs import refuse_existing, require_ending
 
-    # The cases themselves may be the output: all their rows and columns are in it.
+    # The output may replace the cases: it contains all their rows and columns.
     require_ending(output, (".csv", ".txt"), "the results are a CSV file")
     refuse_existing(output, overwrite=request.overwrite)
     cases = read_cases(path)

@@ -1,6 +1,6 @@
-"""``seaglint export`` and ``export-sea``: a run, and the sea of one instant, for other programs.
+"""Commands that write files for other programs: ``seaglint export``, ``export-sea`` and ``labels``.
 
-``seaglint labels``: the truth of a sequence's objects for other programs.
+They export a run, the sea at one instant, and the truth of a sequence's objects.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``seaglint info``: contents of a file. ``seaglint doctor``: check of the installation."""
+"""Commands ``seaglint info``, contents of a file, and ``seaglint doctor``, check of the installation."""
 
 from __future__ import annotations
 

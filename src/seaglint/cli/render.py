@@ -95,6 +95,7 @@ def render(
             say_air(loaded)
         more: dict[str, Any] = {"share": share} if share is not None else {}
         more |= {"workers": others} if others is not None else {}
+        # Workers have their threads from their own options.
         alone = None if others is not None else request.threads
         more |= {"resume": request.resume, "overwrite": request.overwrite}
         render_sequence(loaded, store, frames=numbers, threads=alone, progress=report, **more)
@@ -113,7 +114,7 @@ def render(
 
 
 def _preview(store: Path | str, scale: PreviewScale) -> None:
-    """Write pictures of a finished store; older ones are replaced, as by --resume."""
+    """Write pictures of a finished store; older pictures are replaced, as with --resume."""
     from seaglint.store.sequence_store import open_sequence
 
     with open_sequence(store) as dataset:
@@ -121,7 +122,7 @@ def _preview(store: Path | str, scale: PreviewScale) -> None:
 
 
 def _beside(store: Path | str, share: Share | None) -> Path:
-    """Where pictures of a store go."""
+    """Return the local store beside which pictures are written; refuse shares and URLs."""
     if share is not None:
         raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out, and give it with --finish")
     if not isinstance(store, Path):
@@ -130,7 +131,7 @@ def _beside(store: Path | str, share: Share | None) -> Path:
 
 
 class _Pictures:
-    """Previews beside a store, refused before the work rather than after it."""
+    """Previews beside a store; existing files are refused before the work begins."""
 
     def __init__(self, output: Path, inputs: list[Path], *, replace: bool) -> None:
         from seaglint.plot.video import video_available

@@ -1,4 +1,4 @@
-"""``seaglint reproduce``: results of the source article, and measured spectra, computed anew."""
+"""Commands ``seaglint reproduce ...``: results of the source article, and measured spectra, computed again."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def measured(
 
 
 def _made(folder: Path) -> Path:
-    """The folder, made where it is missing."""
+    """Return the folder, created if it is missing."""
     from seaglint.store.outputs import made_folder, refuse_file_ending
 
     return made_folder(refuse_file_ending(folder, "the output"), "choose another folder with -o")

@@ -93,7 +93,7 @@ def sense(
 
 
 def line(dataset: xr.Dataset) -> str:
-    """A line about a sequence of counts, saturated shares in it."""
+    """Return a line about a sequence of counts: size, range, and share of saturated pixels."""
     import numpy as np
 
     signal, share = dataset["signal"], dataset["saturated_share"].to_numpy()
@@ -150,7 +150,7 @@ def sensor(
 
 
 def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
-    """Return the figures of merit as lines of text, with the key of the detector that follows from a stated NETD."""
+    """Return the figures of merit as lines of text, and the keys of the detector that follow from a stated NETD."""
     from seaglint.instrument.figures_of_merit import MTF_POINTS
 
     unit, budget, mtf = sheet.unit, sheet.noise_budget, sheet.mtf
@@ -172,6 +172,7 @@ def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
     if sheet.saturation_temperature_k is not None:
         out.append(f"  saturates at            {sheet.saturation_temperature_k:.5g} K")
     out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf.nyquist_cycles_per_mrad:.4g})")
+    # Of the default frequencies every fifth is printed; frequencies that the user gave are all printed.
     for i in range(0, len(mtf.along), 5 if len(mtf.along) == MTF_POINTS else 1):
         out.append(f"    {mtf.frequency_cycles_per_mrad[i]:<21.4g} {mtf.along[i]:<7.3f} {mtf.across[i]:.3f}")
     scene = budget.scene_apparent_temperature_k

@@ -1,4 +1,4 @@
-"""``seaglint view``: look at sequences, maps, recordings and scenarios in a browser."""
+"""The command ``seaglint view``: sequences, maps, recordings and scenarios in a browser."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def view(
     if scenarios:
         from seaglint.viewer.workbench.scenario_draft import Draft
 
-        Draft(scenarios[0])  # what is no scenario file is told here, not in the browser
+        Draft(scenarios[0])  # a file that is no scenario is refused here, not in the browser
     # With nothing to look at the workbench begins with a preset.
     pages = [workbench(scenarios[0] if scenarios else None)] if scenarios or (not given and folder is None) else []
     library = Library(others, folder if folder is not None or others else None, variable, channel, axes)

@@ -1,7 +1,7 @@
 """Requests of the page of sequences: its script, pictures, probes, traces, analyses and downloads.
 
-Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Analyses that take longer
-than a browser waits run in one thread each, with progress, and stop when no browser polls them any more.
+Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long analyses run in one
+thread each, with progress, and stop when no browser requests their progress any more.
 """
 
 from __future__ import annotations
@@ -41,18 +41,18 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
 
-PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser is closed [s].
+PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser has been closed [s].
 
-MOST: Final = 4  #: Largest number of jobs at the same time.
+MOST: Final = 4  #: Largest number of jobs that run at the same time.
 
 
 class _StoppedError(Exception):
-    """Error that ends a job whose result nobody waits for."""
+    """Error that ends a job when nobody waits for its result."""
 
 
 @dataclass
 class AnalysisJob:
-    """One analysis: its progress, and its result or the text of its error."""
+    """Analysis in progress: numbers of steps, and finally its result or the text of its error."""
 
     done: int = 0
     total: int = 1
@@ -69,7 +69,7 @@ class AnalysisJob:
 
 
 class Jobs:
-    """Running jobs and the last finished ones."""
+    """Running jobs, and the latest finished jobs."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -82,11 +82,12 @@ class Jobs:
         Raises
         ------
         DataError
-            Too many run already.
+            Too many jobs run already.
         """
         with self._lock:
             if sum(not job.finished.is_set() for job in self._jobs.values()) >= MOST:
                 raise DataError(f"{MOST} analyses run already; wait for one of them")
+            # Finished jobs are discarded from the oldest on; at most MOST run, so that one of 4 MOST is always finished.
             while len(self._jobs) >= 4 * MOST:
                 self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
             number, job = next(self._numbers), AnalysisJob()
@@ -99,6 +100,7 @@ class Jobs:
                 job.error = "stopped: nobody waited for it"
             except SeaglintError as error:
                 job.error = str(error)
+            # The page reports the defect, and the thread's traceback is printed.
             except Exception as error:
                 job.error = f"failed: {type(error).__name__}: {error}"
                 raise
@@ -114,7 +116,7 @@ class Jobs:
         Raises
         ------
         DataError
-            No such job.
+            The number is not the number of a job.
         """
         job = self._jobs.get(number)
         if job is None:
@@ -129,7 +131,7 @@ def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject
     Raises
     ------
     DataError
-        A pixel outside the image, or a frame that is not there.
+        The pixel lies outside the image, or the frame does not exist.
     """
     opened = source.opened
     require_pixel(source, row, column)
@@ -175,7 +177,7 @@ def trace(source: ViewerSource, row: int, column: int, around: int, layer: str |
     Raises
     ------
     DataError
-        A pixel outside the image, or a layer that does not exist.
+        The pixel lies outside the image, or the layer does not exist.
     """
     require_pixel(source, row, column)
     opened, chosen = source.opened, source.layer(layer)
@@ -201,12 +203,12 @@ TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif":
 
 
 def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:
-    """Return one frame as a file: PNG as shown, one pixel a pixel; NumPy or TIFF with the values and their unit.
+    """Return one frame as a file: PNG as displayed, one pixel for each pixel; NumPy or TIFF with the values and their unit.
 
     Raises
     ------
     DataError
-        An unknown ending.
+        The ending is not known.
     """
     image = show.image(index)
     out = io.BytesIO()
@@ -236,7 +238,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
     Raises
     ------
     DataError
-        No such frames, or more than fit into memory.
+        The frames do not exist, or do not fit into memory.
     BackendError
         PyAV is not installed.
     """
@@ -247,10 +249,12 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
     frames = done[(done >= first) & (done <= last)]
     if not frames.size:
         raise DataError(f"clip of frames {first} to {last}: none of them is there; choose others")
+    # Frames are in single precision: 4 bytes a pixel.
     most = max(MOST_CLIP // (4 * opened.rows * opened.columns), 1)
     if frames.size > most:
         raise DataError(f"clip of {frames.size} frames: at most {most} of this size; choose fewer, or use 'seaglint export'")
     scaling = scales.of(show, int(frames[0]))
+    # A frame of equal values needs a scale of some width.
     low, high = scaling.low, scaling.high if scaling.high > scaling.low else scaling.low + 1.0
     block = np.stack([show.image(int(index)).astype(np.float32) for index in frames])
     times = frames / (opened.frame_rate or 25.0) if opened.times is None else opened.times[frames]
@@ -283,6 +287,7 @@ _FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.su
 _MEDIA: Final = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
 _COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
 _TICKS: Final = 5
+# Browsers may store answers, but must ask whether they are still valid: a sequence may be growing.
 _FRESH: Final = {"cache-control": "no-cache"}
 
 Answer = Callable[[Request], Response]
@@ -295,7 +300,7 @@ class Query:
         self._given = request.query_params
 
     def word(self, name: str) -> str | None:
-        """Return the text, or None if it is empty."""
+        """Return the text of a parameter, or None if it is empty."""
         return self._given.get(name) or None
 
     def integer(self, name: str, default: int | None = None) -> int:
@@ -316,6 +321,7 @@ class Query:
             value = float(text)
         except ValueError:
             value = math.nan
+        # Larger numbers would overflow in single precision.
         if not math.isfinite(value) or abs(value) > 1e30:
             raise DataError(f"{name} = {text[:40]!r}: give a finite number")
         return value
@@ -324,6 +330,7 @@ class Query:
         """Return a region, or None if the request has none."""
         if self.word("width") is None:
             return None
+        # Bounded: a region may reach beyond the image, but not beyond what array indices hold.
         return Rectangle(*(min(max(self.integer(name), -(10**9)), 10**9) for name in ("left", "top", "width", "height")))
 
     def colours(self) -> Colours:
@@ -336,7 +343,7 @@ class Query:
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
-    """Return the routes of the page and of all its requests; ``links`` are other pages of the viewer."""
+    """Return the routes of the page and all its requests; ``links`` are the other pages of the viewer."""
     return _Pages(library, links).routes()
 
 
@@ -437,6 +444,7 @@ class _Pages:
         """Return the description of a source."""
         source = self._of(request)
         opened, done = source.opened, source.done()
+        # Axes with angles only where these hold for all frames.
         directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
         return JSONResponse(
@@ -464,7 +472,9 @@ class _Pages:
         """Return the levels of a frame, one byte a pixel, with their scale in the header ``Seaglint-Scale``."""
         show, index = self._show(request), int(request.path_params["index"])
         scaling = self._scales.of(show, index)
+        # A browser that shows a frame again sends its tag, and pixels are transferred only if they changed.
         etag = tag(show, index, scaling)
+        # Numbers beside the colour bar: the page does not know the scale's form.
         shares = np.linspace(0.0, 1.0, _TICKS)
         scale = {"shares": shares.tolist(), "values": scaling.value(shares).tolist(), "unit": show.source.layer(show.layer).unit}
         headers = {**_FRESH, "etag": etag, "seaglint-scale": json.dumps(scale)}
@@ -552,14 +562,14 @@ class _Pages:
         return _download(body, f"{_stem(show.source)}-{show.source.layer(show.layer).name}-{index:05d}{ending}", TYPES[ending])
 
     def export_clip(self, request: Request) -> Response:
-        """Return frames as a film."""
+        """Return frames as a video."""
         show, query = self._show(request), Query(request)
         first, last = query.integer("first"), query.integer("last")
         return _download(clip(show, first, last, self._scales, query.colours()), f"{_stem(show.source)}-{first}-{last}.mp4", "video/mp4")
 
 
 def _stem(source: ViewerSource) -> str:
-    """Return a name for a download: letters, digits, hyphens and the like."""
+    """Return a name for a download, of letters, digits, hyphens and underscores."""
     stem = Path(source.path).name.removesuffix(".partial").split(".")[0]
     return "".join(c if (c.isascii() and c.isalnum()) or c in "-_" else "_" for c in stem)[:60] or "frame"
 

@@ -17,7 +17,7 @@ from seaglint.cli.terminal.progress import ProgressMode
 
 
 class PreviewScale(StrEnum):
-    """Brightness of pictures."""
+    """Brightness scales of pictures."""
 
     AUTO = "auto"
     LINEAR = "linear"
@@ -48,7 +48,7 @@ ScaleOption = Annotated[
 
 
 def refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
-    """Refuse to replace a file by a preview; the error states how the preview got its name."""
+    """Refuse to replace a file by a preview; the error explains why this file would be written."""
     from seaglint.store.outputs import refuse_existing
 
     if path.exists() and not replace:
@@ -60,10 +60,10 @@ def refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
 
 
 def parse_frames(text: str | range | None, held: int | range, *, steps: bool = False) -> range:
-    """Frame numbers from 0, the end not included, as in Python.
+    """Return the frame numbers of an option, from 0 and without the end, as in Python.
 
-    ``held`` are the frames there are: those of a run, or how many a scenario has; ``steps`` allows every other one. ``text`` is that of a
-    request's frames, of which it is not known before how many there are.
+    ``held`` are the existing frames of a run, or the number of frames of a scenario; ``steps`` allows steps larger than 1. ``text`` is the
+    field of a request, which is read only here, where the number of frames is known.
 
     >>> parse_frames("37:38", 100), parse_frames("90:", 100), parse_frames(None, 3)
     (range(37, 38), range(90, 100), range(0, 3))
@@ -78,6 +78,7 @@ def parse_frames(text: str | range | None, held: int | range, *, steps: bool = F
         more = ", :20 or 0:100:2 (every other)" if steps else " or :20"
         raise ScenarioError(f"--frames {text}: is not a range of frames; write 37, 37:38 (the end not included), 10:{more}")
     first = int(match[1] or frames.start)
+    # A number without a colon is one frame; a colon without an end runs to the last.
     end = int(match[3]) if match[3] else frames.stop if match[2] else first + 1
     step = int(match[5] or 1)
     if step == 0:

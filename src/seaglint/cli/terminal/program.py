@@ -1,6 +1,6 @@
 """Start and help of the program: a quick start, completion in the shell, lists of formats, and examples.
 
-Quick start: libraries that search the machine at import, for the benefit of other programs, are kept from doing so.
+Quick start: searches of imported libraries for other packages are prevented, and garbage collection is postponed.
 
 Completion: Typer's options for it detect the shell that started the program, which fails within make, tmux and scripts. The options here
 take the name of the shell.
@@ -27,17 +27,18 @@ from typer._completion_classes import completion_init
 from typer.completion import install_callback, show_callback
 from typer.core import TyperCommand, TyperOption
 
-#: Containers made before memory is first searched for circles: a command's imports make 250,000 to 450,000, nearly all of which stay.
+#: Number of new containers before the first search for unused cycles: the imports of a command make 250,000 to 450,000, nearly all of which
+#: stay.
 OBJECTS: Final = 600_000
 
 
 def collect_later() -> None:
-    """Let Python search for unused circles of objects after the imports and not hundreds of times during them, a tenth of their time.
+    """Postpone the search for unused cycles of objects until after the imports, where hundreds of searches take a tenth of the time.
 
-    The first search puts back what was set before. At the end of the program none is made.
+    The first search restores the previous setting. At the end of the program none is made.
     """
     before = gc.get_threshold()
-    if before[0] == OBJECTS:  # put off already
+    if before[0] == OBJECTS:  # postponed already
         return
 
     def restore(*_: object) -> None:
@@ -46,17 +47,19 @@ def collect_later() -> None:
 
     gc.callbacks.append(restore)
     gc.set_threshold(OBJECTS, *before[1:])
+    # Frozen objects are not searched at the end, where the system takes the memory back anyway.
     atexit.register(gc.freeze)
 
 
 def only_numpy() -> None:
-    """Tell xarray that arrays are NumPy's: to find that out it would import Dask and pint where they are installed, 0.4 s.
+    """Declare to xarray that all arrays are NumPy's; to find out, it would import Dask and pint where they are installed, 0.4 s.
 
     The names are xarray's private ones; a version without them imports as before.
     """
     with suppress(ImportError, AttributeError, TypeError):
         from xarray.namedarray import pycompat
 
+        # Modules that are imported already cost nothing, and their arrays have to be recognised.
         names: Any = {"dask", "pint", "sparse", "cupy"} - set(sys.modules)
         for name in names:
             absent = pycompat.DuckArrayModule("seaglint.absent")  # type: ignore[arg-type]
@@ -64,7 +67,7 @@ def only_numpy() -> None:
 
 
 class Shell(StrEnum):
-    """Shells that complete."""
+    """Shells for which words are completed."""
 
     BASH = "bash"
     ZSH = "zsh"
@@ -94,7 +97,7 @@ ShowCompletion = Annotated[
     typer.Option("--show-completion", metavar="SHELL", callback=_show, is_eager=True, help="print what that would add, and leave"),
 ]
 
-# Answers what the shells ask on a press of the tab key, in Typer's form.
+# Registers the answers to requests that shells send when the tab key is pressed, in Typer's form.
 completion_init()
 
 
@@ -169,7 +172,7 @@ _SHIP = (
     "    --map cloud_cover=clouds:oktas -o weather.csv",
 )
 
-#: Lines by command; of a group of commands, and of the program itself under no name, those of what one begins with.
+#: Example lines by command. A group of commands has the lines of its first use; the program itself has the empty name.
 EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "": ("seaglint init my.toml", "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
     "init": (
@@ -260,9 +263,9 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
 
 
 def epilog(command: str) -> str | None:
-    """Return the example at the end of a command's help; nothing where it has none."""
+    """Return the example at the end of a command's help; None for a command without example."""
     lines = EXAMPLES.get(command)
-    # \b keeps the lines as they are
+    # Click does not wrap a paragraph that begins with \b.
     return None if lines is None else "\b\n" + "\n".join(["Example:", *(f"  {line}" for line in lines)])
 
 

@@ -82,19 +82,19 @@ body.bench { background: var(--ground); color: var(--text); font: 14px/1.4 syste
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
-#: Callback that takes a picture, the reason why there is none, or None where one is begun.
+#: Callback with the name of a picture and the picture, the text of an error, or None when drawing begins.
 Show = Callable[[Job, "PreviewPicture | str | None"], None]
 
 
 class Redraw:
-    """Pictures of one page.
+    """Requests for the pictures of one page; a newer request replaces older ones.
 
     Parameters
     ----------
     painter : Painter
-        Shared by all pages.
+        Process that draws; all pages share it.
     show : callable
-        Called with the name of a picture and what came of it.
+        Called with the name of a picture and its result, see ``Show``.
     start : callable
         Starts a coroutine in the background.
     """
@@ -130,6 +130,7 @@ class Redraw:
         try:
             while self._requested is not None:
                 scenario, self._requested = self._requested, None
+                # A newer request ends the round: the next pictures would be of the old scenario.
                 for job in JOBS:
                     if not await self._draw(job, scenario):
                         break
@@ -146,6 +147,7 @@ class Redraw:
             return False
         except SeaglintError as error:
             found = str(error)
+        # A picture that was finished in spite of a newer request is not shown.
         if order.dropped.is_set():
             return False
         self._show(job, found)
@@ -202,7 +204,7 @@ def _begin(whole: ui.column, path: str | Path | None, preset: str = "glint") -> 
 
 
 class Bench:
-    """One page's draft and its pictures."""
+    """Draft and pictures of one page."""
 
     status: ui.label
 
@@ -286,7 +288,7 @@ class Bench:
                     )
 
     def changed(self) -> None:
-        """React to a change: the scenario is read a little later."""
+        """React to a change: the scenario is read :data:`DEBOUNCE` seconds after the last one."""
         self._dirty = True
         if not self._reads and not self._closed:
             self._reads = True
@@ -304,7 +306,7 @@ class Bench:
         return self._closed
 
     def close(self) -> None:
-        """Stop drawing, since the browser has left."""
+        """Stop drawing, since the browser has closed the page."""
         self._closed = True
         self._redraw.close()
 
@@ -312,6 +314,7 @@ class Bench:
         try:
             while self._dirty and not self._closed:
                 self._dirty = False
+                # Every change during the sleep sets the flag again and restarts the wait.
                 await asyncio.sleep(DEBOUNCE)
                 if not self._dirty:
                     await self._follow(self._draft.snapshot())
@@ -320,6 +323,7 @@ class Bench:
 
     async def _follow(self, draft: Draft) -> None:
         """Check the draft, and draw it if it is valid."""
+        # In a thread: checking reads files and builds models, while the page has to answer.
         scenario, mistakes = await asyncio.to_thread(draft.check)
         if self._closed:
             return

@@ -13,13 +13,14 @@ from seaglint.viewer.workbench.small_pictures import PreviewPicture, picture
 def main() -> None:
     """Work until the input ends, with the server."""
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print must not get between the pictures
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # output of libraries must not mix with the pictures
     from seaglint.studies.mean import mean_map as mean  # noqa: F401 - loaded while nobody waits
     from seaglint.studies.sequence import labelled_frames  # noqa: F401 - loaded while nobody waits
 
     while True:
         try:
             job, scenario = pickle.load(sys.stdin.buffer)
+        # The server has ended, or has closed the pipe.
         except EOFError:
             return
         try:

@@ -1,4 +1,4 @@
-"""Draft of a scenario: its fields from the JSON Schema, the values as typed, the scenario that they define, and their mistakes."""
+"""Draft of a scenario: fields from the JSON Schema, values as typed, the scenario that they define, and their mistakes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Keys = tuple[str | int, ...]  # place of a key in the file: names of tables and 
 
 @dataclass(frozen=True)
 class Field:
-    """Field of one key."""
+    """Input field of one key of a scenario file."""
 
     name: str
     #: ``number`` (with a unit as text), ``text``, ``file``, ``list`` and ``tables`` (of numbers, of tables, written as in the file),
@@ -42,7 +42,7 @@ class Field:
 
     @property
     def placeholder(self) -> str:
-        """Return the default as one would type it."""
+        """Return the default as text to type."""
         if self.default is None:
             return "required" if self.required else "not given"
         return self.default if self.kind in ("text", "file") else toml_value(self.default)
@@ -50,23 +50,23 @@ class Field:
 
 @dataclass(frozen=True)
 class Group:
-    """Group of one table, or of a list of tables."""
+    """Group of fields for one table, or for a list of tables."""
 
     name: str
     hint: str
     variants: Mapping[str, tuple[Field | Group, ...]]
-    tag: str = ""  #: Key that chooses between ``variants``; empty where there is one variant only, by the name ``""``.
+    tag: str = ""  #: Key that chooses between ``variants``; empty for a single variant, which has the name ``""``.
     default_tag: str = ""
-    optional: bool = False  #: Flag: the whole table may be omitted and is by default.
+    optional: bool = False  #: Flag: the whole table may be omitted, and is omitted by default.
     many: bool = False  #: Flag: the file has a list of such tables.
     hints: Mapping[str, str] = field(default_factory=dict)
 
     def entries(self, tag: str = "") -> tuple[Field | Group, ...]:
-        """Return keys and tables of a variant; of the first one for an unknown tag."""
+        """Return keys and tables of a variant; for an unknown tag, of the first variant."""
         return self.variants.get(tag or self.default_tag, next(iter(self.variants.values())))
 
 
-_DEEPEST: Final = 4  #: Depth of nested tables that become groups; deeper ones are typed as in the file.
+_DEEPEST: Final = 4  #: Depth to which nested tables become groups; deeper tables are typed as in the file.
 
 
 @cache
@@ -79,7 +79,7 @@ def form() -> Group:
 def _entries(record: Mapping[str, Any], defs: Mapping[str, Any], depth: int) -> Iterator[Field | Group]:
     required, known = record.get("required", ()), record.get("default") or {}
     for name, own in record.get("properties", {}).items():
-        # the table's own default knows more than its keys': the edges of the band
+        # The default of the table is more specific than the defaults of its keys: it has the edges of the band.
         schema = own if known.get(name) is None else {**own, "default": known[name]}
         if "const" not in schema:  # the tag of a union: its group has it
             yield _entry(name, schema, defs, depth, name in required)
@@ -133,6 +133,7 @@ def _field(name: str, schema: Mapping[str, Any], ways: list[JsonObject], hint: s
             return Field(name, "list", hint, default, tuple(way.get("items", {}).get("enum", ())), required)
         if way.get("format") in ("path", "file-path"):
             return Field(name, "file", hint, default, required=required)
+    # Truth values first: a key may be either a truth value or a number.
     kind: Kind = "switch" if "boolean" in kinds else "number" if kinds & {"number", "integer"} else "text"
     return Field(name, kind, hint, default, required=required)
 
@@ -177,12 +178,12 @@ class Draft:
     source : path, optional
         Scenario file to begin with.
     preset : str
-        Preset to begin with where there is no file.
+        Preset to begin with, without a file.
 
     Raises
     ------
     ScenarioError
-        A file that is missing or no TOML.
+        The file is missing, or is no TOML.
     """
 
     def __init__(self, source: str | Path | None = None, preset: str = "glint") -> None:
@@ -196,7 +197,7 @@ class Draft:
             try:
                 load_scenario(self.source)
             except ScenarioError as error:
-                if not error.mistakes:  # no scenario file at all; mistakes of keys are shown beside their fields
+                if not error.mistakes:  # not a scenario file at all; mistakes of keys are shown at their fields
                     raise
             self._read = self.source.read_bytes()
             self.raw = tomllib.loads(self._read.decode("utf-8-sig"))
@@ -233,7 +234,7 @@ class Draft:
         return here
 
     def put(self, keys: Keys, value: Any) -> None:
-        """Set the value at a place, or remove it (None); tables on the way are made, and an empty default one is removed."""
+        """Set the value at a place, or remove it (None); missing tables on the way are created."""
         here: Any = self.raw
         for key in keys[:-1]:
             if isinstance(here, list):
@@ -253,7 +254,7 @@ class Draft:
             here.pop(last, None)
 
     def take(self, entry: Field, keys: Keys, text: str) -> None:
-        """Set a value from a field's text; text that cannot be read is a mistake until corrected, and the value before it stays."""
+        """Set a value from a field's text; unreadable text is a mistake until it is corrected, and the previous value stays."""
         try:
             value = value_of(entry, text)
         except ScenarioError as error:
@@ -263,11 +264,12 @@ class Draft:
         self.put(keys, value)
 
     def forget(self, keys: Keys) -> None:
-        """Discard unreadable texts at a place and below, since fields there are made again with the values."""
+        """Discard unreadable texts at a place and below, since the fields there are rebuilt with the values."""
         self._unread = {known: text for known, text in self._unread.items() if known[: len(keys)] != keys}
 
     def check(self) -> tuple[Scenario | None, tuple[Mistake, ...]]:
-        """Return the scenario, or its mistakes in the words of the program."""
+        """Return the scenario, or None and its mistakes, with the texts of the program."""
+        # Checked before the scenario is read: reading would open the files.
         refused = (*(Mistake(dotted(keys), None, None, text) for keys, text in self._unread.items()), *self._outside())
         if refused:
             return None, refused
@@ -277,7 +279,7 @@ class Draft:
             return None, error.mistakes or (Mistake("", None, None, str(error)),)
 
     def _outside(self) -> Iterator[Mistake]:
-        """Yield a mistake for each file that the page may not name: allowed are those beside the scenario or named by the file itself."""
+        """Yield a mistake for each file that the page may not name; allowed are files in the scenario's folder and files that the opened file names."""
         for key, value in _files(self.raw, ()):
             if value in _WORDS or value in self._own:
                 continue
@@ -295,6 +297,7 @@ class Draft:
         tables = differing(scenario)
         typed = _with_units(tables, self.raw)
         try:
+            # Typed units are written only where they give the same scenario after defaults and rounding.
             same = parse_scenario(typed, base=self.folder) == scenario
         except ScenarioError:
             same = False
@@ -314,9 +317,9 @@ class Draft:
         Raises
         ------
         DataError
-            There was none.
+            No file was opened.
         StorageError
-            It cannot be written.
+            The file cannot be written.
         """
         if self.source is None:
             raise DataError("no scenario file was opened; download the text instead, or begin with 'seaglint init'")
@@ -334,7 +337,7 @@ class Draft:
 
 
 def dotted(keys: Keys) -> str:
-    """Return a place as the file's errors write it.
+    """Return a place in the notation of errors.
 
     >>> dotted(("objects", 0, "east_m"))
     'objects[0].east_m'
@@ -348,7 +351,7 @@ def value_of(entry: Field, text: str) -> Any:
     Raises
     ------
     ScenarioError
-        A list or a list of tables that is no TOML.
+        The text of a list or of a list of tables is no TOML.
 
     Examples
     --------
@@ -361,6 +364,7 @@ def value_of(entry: Field, text: str) -> Any:
         return None
     if entry.kind in ("text", "file"):
         return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
+    # Brackets may be omitted too.
     if entry.kind in ("list", "tables") and not text.startswith("["):
         text = f"[{text}]"
     try:
@@ -380,14 +384,14 @@ def _word(text: str) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """Return the text of a value in a field, as one would type it."""
+    """Return the text of a value in a field."""
     if value is None:
         return ""
     return value if isinstance(value, str) else toml_value(value)
 
 
 def _with_units(value: Any, typed: Any) -> Any:
-    """Return a value in which numbers that were typed as text with a unit are that text."""
+    """Return a value in which numbers that were typed with a unit are replaced by the typed text."""
     match value, typed:
         case dict(), dict():
             return {key: _with_units(inner, typed.get(key)) for key, inner in value.items()}
@@ -425,6 +429,7 @@ _PLACE = re.compile(r"^(?P<name>[^\[]+)(?P<places>(\[\d+\])*)$")
 def keys_of(mistake: Mistake, raw: Mapping[str, Any]) -> Keys:
     """Return the place of a mistake: keys and indices in lists; objects are identified by their name."""
     text = mistake.key
+    # Errors name an object where possible; its index is looked up.
     named = re.match(r"^objects \('(?P<name>.*)'\)", text, re.DOTALL)
     if named is not None:
         objects = raw.get("objects")
