@@ -47,7 +47,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     },
     "Look": {
         "view": CommandEntry("view.view", "Look at sequences, maps and scenarios in a browser."),
-        "info": CommandEntry("facts.info", "Say what a file holds and how it was made."),
+        "info": CommandEntry("facts.info", "Report the contents of a file and how it was made."),
         "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, and measured spectra."),
     },
     "Compute": {
@@ -65,7 +65,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Analyse": {
         "analyze": CommandEntry("analyze.analyze", "Clutter statistics and false alarms of a recording, by region."),
         "detect": CommandEntry("detect.detect", "Probabilities of detection and false alarm of a detector."),
-        "compare": CommandEntry("compare.compare", "Compare a measured spectrum with that of a scenario."),
+        "compare": CommandEntry("compare.compare", "Compare a measured spectrum with a scenario's spectrum."),
         "likelihood": CommandEntry("likelihood.likelihood", "How often glint is brighter than thresholds."),
     },
     "Share": {

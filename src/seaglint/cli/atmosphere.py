@@ -110,7 +110,7 @@ def read(
 
     air = read_air(files)
     write_atmosphere(air, output, overwrite=overwrite)
-    sizes = ", ".join(f"{air.sizes[name]} {what}" for name, what in _HELD.items() if name in air.sizes)
+    sizes = ", ".join(f"{air.sizes[name]} {what}" for name, what in _DIMENSION_NAMES.items() if name in air.sizes)
     sun = f"; scattered sunlight of a Sun at {air.attrs['solar_zenith_deg']:g} deg" if "solar_zenith_deg" in air.attrs else ""
     if "cases_without_azimuth" in air.attrs:
         log(
@@ -226,20 +226,20 @@ def path_command(
         loaded = load_scenario(scenario)
         _refuse_table(output, overwrite, files_read(scenario, loaded))
         with naming_file(scenario, loaded):
-            found = path_air(loaded, contrasts_of(range_m, "--range-m"), contrasts_of(target_height_m, "--target-height-m"))
+            result = path_air(loaded, contrasts_of(range_m, "--range-m"), contrasts_of(target_height_m, "--target-height-m"))
         typer.echo(f"{'range [m]':>12} {'height [m]':>12} {'transmittance':>14} {'path radiance [W m-2 sr-1]':>27}")
-        for (height, arc), value in _flat(found.transmittance):
-            glow = float(found.path_radiance.sel(target_height_m=height, range_m=arc))
+        for (height, arc), value in _flat(result.transmittance):
+            glow = float(result.path_radiance.sel(target_height_m=height, range_m=arc))
             # A ray whose lowest point lies below the sea does not reach the target.
-            hidden = "  behind the horizon" if float(found.lowest_height.sel(target_height_m=height, range_m=arc)) < 0.0 else ""
+            hidden = "  behind the horizon" if float(result.lowest_height.sel(target_height_m=height, range_m=arc)) < 0.0 else ""
             typer.echo(f"{arc:>12g} {height:>12g} {value:>14.4f} {glow:>27.5g}{hidden}")
     else:
         _refuse_table(output, overwrite, [])
         gases = {"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv}
         low, high = _band(band_um)
-        found = even_path(numbers, (low, high), gases, cast("Spectroscopy", spectroscopy), haze)
-        typer.echo(f"transmittance {float(found.transmittance):.4f} of {low:g}-{high:g} um, {length_km:g} km")
-    _write_table(found, output, overwrite)
+        result = even_path(numbers, (low, high), gases, cast("Spectroscopy", spectroscopy), haze)
+        typer.echo(f"transmittance {float(result.transmittance):.4f} of {low:g}-{high:g} um, {length_km:g} km")
+    _write_table(result, output, overwrite)
 
 
 @atmosphere.command("sky")
@@ -267,13 +267,13 @@ def sky_command(
     _refuse_table(output, overwrite, files_read(scenario, loaded))
     azimuths = None if azimuth_deg is None else contrasts_of(azimuth_deg, "--azimuth-deg")
     with naming_file(scenario, loaded):
-        found = sky_air(loaded, contrasts_of(zenith_deg, "--zenith-deg"), azimuths)
+        result = sky_air(loaded, contrasts_of(zenith_deg, "--zenith-deg"), azimuths)
     typer.echo(f"{'zenith [deg]':>12} {'azimuth [deg]':>14} {'radiance [W m-2 sr-1]':>22} {'scattered':>11} {'apparent [K]':>13}")
-    for (zenith, azimuth), value in _flat(found.radiance):
-        here = {"zenith_deg": zenith, "azimuth_deg": azimuth}
-        kelvin, light = (float(found[name].sel(here)) for name in ("apparent_temperature", "scattered_radiance"))
+    for (zenith, azimuth), value in _flat(result.radiance):
+        direction = {"zenith_deg": zenith, "azimuth_deg": azimuth}
+        kelvin, light = (float(result[name].sel(direction)) for name in ("apparent_temperature", "scattered_radiance"))
         typer.echo(f"{zenith:>12g} {azimuth:>14g} {value:>22.5g} {light:>11.4g} {kelvin:>13.2f}")
-    _write_table(found, output, overwrite)
+    _write_table(result, output, overwrite)
 
 
 def _band(text: str | None) -> tuple[float, float]:
@@ -304,25 +304,25 @@ def _refuse_table(output: Path | None, overwrite: bool, inputs: list[Path]) -> N
         )
 
 
-def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> None:
+def _write_table(result: xr.Dataset, output: Path | None, overwrite: bool) -> None:
     """Write a dataset as NetCDF, or its numbers as columns of a CSV file; a CSV file has spectra only where there is nothing else."""
     if output is None:
         return
     if output.suffix.lower() == ".csv":
         from seaglint.formats.tables.table_text import write_columns
 
-        spectra = set(found.dims) == {"wavenumber_cm"}
-        kept = (
-            found[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
+        spectra = set(result.dims) == {"wavenumber_cm"}
+        numbers = (
+            result[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
             if spectra
-            else found.drop_dims("wavenumber_cm")
+            else result.drop_dims("wavenumber_cm")
         )
-        frame = kept.to_dataframe().reset_index()
+        frame = numbers.to_dataframe().reset_index()
         write_columns({str(name): column.to_numpy() for name, column in frame.items()}, output, overwrite=overwrite)
     else:
         from seaglint.store.netcdf import write_netcdf
 
-        write_netcdf(found, output, overwrite=overwrite)
+        write_netcdf(result, output, overwrite=overwrite)
     log(f"{output} written")
 
 
@@ -330,7 +330,7 @@ _WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")  #: Kinds of files that
 
 
 #: Dimensions of a file of air, with their names in messages.
-_HELD = {
+_DIMENSION_NAMES = {
     "range_m": "paths",
     "sky_zenith_deg": "angles of sky from the sea",
     "sensor_sky_zenith_deg": "from the sensor",

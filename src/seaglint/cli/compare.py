@@ -31,13 +31,13 @@ def compare(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Compare a measured spectrum with that of a scenario.
+    """Compare a measured spectrum with a scenario's spectrum.
 
     Prints temperatures and differences by band.
 
-    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, the same with _um for those per wavelength, and
-    brightness_temperature_k. A column or comment resolution_cm states the resolution. A spectrum finer than 20 cm-1 is averaged to that; of
-    a coarser one ours is averaged.
+    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, the same with _um for radiance per wavelength, and
+    brightness_temperature_k. A column or comment resolution_cm states the resolution. A measured spectrum finer than 20 cm-1 is averaged to
+    20 cm-1; for a coarser one the computed spectrum is averaged.
     """
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.messages import show_logs

@@ -92,8 +92,8 @@ def mean(cases: CasesFile, output: Output, request: BandsRequest, show: LateProg
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
     relative_azimuth_deg (0 looks towards the Sun), sea_temperature_k, ifov_mrad (side of the square pixel). Columns made, per band:
     radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. Cox-Munk slopes, shadowed towards viewer and Sun: isotropic, or with the
-    column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind, or what a column slopes
-    says (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind, or as a column slopes
+    specifies (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
     """
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands

@@ -28,23 +28,23 @@ def info(
     everything: Annotated[bool, typer.Option("--all", help="with all that was noted when it was made")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Say what a file holds and how it was made."""
+    """Report the contents of a file and how it was made."""
     from seaglint.cli.terminal.program import only_numpy
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours, lines
 
     only_numpy()
     place = place_given(path)
     if is_ours(place):
-        held = describe(place)
-        told, plain = lines(held, everything=everything), held.as_dict
+        contents = describe(place)
+        text, as_plain = lines(contents, everything=everything), contents.as_dict
     else:
         assert isinstance(place, Path)
         facts = describe_scenario(place) if place.suffix.lower() == ".toml" else describe_recording(place, variable, channel, axes)
-        told, plain = facts.lines, facts.as_dict
+        text, as_plain = facts.lines, facts.as_dict
     if as_json:
-        print_json(plain())
+        print_json(as_plain())
     else:
-        tell(told)
+        tell(text)
 
 
 def doctor(

@@ -16,9 +16,8 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.formats.object_labels import Label
-from seaglint.plot.figures_and_pages import new_figure
+from seaglint.plot.figures_and_pages import new_figure, save_figure
 from seaglint.plot.scale import number_decades, scale_of
-from seaglint.store.outputs import moved_when_whole
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import directions, to_temperature
 
@@ -48,9 +47,9 @@ def draw_figure_10(dataset: xr.Dataset) -> Figure:
             )
             axes.set_xticks([])
             axes.set_yticks([])
-            tie = dataset["correlation"].to_numpy()[i, j]
-            spread = float(dataset["std_level"].to_numpy()[i, j])
-            lines = [f"deviation {spread:.2f} levels; correlation → {tie[0]:.2f}, ↓ {tie[1]:.2f}"]
+            correlation = dataset["correlation"].to_numpy()[i, j]
+            deviation = float(dataset["std_level"].to_numpy()[i, j])
+            lines = [f"deviation {deviation:.2f} levels; correlation → {correlation[0]:.2f}, ↓ {correlation[1]:.2f}"]
             # Only the second column has couplings with standard errors; the next two have regimes.
             if j == 1:
                 coupling, error = (dataset[key].to_numpy()[i, 1] for key in ("coupling", "coupling_standard_error"))
@@ -146,14 +145,14 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
         _both_units(axes)
     last.axis("off")
     lines, names = b.get_legend_handles_labels()
-    lines += [a.plot([], [], color="0.3", linestyle=":", linewidth=2.0)[0]]
+    lines.append(a.plot([], [], color="0.3", linestyle=":", linewidth=2.0)[0])
     last.legend(lines, [*names, "(a) cubic of Eq. 9, fitted"], loc="center", fontsize=10, title="wind at 10 m", frameon=False)
     figure.suptitle(f"Path and boundary: {_settings(dataset)}", fontsize=11)
     return figure
 
 
 def smooth_rows(sun: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return rows at even steps of :data:`_SUN_STEP` from the computed rows, by monotone cubics: kinks of straight lines show as stripes."""
+    """Return rows at even steps of :data:`_SUN_STEP` from the computed rows, by monotone cubics: kinks of lines show as stripes."""
     from scipy.interpolate import PchipInterpolator
 
     fine = np.linspace(sun[0], sun[-1], 1 + round(float(sun[-1] - sun[0]) / _SUN_STEP))
@@ -225,8 +224,8 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
         scale = LogNorm(lowest, highest)
         panels = half.subplots(winds.size, directions.size, sharex=True, sharey=True, squeeze=False)
         for (i, j), axes in np.ndenumerate(panels):
-            seen = np.maximum(values[i, j], lowest)
-            image = axes.imshow(seen, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
+            floored = np.maximum(values[i, j], lowest)
+            image = axes.imshow(floored, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
             lines = values[i, j].max() * np.array(_SHARES)
             axes.contour(azimuth, elevation, values[i, j], levels=lines, colors="c", linewidths=0.7)
             axes.tick_params(labelsize=8)
@@ -263,10 +262,7 @@ def write_figure(name: str, dataset: xr.Dataset, output: str | Path) -> Path:
     StorageError
         No room or no rights; nothing is left behind.
     """
-    output = Path(output)
-    with moved_when_whole(output) as partial:
-        DRAW[name](dataset).savefig(partial, format="png", dpi=110, metadata={"Software": None})
-    return output
+    return save_figure(DRAW[name](dataset), output, 110, format="png", metadata={"Software": None})
 
 
 #: Colours of the bodies in their order: the article's attacking one is red, the defending one green.
@@ -351,10 +347,7 @@ def write(dataset: xr.Dataset, index: int, labels: list[Label], ways: Engagement
     StorageError
         No room or no rights; nothing is left behind.
     """
-    output = Path(output)
-    with moved_when_whole(output) as partial:
-        draw(dataset, index, labels, ways).savefig(partial, format="png", dpi=90, metadata={"Software": None})
-    return output
+    return save_figure(draw(dataset, index, labels, ways), output, 90, format="png", metadata={"Software": None})
 
 
 def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:

@@ -23,7 +23,7 @@ from seaglint.clutter.extremes import TailFit
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.fits import FAMILIES
 from seaglint.clutter.thresholds import gaussian_rate
-from seaglint.plot.figures_and_pages import new_figure
+from seaglint.plot.figures_and_pages import beyond, new_figure
 from seaglint.plot.scale import number_decades
 
 if TYPE_CHECKING:
@@ -43,17 +43,10 @@ def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axe
     return figure, [(a, name, region) for a, (name, region) in zip(axes, analysis.regions.items(), strict=True)]
 
 
-def say(axes: Axes, text: str) -> None:
+def write_in_panel(axes: Axes, text: str) -> None:
     """Write text in the middle of an empty panel."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes, fontsize=10, color="0.35", wrap=True)
-
-
-def beyond(values: NDArray[Any], low: float, high: float) -> str:
-    """Return the ends of a colour bar that values exceed, as Matplotlib's ``extend``: both, max, min or neither."""
-    with np.errstate(invalid="ignore"):
-        above, below = bool((values > high).any()), bool((values < low).any())
-    return {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
 
 
 def unit_of(units: str | None, unknown: str = "unit") -> str:
@@ -159,7 +152,7 @@ def _profiles(line: Any, raw: NDArray[Any], filtered: NDArray[Any], above: NDArr
     place = np.flatnonzero(above)
     line[1].plot(place, filtered[place], "o", color=COLOURS["glint"], markersize=3, label=f"above threshold: {place.size}")
     line[1].legend(fontsize=7)
-    say(line[2], "a single frame:\nno slices in time")
+    write_in_panel(line[2], "a single frame:\nno slices in time")
 
 
 _FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
@@ -187,9 +180,9 @@ def draw_exceedances(analysis: Analysis) -> Figure:
             legend = f"{name}, {threshold:g} σ" + ("" if time is None else f": {time * seconds:.3g} {label}")
             lines.append((legend, COLOURS[name], style, joint.joint, joint.correlation, joint.rate))
     if not lines:
-        why = "a single frame: nothing can be said of time" if analysis.recording.frames == 1 else "no exceedances"
-        say(left, why)
-        say(right, why)
+        reason = "a single frame: nothing can be said of time" if analysis.recording.frames == 1 else "no exceedances"
+        write_in_panel(left, reason)
+        write_in_panel(right, reason)
         return figure
     for legend, colour, style, probability, correlation, rate in lines:
         lag = seconds * np.arange(probability.size)
@@ -243,7 +236,7 @@ def draw_memory(analysis: Analysis) -> Figure:
     if time.lines:
         time.set(xlabel=f"lag [{label}]", xlim=(0.0, seconds * last), ylim=(-0.3, 1.05), ylabel="correlation [1]")
     else:
-        say(time, _why_no_time(analysis))
+        write_in_panel(time, _why_no_time(analysis))
     for axes in (space, time):
         if axes.lines:
             axes.axhline(math.exp(-1.0), color="k", linewidth=0.8, linestyle=":")
@@ -254,7 +247,7 @@ def draw_memory(analysis: Analysis) -> Figure:
         rings.minorticks_off()
         rings.set(xlabel="spatial frequency [cycles/px]", ylabel=f"density [({unit})² px²]")
     else:
-        say(rings, "no square of at least 8 px lies wholly in a region, or nothing varies")
+        write_in_panel(rings, "no square of at least 8 px lies wholly in a region, or nothing varies")
     _plane(figure, plane, analysis)
     for axes in (space, time, rings):
         if axes.lines:
@@ -290,7 +283,7 @@ def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
         axes.set_title(f"spectrum: {name}", fontsize=10)
         axes.set(xlabel="frequency along rows, x [cycles/px]", ylabel="frequency along columns, y [cycles/px]")
         return
-    say(axes, "no spectrum")
+    write_in_panel(axes, "no spectrum")
 
 
 def _why_no_time(analysis: Analysis) -> str:
@@ -313,7 +306,7 @@ def draw_histograms(analysis: Analysis) -> Figure:
         x = region.sample
         axes.set_title(f"{name}: {x.size} values sampled", fontsize=10)
         if x.size < 2 or np.ptp(x) == 0.0:
-            say(axes, "all values are equal" if x.size else "no values")
+            write_in_panel(axes, "all values are equal" if x.size else "no values")
             continue
         edges = histogram_edges(x)
         counts, _ = np.histogram(x, edges)
@@ -347,8 +340,7 @@ def draw_histograms(analysis: Analysis) -> Figure:
 def histogram_edges(values: NDArray[Any]) -> FloatArray:
     """Return the edges of a histogram with Freedman and Diaconis' width, at most 150 cells.
 
-    For whole numbers every cell holds equally many of them: cells of three and of four numbers by turns would show a comb that is not in the
-    data.
+    For whole numbers every cell holds equally many of them: cells of three and of four numbers by turns would show a comb.
     """
     low, high = float(values.min()), float(values.max())
     quartiles = np.percentile(values, [25.0, 75.0])
@@ -377,7 +369,7 @@ def draw_rates(analysis: Analysis) -> Figure:
     for axes, name, region in panels:
         axes.set_title(name, fontsize=10)
         if not any(alarms.pixels for alarms in region.alarms.values()):
-            say(axes, "no pixel with a standard deviation")
+            write_in_panel(axes, "no pixel with a standard deviation")
             continue
         _rate_panel(axes, region, COLOURS[name])
     panels[0][0].set_ylabel("false alarms per pixel and frame [1]")
@@ -391,12 +383,13 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         if not alarms.pixels:
             continue
         curve = alarms.curve()
-        seen = (curve.threshold >= 0.0) & (curve.exceedances > 0)
-        own = colour if number == 0 else next(others, "0.5")
-        axes.plot(curve.threshold[seen], curve.rate[seen], color=own, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
-        _counted(axes, alarms, own, label=number == 0)
+        counted = (curve.threshold >= 0.0) & (curve.exceedances > 0)
+        line_colour = colour if number == 0 else next(others, "0.5")
+        threshold, rate = curve.threshold[counted], curve.rate[counted]
+        axes.plot(threshold, rate, color=line_colour, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
+        _counted(axes, alarms, line_colour, label=number == 0)
         pixels = max(pixels, alarms.pixels)
-        reached = float(curve.threshold[seen][-1]) if seen.any() else 0.0
+        reached = float(threshold[-1]) if threshold.size else 0.0
         furthest = max(furthest, reached)
         if number == 0:
             tail, reason = region.tail(name)

@@ -7,9 +7,13 @@ import io
 from collections.abc import Iterable, Sequence
 from functools import partial
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from seaglint.store.outputs import json_text
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.store.outputs import json_text, moved_when_whole
 from seaglint.version import __version__
 
 if TYPE_CHECKING:
@@ -40,6 +44,28 @@ def new_figure(width: float, height: float) -> Figure:
     FigureCanvasAgg(figure)
     figure._repr_png_ = partial(png, figure)  # type: ignore[attr-defined]  # IPython shows figures of pyplot alone by itself
     return figure
+
+
+def save_figure(figure: Figure, output: str | Path, dpi: int, *remedy: str, **options: Any) -> Path:
+    """Write a figure to a picture file, complete or not at all, in the format of the ending unless ``format`` is given.
+
+    Raises
+    ------
+    StorageError
+        No room or no rights; nothing is left behind. Its text ends with ``remedy``.
+    """
+    output = Path(output)
+    kind = options.pop("format", output.suffix.lstrip(".").lower())
+    with moved_when_whole(output, *remedy) as partial_file:
+        figure.savefig(partial_file, dpi=dpi, format=kind, **options)
+    return output
+
+
+def beyond(values: NDArray[Any], low: float, high: float) -> str:
+    """Return the ends of a colour bar that values exceed, as Matplotlib's ``extend``: both, max, min or neither."""
+    with np.errstate(invalid="ignore"):
+        above, below = bool((values > high).any()), bool((values < low).any())
+    return {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
 
 
 ABSENT: Final = "–"  #: Text in place of a number that does not exist.

@@ -17,9 +17,8 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.representation import rounded
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
-from seaglint.plot.figures_and_pages import new_figure
+from seaglint.plot.figures_and_pages import beyond, new_figure, save_figure
 from seaglint.plot.scale import Kind, round_ticks, scale_of
-from seaglint.store.outputs import moved_when_whole
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import below_horizon, directions, images, pictures, to_temperature
 
@@ -76,7 +75,7 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
                 _label_elevation(axes, float(level), azimuth, elevation)
 
 
-def _turned(azimuth: FloatArray, towards: float) -> FloatArray:
+def _angles_from(azimuth: FloatArray, towards: float) -> FloatArray:
     """Return angles measured from an azimuth, -180 to 180 [deg]."""
     return np.asarray((azimuth - towards + 180.0) % 360.0 - 180.0)
 
@@ -95,7 +94,7 @@ def _draw_azimuth(axes: Axes, towards: float, azimuth: FloatArray) -> None:
     inside = (row >= at_row) & (row < rows - at_row) & (column >= at_column) & (column < columns - at_column)
     # The label is written where the line crosses a rectangle at the labels' distance from the edge.
     ring = inside & ((row == at_row) | (row == rows - 1 - at_row) | (column == at_column) | (column == columns - 1 - at_column))
-    distance = np.where(ring, np.abs(_turned(azimuth, towards)), np.inf)
+    distance = np.where(ring, np.abs(_angles_from(azimuth, towards)), np.inf)
     place = np.unravel_index(int(np.argmin(distance)), distance.shape)
     # Further away than a quarter of the step between two lines, the label would not be on its line.
     if distance[place] < 0.25 * 45.0:
@@ -103,7 +102,7 @@ def _draw_azimuth(axes: Axes, towards: float, azimuth: FloatArray) -> None:
 
 
 def _label_elevation(axes: Axes, level: float, azimuth: FloatArray, elevation: FloatArray) -> None:
-    """Write an elevation where its line is nearest to the azimuth between two labelled ones, inside the picture and apart from other labels."""
+    """Write an elevation where its line is nearest to the azimuth between two labelled lines, inside and apart from other labels."""
     rows, columns = elevation.shape
     row, column = np.indices(elevation.shape)
     inside = (np.minimum(row, rows - 1 - row) >= _inner(rows)) & (np.minimum(column, columns - 1 - column) >= _inner(columns))
@@ -116,7 +115,7 @@ def _label_elevation(axes: Axes, level: float, azimuth: FloatArray, elevation: F
     if not near.any():
         return
     # Distance from the azimuth of the labels in steps of the lines, plus distance from the line in pixels.
-    off = np.where(near, np.abs(_turned(azimuth, _BESIDE)) / 45.0 + np.abs(elevation - level) / step, np.inf)
+    off = np.where(near, np.abs(_angles_from(azimuth, _BESIDE)) / 45.0 + np.abs(elevation - level) / step, np.inf)
     place = np.unravel_index(int(np.argmin(off)), off.shape)
     _write(axes, float(place[1]), float(place[0]), f"{level:g}°")
 
@@ -178,10 +177,9 @@ def _panel(
     axes.set_xlabel("azimuth [deg]")
     axes.set_ylabel("elevation [deg]")
     axes.set_title(VARIABLES[name].long_name, fontsize=10)
-    finite = values[np.isfinite(values)]
-    above, below = bool(np.any(finite > norm.vmax)), bool(np.any(finite < norm.vmin))
-    extend = {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
-    return figure.colorbar(image, ax=axes, extend=extend, pad=0.02)
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    return figure.colorbar(image, ax=axes, extend=beyond(values[np.isfinite(values)], norm.vmin, norm.vmax), pad=0.02)
 
 
 def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
@@ -243,7 +241,7 @@ def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool
 
 
 def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -> None:
-    """Draw a dotted line at the horizon, which a sky beyond the scale hides, and note it in the title; a grid has elevations of its rows."""
+    """Draw a dotted line at the horizon, which a sky beyond the scale hides, and note it in the title; a grid has rows of one elevation."""
     if elevation is not None:
         axes.axhline(float(np.mean(elevation + below[:, 0])), color="deepskyblue", linestyle=":", linewidth=1.2)
     else:
@@ -302,7 +300,4 @@ def write_picture(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto")
     StorageError
         No room or no rights; nothing is left behind.
     """
-    output = Path(output)
-    with moved_when_whole(output, "make room and run the same command with --resume") as partial:
-        draw(dataset, scale).savefig(partial, format="png", dpi=130)
-    return output
+    return save_figure(draw(dataset, scale), output, 130, "make room and run the same command with --resume", format="png")

@@ -10,8 +10,7 @@ import numpy as np
 
 from seaglint.formats.tables.spectra import SpectraBeside
 from seaglint.instrument.data_sheet import SensorDataSheet
-from seaglint.plot.figures_and_pages import new_figure
-from seaglint.store.outputs import moved_when_whole
+from seaglint.plot.figures_and_pages import new_figure, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,8 +23,7 @@ SIZE = (11.0, 4.2)  #: Width and height [in].
 
 def write_sensor_plot(sheet: SensorDataSheet, path: Path) -> None:
     """Draw the figures of merit of a sensor into a picture file."""
-    with moved_when_whole(path) as partial:
-        draw_sensor(sheet).savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
+    save_figure(draw_sensor(sheet), path, 120)
 
 
 def draw_sensor(sheet: SensorDataSheet) -> Figure:
@@ -62,9 +60,7 @@ GAP_CM: Final = 100.0  #: Step from which two parts of a spectrum are not joined
 
 def write_beside(spectra: Sequence[SpectraBeside], output: Path) -> Path:
     """Write the picture of spectra, complete or not at all."""
-    with moved_when_whole(output) as partial:
-        draw_beside(spectra).savefig(partial, dpi=110, format=output.suffix.lstrip(".").lower())
-    return output
+    return save_figure(draw_beside(spectra), output, 110)
 
 
 def draw_beside(spectra: Sequence[SpectraBeside]) -> Figure:

@@ -117,10 +117,10 @@ def _of_sequence(path: Path, variable: str | None) -> Opened:
             frames = np.arange(chunk * unit, min((chunk + 1) * unit, count))
             # A chunk of several frames may be half done; a chunk of one frame exists only when the frame is written.
             if unit > 1 and chunk not in full:
-                there = done_array[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
-                if there.all():
+                written = done_array[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
+                if written.all():
                     full.add(chunk)
-                frames = frames[there]
+                frames = frames[written]
             chunks.append(frames)
         return np.concatenate(chunks)
 
@@ -276,7 +276,7 @@ class GoneError(DataError):
 class ViewerSource:
     """Frames, layers, truth and directions of one file; see :func:`open_source`.
 
-    A file that was replaced is opened again. A missing file is reported as a :class:`~seaglint.base.errors.DataError`, until it exists again.
+    A file that was replaced is opened again. A missing file raises :class:`~seaglint.base.errors.DataError` until it exists again.
     """
 
     def __init__(self, path: str | Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> None:
@@ -296,7 +296,7 @@ class ViewerSource:
     def opened(self) -> Opened:
         """Return the content of the file in its present state."""
         with self._lock:
-            self._look()
+            self._reopen_if_replaced()
             return self._opened
 
     @property
@@ -327,7 +327,7 @@ class ViewerSource:
         self._bytes, self._done = 0, opened.done()
         return opened
 
-    def _look(self) -> None:
+    def _reopen_if_replaced(self) -> None:
         """Open the file again if it was replaced."""
         place, stamp = self._find()
         if stamp != self._stamp or place != self._place:
@@ -337,7 +337,7 @@ class ViewerSource:
     def done(self) -> NDArray[np.int64]:
         """Return the indices of the frames that exist, in order; read again while the file is being written."""
         with self._lock:
-            self._look()
+            self._reopen_if_replaced()
             if self._done.size < self._opened.frames:
                 self._done = self._opened.done()
             return self._done

@@ -79,7 +79,11 @@ class Library:
                 if len(self._paths) >= self.given + MOST_LISTED:
                     break
                 self._number(str(path))
-        return [{"id": number, "name": self._name(path)} for number, path in enumerate(self._paths) if number < self.given or _there(path)]
+        return [
+            {"id": number, "name": self._name(path)}
+            for number, path in enumerate(self._paths)
+            if number < self.given or os.path.exists(path)
+        ]
 
     def _name(self, path: str) -> str:
         resolved = Path(path).resolve()
@@ -111,10 +115,6 @@ class Library:
             while len(self._open) > max(MOST_OPEN, self.given):
                 self._open.pop(next(n for n in self._open if n >= self.given))
             return source
-
-
-def _there(path: str) -> bool:
-    return os.path.exists(path)
 
 
 def _files(folder: Path, depth: int = 2) -> Iterator[Path]:

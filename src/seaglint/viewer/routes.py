@@ -58,13 +58,13 @@ class AnalysisJob:
     total: int = 1
     result: JsonObject | None = None
     error: str | None = None
-    asked: float = field(default_factory=time.monotonic)
+    requested: float = field(default_factory=time.monotonic)
     finished: threading.Event = field(default_factory=threading.Event)
 
     def progress(self, done: int, total: int) -> None:
         """Record the progress; raise where nobody waits for the result."""
         self.done, self.total = done, max(total, 1)
-        if time.monotonic() - self.asked > PATIENCE:
+        if time.monotonic() - self.requested > PATIENCE:
             raise _StoppedError
 
 
@@ -121,7 +121,7 @@ class Jobs:
         job = self._jobs.get(number)
         if job is None:
             raise DataError(f"analysis {number}: is not known any more; start it again")
-        job.asked = time.monotonic()
+        job.requested = time.monotonic()
         return job
 
 
@@ -261,9 +261,9 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
     name = chosen.name
     dataset = xr.Dataset({name: (("time", "y", "x"), block, {"units": chosen.unit})}, coords={"time": times})
     with tempfile.TemporaryDirectory(prefix="seaglint-clip-") as folder:
-        made = Path(folder) / "clip.mp4"
-        write_video(dataset, made, variable=name, colours=colours, limits=(low, high), rate=opened.frame_rate)
-        return made.read_bytes()
+        video = Path(folder) / "clip.mp4"
+        write_video(dataset, video, variable=name, colours=colours, limits=(low, high), rate=opened.frame_rate)
+        return video.read_bytes()
 
 
 def table(result: JsonObject) -> str:

@@ -1,8 +1,8 @@
 """Server of the viewer: pages, access control and limits of requests. No data leave the machine.
 
 A page of another site in the user's browser can send requests to this machine. With a host name that its owner directs to this machine (DNS
-rebinding), the browser even treats both as one site. The outermost layer of the server therefore refuses requests unless ``Host`` is a name that the
-server was started with, and ``Origin``, if a browser sends one, is the same host. From other machines a token is required as well.
+rebinding), the browser even treats both as one site. The outermost layer of the server therefore refuses requests unless ``Host`` is a name
+with which the server was started, and ``Origin``, if a browser sends one, is the same host. Other machines need a token as well.
 """
 
 from __future__ import annotations
@@ -323,21 +323,21 @@ def bind(host: str, port: int | None) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     candidates = range(PORT, PORT + _TRIED) if port is None else (port,)
     for number in candidates:
-        made = socket.socket(family, socket.SOCK_STREAM)
+        listening = socket.socket(family, socket.SOCK_STREAM)
         # A viewer that is started again gets its port at once, without waiting for old connections to expire.
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            made.bind((host, number))
-            made.listen(128)
+            listening.bind((host, number))
+            listening.listen(128)
         except OSError as error:
-            made.close()
+            listening.close()
             # Only a port that is taken is worth trying the next one.
             if error.errno == errno.EADDRINUSE:
                 continue
             if error.errno in (errno.EACCES, errno.EPERM):
                 raise DataError(f"port = {number}: may not be used by this account; give one above 1023") from None
             raise DataError(f"host = {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
-        return made
+        return listening
     # Port 0 lets the system choose a free one, which the error names.
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.bind((host, 0))

@@ -6,6 +6,7 @@ Frames are written ``37``, ``37:38``, ``10:`` or ``:20``; of a stored run also w
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -30,6 +31,9 @@ def place_given(text: str) -> Path | str:
     return bare if "://" in text else Path(bare)
 
 
+AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
+ScenarioArgument = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")]
+Preview = Annotated[bool, typer.Option("--preview", help="write a picture beside the file")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace an existing output")]
 StoreOption = Annotated[str, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")]
 ShardOption = Annotated[
@@ -57,6 +61,19 @@ def refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
             "replace it with --overwrite, give -o another name, or leave --preview out"
         )
     refuse_existing(path, overwrite=replace, inputs=inputs)
+
+
+def two_numbers(separator: str, hint: str) -> Callable[[str, str], tuple[float, float]]:
+    """Return a reader of options with two numbers: it takes the text and the option, and raises ``hint`` for other texts."""
+
+    def read(text: str, option: str) -> tuple[float, float]:
+        try:
+            first, second = (float(part) for part in text.split(separator))
+        except ValueError:
+            raise DataError(f"{option} {text}: give {hint}") from None
+        return first, second
+
+    return read
 
 
 def parse_frames(text: str | range | None, held: int | range, *, steps: bool = False) -> range:

@@ -136,8 +136,8 @@ def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float
             write(f"{what}: {done}/{total}" + ("" if left is None or rate is None else f", {rate:.3g} per s, {duration(left)} left"))
         else:
             # At the end the mean over the whole run, the first piece included.
-            made = (done - (known.before or 0)) / max(known.elapsed, 1e-9)
-            write(f"{what}: {done}/{total} in {duration(known.elapsed)}, {made:.3g} per s")
+            mean_rate = (done - (known.before or 0)) / max(known.elapsed, 1e-9)
+            write(f"{what}: {done}/{total} in {duration(known.elapsed)}, {mean_rate:.3g} per s")
 
     return report
 

@@ -22,7 +22,7 @@ from typer.core import TyperCommand
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import GROUPS, Parameter, described
 from seaglint.cli.terminal.messages import contrasts_of, log
-from seaglint.cli.terminal.options import place_given
+from seaglint.cli.terminal.options import place_given, two_numbers
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.studies.study_requests import WorkRequest
 
@@ -40,7 +40,6 @@ def weights(path: Path) -> NDArray[np.float64]:
     """Return the numbers of a small CSV or NumPy file."""
     import numpy as np
 
-    from seaglint.base.errors import DataError
     from seaglint.store.outputs import read_text
 
     try:
@@ -57,7 +56,6 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
     """Return a mask from an image or a NumPy file: true where it is not zero."""
     import numpy as np
 
-    from seaglint.base.errors import DataError
     from seaglint.formats.recording import open_recording
 
     opened = open_recording(path, channel=None)
@@ -70,7 +68,6 @@ def raw_layout(text: str | None) -> Any:
     """Return the layout of a raw file from ``name=value`` pairs; None without a text."""
     if text is None:
         return None
-    from seaglint.base.errors import DataError
     from seaglint.formats.recording import RawLayout
 
     table: dict[str, Any] = {}
@@ -231,8 +228,6 @@ def _mask(path: Path, option: str) -> Any:
 
 def _shares(text: str, option: str) -> tuple[float, float]:
     """Return the ends of a part of the height from FIRST:LAST [1]."""
-    from seaglint.base.errors import DataError
-
     first, colon, last = text.partition(":")
     try:
         if not colon:
@@ -242,40 +237,12 @@ def _shares(text: str, option: str) -> tuple[float, float]:
         raise DataError(f"{option} {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
 
 
-def _raw(text: str, option: str) -> Any:
-
-    return raw_layout(text)
-
-
-def _pair(text: str, option: str) -> tuple[float, float]:
-    """Return pixels to the right and down, of X,Y."""
-    from seaglint.base.errors import DataError
-
-    try:
-        right, down = (float(part) for part in text.split(","))
-    except ValueError:
-        raise DataError(f"{option} {text}: give X,Y in pixels a frame, to the right and down, e.g. 0.5,0") from None
-    return right, down
-
-
 def _size(text: str, option: str) -> tuple[int, int]:
     """Return columns and rows from COLUMNSxROWS."""
-    from seaglint.base.errors import DataError
-
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):
         raise DataError(f"{option} {text}: give columns and rows above 0 as COLUMNSxROWS, e.g. 512x512")
     return int(parts[0]), int(parts[1])
-
-
-def _limits(text: str, option: str) -> tuple[float, float]:
-    from seaglint.base.errors import DataError
-
-    try:
-        near, far = (float(part) for part in text.split(":"))
-    except ValueError:
-        raise DataError(f"{option} {text}: give NEAR:FAR in metres, e.g. 500:40000") from None
-    return near, far
 
 
 SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never": False}  #: Values of the words of a switch.
@@ -283,13 +250,13 @@ SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never
 #: Readers of texts by the form of a parameter; each takes text and option. Frames are read later, where their number is known.
 READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "numbers": contrasts_of,
-    "pair": _pair,
+    "pair": two_numbers(",", "X,Y in pixels a frame, to the right and down, e.g. 0.5,0"),
     "size": _size,
-    "limits": _limits,
+    "limits": two_numbers(":", "NEAR:FAR in metres, e.g. 500:40000"),
     "shares": _shares,
     "weights": _weights,
     "mask": _mask,
-    "raw": _raw,
+    "raw": lambda text, _: raw_layout(text),
     "switch": lambda text, _: SWITCH[text],
 }
 
@@ -307,14 +274,6 @@ WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {
 }
 
 
-def done_here(workers: int | None, dask: str | None, dask_slurm: Path | None, what: str) -> None:
-    """Report that requested workers are not used, since the work cannot be divided."""
-    from seaglint.cli.terminal.messages import log
-
-    if workers is not None or dask is not None or dask_slurm is not None:
-        log(f"{what} in one piece, by this process alone")
-
-
 @contextmanager
 def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None) -> Iterator[Workers | None]:
     """Provide the requested workers; None where this process works alone. ``threads`` is the number for each local process.
@@ -326,8 +285,6 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
     SeaglintError
         :mod:`seaglint.cluster.dask` refuses the cluster.
     """
-    from seaglint.base.errors import DataError
-
     given = [name for name, value in (("--workers", workers), ("--dask", dask), ("--dask-slurm", dask_slurm)) if value is not None]
     if len(given) > 1:
         raise DataError(f"{' and '.join(given)}: work is shared out in one way; give one of them")
@@ -339,13 +296,11 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
         with LocalProcesses(workers, threads=threads) as processes:
             yield processes
     elif dask is not None:
-        from seaglint.cli.terminal.messages import log
         from seaglint.cluster.dask import connected
 
         with connected(dask, log) as cluster:
             yield cluster
     elif dask_slurm is not None:
-        from seaglint.cli.terminal.messages import log
         from seaglint.cluster.dask import queued
 
         with queued(dask_slurm, log) as cluster:
@@ -403,7 +358,8 @@ class RunOptions(WorkRequest):
 
     def done_here(self, what: str) -> None:
         """Report that requested workers are not used, since the work cannot be divided."""
-        done_here(self.workers, self.dask, self.dask_slurm, what)
+        if self.workers is not None or self.dask is not None or self.dask_slurm is not None:
+            log(f"{what} in one piece, by this process alone")
 
 
 ALONE = ("workers", "dask", "dask_slurm")  #: Fields of :class:`RunOptions` that share work; left out by commands that work alone.

@@ -142,15 +142,15 @@ class Redraw:
         self._order = order = Order(job, scenario)
         self._show(job, None)
         try:
-            found: PreviewPicture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
+            result: PreviewPicture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
         except Overtaken:
             return False
         except SeaglintError as error:
-            found = str(error)
+            result = str(error)
         # A picture that was finished in spite of a newer request is not shown.
         if order.dropped.is_set():
             return False
-        self._show(job, found)
+        self._show(job, result)
         return True
 
 
@@ -162,9 +162,9 @@ _TITLES: Final[dict[Job, str]] = {"mean": "Mean map", "frame": "First frame"}
 @cache
 def painter() -> Painter:
     """Return the process that computes the pictures of all pages."""
-    made = Painter()
-    app.on_shutdown(made.stop)
-    return made
+    process = Painter()
+    app.on_shutdown(process.stop)
+    return process
 
 
 def fill(path: str | Path | None = None) -> None:
@@ -328,7 +328,7 @@ class Bench:
         if self._closed:
             return
         self._scenario = scenario
-        self._tell(mistakes, draft.raw)
+        self._show_mistakes(mistakes, draft.raw)
         if scenario is None:
             self._redraw.drop()
             return
@@ -336,16 +336,16 @@ class Bench:
         self._text = await asyncio.to_thread(draft.toml, scenario)
         self._toml.content = f"<pre>{escape(self._text)}</pre>"
         try:
-            found = await asyncio.to_thread(plan, scenario)
+            view = await asyncio.to_thread(plan, scenario)
         except ScenarioError as error:
             self._redraw.drop()
-            self._tell(error.mistakes or (Mistake("", None, None, str(error)),), draft.raw)
-            found = None
+            self._show_mistakes(error.mistakes or (Mistake("", None, None, str(error)),), draft.raw)
+            view = None
         except SeaglintError as error:
-            self._tell((Mistake("", None, None, str(error)),), draft.raw)
-            found = None
-        if found is not None and not self._gone():
-            self._lay_out(scenario, found)
+            self._show_mistakes((Mistake("", None, None, str(error)),), draft.raw)
+            view = None
+        if view is not None and not self._gone():
+            self._lay_out(scenario, view)
 
     def _lay_out(self, scenario: Scenario, view: PlanView) -> None:
         self._plan = view
@@ -389,8 +389,8 @@ class Bench:
             picture.classes(remove="old")
             picture.content = map_svg(result, self._quantity, _TITLES[job])
 
-    def _tell(self, mistakes: tuple[Mistake, ...], raw: TomlTables) -> None:
-        self._form.tell(mistakes, raw)
+    def _show_mistakes(self, mistakes: tuple[Mistake, ...], raw: TomlTables) -> None:
+        self._form.show_mistakes(mistakes, raw)
         self._problems.clear()
         self._problems.set_visibility(bool(mistakes))
         with self._problems:

@@ -206,10 +206,10 @@ class Draft:
 
     def snapshot(self) -> Draft:
         """Return a copy of the values; later changes do not reach it."""
-        made = copy.copy(self)
-        made.raw = copy.deepcopy(self.raw)
-        made._unread = dict(self._unread)
-        return made
+        copied = copy.copy(self)
+        copied.raw = copy.deepcopy(self.raw)
+        copied._unread = dict(self._unread)
+        return copied
 
     @property
     def name(self) -> str:
@@ -223,35 +223,35 @@ class Draft:
 
     def get(self, keys: Keys) -> Any:
         """Return the value at a place; None if the place is empty."""
-        here: Any = self.raw
+        table: Any = self.raw
         for key in keys:
-            if isinstance(here, Mapping):
-                here = here.get(key)
-            elif isinstance(here, list) and isinstance(key, int) and key < len(here):
-                here = here[key]
+            if isinstance(table, Mapping):
+                table = table.get(key)
+            elif isinstance(table, list) and isinstance(key, int) and key < len(table):
+                table = table[key]
             else:
                 return None
-        return here
+        return table
 
     def put(self, keys: Keys, value: Any) -> None:
         """Set the value at a place, or remove it (None); missing tables on the way are created."""
-        here: Any = self.raw
+        table: Any = self.raw
         for key in keys[:-1]:
-            if isinstance(here, list):
-                here = here[int(key)]
+            if isinstance(table, list):
+                table = table[int(key)]
                 continue
-            if not isinstance(here.get(key), dict | list):
+            if not isinstance(table.get(key), dict | list):
                 if value is None:
                     return
-                here[key] = {}
-            here = here[key]
+                table[key] = {}
+            table = table[key]
         last = keys[-1]
         if value is not None:
-            here[last] = value
-        elif isinstance(here, list):
-            del here[int(last)]
+            table[last] = value
+        elif isinstance(table, list):
+            del table[int(last)]
         else:
-            here.pop(last, None)
+            table.pop(last, None)
 
     def take(self, entry: Field, keys: Keys, text: str) -> None:
         """Set a value from a field's text; unreadable text is a mistake until it is corrected, and the previous value stays."""
@@ -279,7 +279,7 @@ class Draft:
             return None, error.mistakes or (Mistake("", None, None, str(error)),)
 
     def _outside(self) -> Iterator[Mistake]:
-        """Yield a mistake for each file that the page may not name; allowed are files in the scenario's folder and files that the opened file names."""
+        """Yield a mistake for each file that the page may not name: neither in the scenario's folder nor in the opened file."""
         for key, value in _files(self.raw, ()):
             if value in _WORDS or value in self._own:
                 continue

@@ -107,8 +107,8 @@ class Form:
         if group.tag:
 
             def choose(word: str) -> None:
-                said = self._draft.get(keys)
-                previous = said if isinstance(said, dict) else {}
+                table = self._draft.get(keys)
+                previous = table if isinstance(table, dict) else {}
                 names = {entry.name for entry in group.entries(word)}
                 # Keys that both kinds have keep their values.
                 self._draft.put(keys, {group.tag: word} | {key: value for key, value in previous.items() if key in names})
@@ -150,8 +150,10 @@ class Form:
             again()
 
         def add() -> None:
-            made = {"name": f"object {len(items) + 1}", "preset": "buoy", "east_m": 0, "north_m": -1000} if group.name == "objects" else {}
-            self._draft.put(keys, [*items, made])
+            new_table = (
+                {"name": f"object {len(items) + 1}", "preset": "buoy", "east_m": 0, "north_m": -1000} if group.name == "objects" else {}
+            )
+            self._draft.put(keys, [*items, new_table])
             again()
 
         ui.button("add", icon="add", on_click=add).props(f'flat dense no-caps data-add="{dotted(keys)}"')
@@ -203,7 +205,7 @@ class Form:
         label.set_visibility(bool(hint))
         self._notes[keys] = (label, hint)
 
-    def _say(self, keys: Keys, text: str) -> None:
+    def _show_mistake(self, keys: Keys, text: str) -> None:
         label, _ = self._notes[keys]
         label.set_text(text)
         label.classes(add="wrong")
@@ -223,7 +225,7 @@ class Form:
         finally:
             self._quiet = False
 
-    def tell(self, mistakes: Iterable[Mistake], raw: TomlTables) -> None:
+    def show_mistakes(self, mistakes: Iterable[Mistake], raw: TomlTables) -> None:
         """Show mistakes below their fields, or below the table that holds them, and remove the old texts."""
         for keys in self._marked:
             label, hint = self._notes[keys]
@@ -242,7 +244,7 @@ class Form:
                 (keys[:n] for n in range(len(keys), 0, -1) if keys[:n] in self._notes and not self._notes[keys[:n]][0].is_deleted), None
             )
             if place is not None:
-                self._say(place, mistake.text)
+                self._show_mistake(place, mistake.text)
         for name, badge in self._heads.items():
             badge.set_text(str(counts[name]))
             badge.set_visibility(counts[name] > 0)

@@ -193,10 +193,10 @@ class Daylight:
         from seaglint.scenario.records.view_tables import Place
 
         place = Place.model_validate(self._draft.get(("place",)))
-        wanted = (moment.date(), place.latitude_deg, place.longitude_deg)
-        if wanted != self._known:
-            self._day = await asyncio.to_thread(day_of, *wanted)
-            self._known = wanted
+        requested = (moment.date(), place.latitude_deg, place.longitude_deg)
+        if requested != self._known:
+            self._day = await asyncio.to_thread(day_of, *requested)
+            self._known = requested
         self._draw(moment.hour * 60 + moment.minute)
 
     def _draw(self, minutes: int) -> None:
