@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import contrasts_of, files_read, log, naming_file, show_logs
+from seaglint.cli.terminal.options import AsJson, Overwrite, ScenarioArgument, two_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,7 +21,14 @@ if TYPE_CHECKING:
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
 
 
+AirFile = Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")]
+NumbersFile = Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")]
+
 SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario without one [K].
+
+
+#: Reader of the shortest and the longest wavelength of a band [um].
+_band = two_numbers("-", "the shortest and the longest wavelength in micrometres, as 3.7-4.2")
 
 
 class DeckFormat(StrEnum):
@@ -36,9 +46,9 @@ def _atmosphere() -> None:
 
 @atmosphere.command()
 def export(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
+    scenario: ScenarioArgument,
+    output: AirFile,
+    overwrite: Overwrite = False,
 ) -> None:
     """Write the air of a scenario's sensor height and band.
 
@@ -61,7 +71,7 @@ def export(
 
 @atmosphere.command()
 def write(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
+    scenario: ScenarioArgument,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the deck and its manifest; it is made")],
     form: Annotated[
         DeckFormat, typer.Option("--format", help="tape5: MODTRAN 4 and 5; tape5-lowtran7: LOWTRAN7; modtran6-json: MODTRAN 6")
@@ -94,8 +104,8 @@ def read(
             metavar="FILE...", help="tape7, .tp7, .7sc, CSV or JSON of LOWTRAN7 or MODTRAN 4-6, or the folder of atmosphere write"
         ),
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
+    output: AirFile,
+    overwrite: Overwrite = False,
 ) -> None:
     """Make a file of air from what MODTRAN or LOWTRAN7 computed.
 
@@ -139,16 +149,13 @@ def info(
         str | None, typer.Option("--time", metavar="ISO", help="time in a file that holds several, such as 2024-07-01T06:00Z; UTC")
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw temperature, humidity and refractivity")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
+    as_json: AsJson = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Levels, water vapour and refraction of a sounding.
 
     Levels, water vapour, hydrostatic misfit, the lowest air, refraction and ducts; the same of a model atmosphere.
     """
-    import json
-
-    from seaglint.base.errors import DataError
     from seaglint.formats.soundings.air_summary import moment_of, place_of_air, summarise_air
     from seaglint.store.outputs import refuse_existing
 
@@ -198,8 +205,8 @@ def path_command(
     ch4_ppmv: Annotated[float, typer.Option("--ch4-ppmv", help="even air: methane, parts per million of dry air")] = 0.0,
     spectroscopy: Annotated[str, typer.Option("--spectroscopy", help="even air: absorption, lblrtm or lowtran7")] = "lblrtm",
     haze: Annotated[str, typer.Option("--haze", help="even air: aerosol, as atmosphere.haze of a scenario")] = "none",
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
+    output: NumbersFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Transmittance of paths through the air.
 
@@ -208,7 +215,6 @@ def path_command(
     temperature; besides the gases given the air is nitrogen, oxygen and water, and nitrogen absorbs in 3.7-4.2 um only, where RRTMGP's
     tables have it.
     """
-    from seaglint.cli.terminal.messages import contrasts_of, show_logs
     from seaglint.studies.air_paths import even_path, require_one_kind
 
     show_logs()
@@ -236,7 +242,7 @@ def path_command(
     else:
         _refuse_table(output, overwrite, [])
         gases = {"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv}
-        low, high = _band(band_um)
+        low, high = _band(str(band_um), "--band-um")
         result = even_path(numbers, (low, high), gases, cast("Spectroscopy", spectroscopy), haze)
         typer.echo(f"transmittance {float(result.transmittance):.4f} of {low:g}-{high:g} um, {length_km:g} km")
     _write_table(result, output, overwrite)
@@ -251,14 +257,13 @@ def sky_command(
     azimuth_deg: Annotated[
         str | None, typer.Option("--azimuth-deg", metavar="A,B,...", help="azimuths, clockwise from north; default: the sensor's")
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
+    output: NumbersFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Radiance and apparent temperature of the clear sky.
 
     As the sensor of a scenario sees it: emission of the air and sunlight that it scatters.
     """
-    from seaglint.cli.terminal.messages import contrasts_of, show_logs
     from seaglint.scenario.load import load_scenario
     from seaglint.studies.air_paths import sky_air
 
@@ -274,17 +279,6 @@ def sky_command(
         kelvin, light = (float(result[name].sel(direction)) for name in ("apparent_temperature", "scattered_radiance"))
         typer.echo(f"{zenith:>12g} {azimuth:>14g} {value:>22.5g} {light:>11.4g} {kelvin:>13.2f}")
     _write_table(result, output, overwrite)
-
-
-def _band(text: str | None) -> tuple[float, float]:
-    """Return the wavelengths of an option [um]."""
-    from seaglint.base.errors import DataError
-
-    try:
-        low, high = (float(part) for part in str(text).split("-"))
-    except ValueError:
-        raise DataError(f"--band-um {text}: give the shortest and the longest wavelength in micrometres, as 3.7-4.2") from None
-    return low, high
 
 
 def _flat(values: xr.DataArray) -> list[tuple[tuple[float, ...], float]]:

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, tell
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import files_read, log, naming_file, show_logs, tell
 from seaglint.cli.terminal.options import Overwrite
 
 
@@ -35,12 +36,10 @@ def compare(
 
     Prints temperatures and differences by band.
 
-    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, the same with _um for radiance per wavelength, and
-    brightness_temperature_k. A column or comment resolution_cm states the resolution. A measured spectrum finer than 20 cm-1 is averaged to
-    20 cm-1; for a coarser one the computed spectrum is averaged.
+    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, likewise with _um per wavelength, and
+    brightness_temperature_k. A column or comment resolution_cm states the resolution. A measured spectrum finer than 20 cm-1 is averaged
+    to 20 cm-1; for a coarser one the computed spectrum is averaged.
     """
-    from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.messages import show_logs
     from seaglint.scenario.load import load_scenario
     from seaglint.store.outputs import refuse_existing, require_ending
 

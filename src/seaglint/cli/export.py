@@ -12,9 +12,9 @@ from typing import Annotated
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import Overwrite, ProgressOption
-from seaglint.cli.terminal.program import derived_help, listed
-from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.options import Overwrite, ProgressOption, ScenarioArgument, parse_frames
+from seaglint.cli.terminal.program import derived_help, listed, only_numpy
+from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.record_options import takes_records
 from seaglint.studies.study_requests import ExportRequest
 
@@ -48,9 +48,6 @@ def export(
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Write frames of a run for another program."""
-    from seaglint.cli.terminal.options import parse_frames
-    from seaglint.cli.terminal.program import only_numpy
-    from seaglint.cli.terminal.progress import patient_progress
     from seaglint.formats.export.stack import held_frames
     from seaglint.plot.run_export import export_run
     from seaglint.store.sequence_store import open_sequence
@@ -64,7 +61,7 @@ def export(
 
 
 def export_sea(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
+    scenario: ScenarioArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .ply a triangle mesh, .nc NetCDF")],
     time: Annotated[float, typer.Option("--time", help="seconds from the start of the sequence")] = 0.0,
     extent: Annotated[

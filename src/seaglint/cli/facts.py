@@ -8,11 +8,10 @@ from typing import Annotated
 import typer
 
 from seaglint.base.errors import DataError
-from seaglint.cli.terminal.messages import log, print_json, tell
-from seaglint.cli.terminal.options import ProgressOption, place_given
+from seaglint.cli.terminal.messages import log, print_json, show_logs, tell
+from seaglint.cli.terminal.options import AsJson, ProgressOption, place_given
+from seaglint.cli.terminal.program import only_numpy
 from seaglint.cli.terminal.progress import ProgressMode, progress
-
-AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 
 
 def info(
@@ -29,7 +28,6 @@ def info(
     as_json: AsJson = False,
 ) -> None:
     """Report the contents of a file and how it was made."""
-    from seaglint.cli.terminal.program import only_numpy
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours, lines
 
     only_numpy()
@@ -82,8 +80,6 @@ def doctor(
 def _compile(scenario: Path | None, as_json: bool, show: ProgressMode) -> None:
     """Compile the kernels of a scenario and print their folder."""
     from seaglint.cli.compile_kernels import compile_kernels
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.program import only_numpy
 
     only_numpy()
     show_logs(quiet=True)

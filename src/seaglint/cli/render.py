@@ -13,10 +13,11 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import remedy
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.sensor import line as counts_line
-from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air
-from seaglint.cli.terminal.options import PreviewScale, ScaleOption, ShardOption, place_given, refuse_preview
-from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.record_options import RunOptions, takes_records
+from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air, show_logs
+from seaglint.cli.terminal.options import PreviewScale, ScaleOption, ShardOption, parse_frames, place_given, refuse_preview
+from seaglint.cli.terminal.program import only_numpy
+from seaglint.cli.terminal.progress import ProgressMode, progress
+from seaglint.cli.terminal.record_options import RunOptions, finish_store, require_one_way, takes_records, tell_share
 from seaglint.studies.study_requests import RenderRequest
 
 if TYPE_CHECKING:
@@ -47,11 +48,6 @@ def render(
 
     Radiance is at the aperture; where the scenario has a detector, frames are its counts. Any frame alone is the same as in the sequence.
     """
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.options import parse_frames
-    from seaglint.cli.terminal.program import only_numpy
-    from seaglint.cli.terminal.progress import progress
-    from seaglint.cli.terminal.record_options import finish_store, require_one_way, tell_share
     from seaglint.scenario.load import load_scenario
     from seaglint.store.sequence_store import check_output
     from seaglint.store.writers import Share

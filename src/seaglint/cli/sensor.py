@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
-from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
-from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
+from seaglint.cli.terminal.options import AsJson, ShardOption, StoreOption, place_given
+from seaglint.cli.terminal.program import only_numpy
+from seaglint.cli.terminal.progress import patient_progress
+from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records, tell_share
 from seaglint.studies.study_requests import SenseRequest
 
 if TYPE_CHECKING:
@@ -51,9 +54,6 @@ def sense(
     shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
-    from seaglint.cli.terminal.program import only_numpy
-    from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.cli.terminal.record_options import tell_share
     from seaglint.formats.recording.labelled_arrays import source_of
     from seaglint.scenario.load import load_scenario
     from seaglint.store.sequence_store import check_output, open_sequence
@@ -112,7 +112,7 @@ def line(dataset: xr.Dataset) -> str:
 
 def sensor(
     scenario: ScenarioFile,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    as_json: AsJson = False,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw MTF and noise budget")] = None,
     frequency: Annotated[
         list[float] | None, typer.Option("--frequency", min=0.0, help="frequencies of the MTF, in cycles/mrad; repeatable")
@@ -122,8 +122,6 @@ def sensor(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
 ) -> None:
     """Figures of merit of a sensor: NETD, MTF, noise budget."""
-    from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.program import only_numpy
     from seaglint.scenario.load import load_scenario
     from seaglint.store.outputs import refuse_existing
     from seaglint.studies.mean.sensor_figures import describe_sensor

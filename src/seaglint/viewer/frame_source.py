@@ -159,14 +159,14 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
     except (KeyError, ValueError, TypeError, IndexError):
         towards = None
     return Opened(
-        frames,
-        rows,
-        columns,
-        layers,
-        (lambda: everything) if done is None else done,
-        stored_frame_rate(dataset, first) if moving else None,
-        dataset["time"].to_numpy().astype(np.float64) if moving and "time" in dataset.variables else None,
-        towards,
+        frames=frames,
+        rows=rows,
+        columns=columns,
+        layers=layers,
+        done=(lambda: everything) if done is None else done,
+        frame_rate=stored_frame_rate(dataset, first) if moving else None,
+        times=dataset["time"].to_numpy().astype(np.float64) if moving and "time" in dataset.variables else None,
+        directions=towards,
         turning="azimuth" not in dataset.variables,
         boxes=_boxes(path) if moving else None,
         title=str(dataset.attrs.get("title", "")),
@@ -195,7 +195,7 @@ def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
         label = str(about.get("long_name") or (known.long_name if known else name))
         full = about.get("saturation_counts")
         full = None if full is None else float(full)
-        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), full, stored_blur(dataset, name))
+        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), full, blur_px=stored_blur(dataset, name))
     _derive(dataset, layers)
     return layers
 
@@ -251,12 +251,12 @@ def _of_recording(recording: Recording) -> Opened:
     full = None if recording.saturation is None else recording.saturation + recording.offset
     everything = np.arange(recording.frames, dtype=np.int64)
     return Opened(
-        recording.frames,
-        recording.rows,
-        recording.columns,
-        {"value": Layer("value", label, unit, read, full)},
-        lambda: everything,
-        recording.frame_rate,
+        frames=recording.frames,
+        rows=recording.rows,
+        columns=recording.columns,
+        layers={"value": Layer("value", label, unit, read, full)},
+        done=lambda: everything,
+        frame_rate=recording.frame_rate,
         recording=recording,
         notes=recording.notes,
     )
@@ -444,14 +444,14 @@ class ViewerSource:
             return np.stack([self.read(int(index), chosen.name) for index in done[start:stop]])
 
         return Recording(
-            f"{self.path}:{chosen.name}",
-            int(done.size),
-            opened.rows,
-            opened.columns,
-            read,
-            opened.frame_rate,
-            chosen.unit or None,
-            chosen.saturation,
+            source=f"{self.path}:{chosen.name}",
+            frames=int(done.size),
+            rows=opened.rows,
+            columns=opened.columns,
+            read_block=read,
+            frame_rate=opened.frame_rate,
+            units=chosen.unit or None,
+            saturation=chosen.saturation,
             blur_px=chosen.blur_px,
         )
 

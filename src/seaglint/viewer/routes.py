@@ -354,9 +354,9 @@ def _refusals_as_json(answer: Answer) -> Answer:
         try:
             return answer(request)
         except GoneError as error:
-            return JSONResponse({"error": str(error), "gone": True}, status_code=410, headers=_FRESH)
+            return _json({"error": str(error), "gone": True}, 410)
         except SeaglintError as error:
-            return JSONResponse({"error": str(error)}, status_code=409, headers=_FRESH)
+            return _json({"error": str(error)}, 409)
 
     return answered
 
@@ -397,12 +397,12 @@ class _Pages:
         query = Query(request)
         minus, low = query.word("minus"), query.word("low")
         return Show(
-            self._of(request),
-            query.word("layer"),
-            None if minus is None else self._library.source(query.integer("minus")),
-            query.word("scaling") or KINDS[1],
-            query.word("fixed") != "0",
-            None if low is None else (query.real("low"), query.real("high")),
+            source=self._of(request),
+            layer=query.word("layer"),
+            minus=None if minus is None else self._library.source(query.integer("minus")),
+            kind=query.word("scaling") or KINDS[1],
+            fixed=query.word("fixed") != "0",
+            limits=None if low is None else (query.real("low"), query.real("high")),
         )
 
     def page(self, request: Request) -> Response:
@@ -438,7 +438,7 @@ class _Pages:
             "filters": NAMES,
             "video": video_available(),
         }
-        return JSONResponse(answer, headers=_FRESH)
+        return _json(answer)
 
     def source(self, request: Request) -> Response:
         """Return the description of a source."""
@@ -447,7 +447,7 @@ class _Pages:
         # Axes with angles only where these hold for all frames.
         directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
-        return JSONResponse(
+        return _json(
             {
                 "name": Path(source.path).name,
                 "title": opened.title,
@@ -464,13 +464,12 @@ class _Pages:
                 "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
                 "truth": opened.boxes is not None,
                 "notes": list(opened.notes),
-            },
-            headers=_FRESH,
+            }
         )
 
     def frame(self, request: Request) -> Response:
         """Return the levels of a frame, one byte a pixel, with their scale in the header ``Seaglint-Scale``."""
-        show, index = self._show(request), int(request.path_params["index"])
+        show, index = self._show(request), _index(request)
         scaling = self._scales.of(show, index)
         # A browser that shows a frame again sends its tag, and pixels are transferred only if they changed.
         etag = tag(show, index, scaling)
@@ -485,28 +484,28 @@ class _Pages:
     def probe(self, request: Request) -> Response:
         """Return the values under the pointer."""
         query = Query(request)
-        index = int(request.path_params["index"])
-        return JSONResponse(probe(self._of(request), index, query.integer("row"), query.integer("column")), headers=_FRESH)
+        index = _index(request)
+        return _json(probe(self._of(request), index, query.integer("row"), query.integer("column")))
 
     def trace(self, request: Request) -> Response:
         """Return the values of a pixel over time."""
         query = Query(request)
-        index = int(request.path_params["index"])
+        index = _index(request)
         place = query.integer("row"), query.integer("column")
         course = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
-        return JSONResponse(course, headers=_FRESH)
+        return _json(course)
 
     def truth(self, request: Request) -> Response:
         """Return the boxes of objects."""
-        boxes = self._of(request).boxes(int(request.path_params["index"]))
+        boxes = self._of(request).boxes(_index(request))
         listed = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
-        return JSONResponse({"boxes": listed}, headers=_FRESH)
+        return _json({"boxes": listed})
 
     def region(self, request: Request) -> Response:
         """Return histogram, moments and fits of a region of one frame."""
         query = Query(request)
-        statistics = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
-        return JSONResponse(statistics, headers=_FRESH)
+        statistics = quick(self._of(request), _index(request), self._rectangle(query), query.word("layer"))
+        return _json(statistics)
 
     @staticmethod
     def _rectangle(query: Query) -> Rectangle:
@@ -520,22 +519,22 @@ class _Pages:
         query = Query(request)
         result, above = exceedances(
             self._of(request),
-            int(request.path_params["index"]),
+            _index(request),
             query.real("sigma"),
             query.word("filter") or NAMES[0],
             query.word("layer"),
             query.rectangle(),
         )
         bits = base64.b64encode(np.packbits(above).tobytes()).decode()
-        return JSONResponse({**result, "mask": bits}, headers=_FRESH)
+        return _json({**result, "mask": bits})
 
     def analyse(self, request: Request) -> Response:
         """Start the whole analysis of a region."""
         query, source = Query(request), self._of(request)
         where, layer = self._rectangle(query), query.word("layer")
-        only = None if query.word("all") == "1" else int(request.path_params["index"])
+        only = None if query.word("all") == "1" else _index(request)
         number = self._jobs.start(lambda progress: whole(source, where, layer, only, progress))
-        return JSONResponse({"job": number}, status_code=202, headers=_FRESH)
+        return _json({"job": number}, 202)
 
     def analysis(self, request: Request) -> Response:
         """Return the progress of an analysis, and its result as JSON or CSV once it exists."""
@@ -544,17 +543,17 @@ class _Pages:
         if job.error is not None:
             raise DataError(job.error)
         if job.result is None:
-            return JSONResponse({"done": job.done, "total": job.total, "result": None}, headers=_FRESH)
+            return _json({"done": job.done, "total": job.total, "result": None})
         save = query.word("save")
         if save == "csv":
             return _download(table(job.result).encode(), "region.csv", "text/csv")
         if save == "json":
             return _download(json.dumps(job.result, indent=2, ensure_ascii=False).encode(), "region.json", "application/json")
-        return JSONResponse({"done": job.total, "total": job.total, "result": job.result}, headers=_FRESH)
+        return _json({"done": job.total, "total": job.total, "result": job.result})
 
     def export_frame(self, request: Request) -> Response:
         """Return one frame as a file."""
-        show, index = self._show(request), int(request.path_params["index"])
+        show, index = self._show(request), _index(request)
         ending = "." + str(request.path_params["kind"])
         if ending not in TYPES:
             raise DataError(f"{ending[:20]}: a frame is saved as {', '.join(TYPES)}; choose one of them")
@@ -566,6 +565,15 @@ class _Pages:
         show, query = self._show(request), Query(request)
         first, last = query.integer("first"), query.integer("last")
         return _download(clip(show, first, last, self._scales, query.colours()), f"{_stem(show.source)}-{first}-{last}.mp4", "video/mp4")
+
+
+def _index(request: Request) -> int:
+    """Return the frame of a request."""
+    return int(request.path_params["index"])
+
+
+def _json(content: Any, status: int = 200) -> Response:
+    return JSONResponse(content, status_code=status, headers=_FRESH)
 
 
 def _stem(source: ViewerSource) -> str:

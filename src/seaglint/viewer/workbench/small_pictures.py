@@ -86,7 +86,15 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
         temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
     edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
     below = below_horizon(dataset)
-    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, time.perf_counter() - begin, below)
+    return PreviewPicture(
+        radiance=radiance,
+        temperature=temperature,
+        azimuth=edges[0],
+        elevation=edges[1],
+        pixels=scenario.sensor.pixels,
+        seconds=time.perf_counter() - begin,
+        depression=below,
+    )
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:

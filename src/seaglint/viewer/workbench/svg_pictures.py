@@ -184,7 +184,15 @@ def plan(scenario: Scenario) -> PlanView:
     # Lower edge of the view, below the horizontal.
     steepest = math.radians(-scenario.sensor.elevation_deg + 0.5 * scenario.sensor.fov_deg[1])
     nearest = float(surface_range(height, min(steepest, 0.5 * math.pi)))
-    return PlanView(ways, own - own[0], horizon_range(height), nearest, azimuth, scenario.sensor.fov_deg[0], sun_position(scenario))
+    return PlanView(
+        ways=ways,
+        own=own - own[0],
+        horizon=horizon_range(height),
+        nearest=nearest,
+        azimuth=azimuth,
+        width=scenario.sensor.fov_deg[0],
+        sun=sun_position(scenario),
+    )
 
 
 def reach(view: PlanView, whole: bool) -> float:
