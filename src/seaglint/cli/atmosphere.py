@@ -45,11 +45,7 @@ def _atmosphere() -> None:
 
 
 @atmosphere.command()
-def export(
-    scenario: ScenarioArgument,
-    output: AirFile,
-    overwrite: Overwrite = False,
-) -> None:
+def export(scenario: ScenarioArgument, output: AirFile, overwrite: Overwrite = False) -> None:
     """Write the air of a scenario's sensor height and band.
 
     Transmittance, radiance and sunlight: a start for your own atmosphere file.
@@ -183,8 +179,7 @@ SceneArgument = Annotated[
 def path_command(
     scenario: SceneArgument = None,
     range_m: Annotated[
-        str | None,
-        typer.Option("--range-m", metavar="A,B,...", help="arcs along the sea from the sensor's foot [m]; or FIRST:LAST:STEP"),
+        str | None, typer.Option("--range-m", metavar="A,B,...", help="arcs along the sea from the sensor's foot [m]; or FIRST:LAST:STEP")
     ] = None,
     target_height_m: Annotated[
         str, typer.Option("--target-height-m", metavar="A,B,...", help="heights of the points above the mean sea; 0 is the sea")

@@ -14,8 +14,7 @@ from seaglint.cli.terminal.options import Overwrite
 
 def compare(
     spectrum: Annotated[
-        Path,
-        typer.Argument(metavar="SPECTRUM.csv", help="CSV with wavenumber_cm or wavelength_um, and a radiance with its unit"),
+        Path, typer.Argument(metavar="SPECTRUM.csv", help="CSV with wavenumber_cm or wavelength_um, and a radiance with its unit")
     ],
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario of the place: sea, air, Sun, height of the sensor")],
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="F.png", help="picture to write: .png, .pdf or .svg")] = None,
@@ -56,12 +55,7 @@ def compare(
     light = stated_spectrum(spectrum)
     with naming_file(scenario, loaded):
         result = compare_spectrum(
-            light,
-            loaded,
-            resolution_cm=resolution_cm,
-            zenith_deg=zenith_deg,
-            depression_deg=depression_deg,
-            spectroscopy=spectroscopy,
+            light, loaded, resolution_cm=resolution_cm, zenith_deg=zenith_deg, depression_deg=depression_deg, spectroscopy=spectroscopy
         )
     for note in result.notes:
         log(note)

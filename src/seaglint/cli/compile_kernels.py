@@ -6,7 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -79,7 +79,7 @@ def compile_kernels(file: Path | None, report: Progress) -> Compiled:
         raise BackendError("compiled kernels cannot be kept: no folder can be written; set SEAGLINT_CACHE to one that can")
     scenario = parse_scenario({}) if file is None else load_scenario(file)
     before, start = _forms(folder), time.monotonic()
-    with naming_file(file, scenario) if file is not None else _nothing(), _watched(report):
+    with naming_file(file, scenario) if file is not None else nullcontext(), _watched(report):
         _run(scenario)
     number = len(_forms(folder) - before)
     return Compiled(str(file or "the default scenario"), number, round(time.monotonic() - start, 1), str(folder))
@@ -88,11 +88,6 @@ def compile_kernels(file: Path | None, report: Progress) -> Compiled:
 def _forms(folder: Path) -> set[str]:
     """Return the names of files of compiled code: one for each function and kind of arguments."""
     return {path.name for path in folder.glob("*.nbc")}
-
-
-@contextmanager
-def _nothing() -> Iterator[None]:
-    yield
 
 
 def _run(scenario: Scenario) -> None:

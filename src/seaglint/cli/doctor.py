@@ -151,7 +151,7 @@ def _blosc_round_trip() -> str:
     )
     array[...] = values
     if not np.array_equal(np.asarray(array[...]), values):
-        raise RuntimeError("what was written is not what was read")
+        raise RuntimeError("values that were read differ from those written")
     return "ok"
 
 

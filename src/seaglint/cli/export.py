@@ -40,10 +40,7 @@ Command = derived_help(endings=_endings, videos=_videos)
 @takes_records(order="run output")
 def export(
     run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render'")],
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", help="file to write: {endings}"),
-    ],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: {endings}")],
     request: ExportRequest,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
@@ -72,8 +69,7 @@ def export_sea(
         float | None, typer.Option("--spacing", help="distance of its points in metres; a quarter of the shortest wave")
     ] = None,
     centre: Annotated[
-        tuple[float, float],
-        typer.Option("--centre", metavar="EAST NORTH", help="middle of the patch in metres from the sensor's foot"),
+        tuple[float, float], typer.Option("--centre", metavar="EAST NORTH", help="middle of the patch in metres from the sensor's foot")
     ] = (0.0, 0.0),
     lattices: Annotated[bool, typer.Option("--lattices/--no-lattices", help="with the periodic tiles beside the patch (.nc)")] = True,
     overwrite: Overwrite = False,

@@ -16,8 +16,7 @@ from seaglint.cli.terminal.progress import ProgressMode, progress
 
 def info(
     path: Annotated[
-        str,
-        typer.Argument(metavar="FILE", help="sequence, finished or not, also a URL; mean map; scenario; recording of any format"),
+        str, typer.Argument(metavar="FILE", help="sequence, finished or not, also a URL; mean map; scenario; recording of any format")
     ],
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a recording that holds several")] = None,
     channel: Annotated[

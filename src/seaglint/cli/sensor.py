@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with [sensor.optics] and [sensor.detector]")]
 SensorPreset = Annotated[
-    str | None,
-    typer.Option("--sensor", help="sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them"),
+    str | None, typer.Option("--sensor", help="sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them")
 ]
 
 

@@ -25,7 +25,7 @@ def sweep(
 ) -> None:
     """Compute one quantity over every combination of values of keys.
 
-    The result has a dimension for each swept key, then those of the view angles or of the picture.
+    The result has a dimension for each swept key, then the dimensions of the view angles or of the picture.
     """
     from seaglint.scenario.load import load_scenario
     from seaglint.scenario.text.option_texts import parse_vary

@@ -115,7 +115,7 @@ def _summary(results: AnalysisSummary) -> str:
                     number(entry.gaussian_rate),
                     number(entry.ratio),
                     number(entry.inflation),
-                    # Without a frame rate the column has frames, as its heading says.
+                    # Without a frame rate the column has frames, as its heading states.
                     number(time) if time is not None or results.frame_rate_hz is not None else number(frames),
                     "; ".join(dict.fromkeys(notes)),
                 ]

@@ -175,7 +175,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
     levels = np.concatenate([[295.0, 300.0, 310.0, 320.0, 330.0, 340.0, 350.0], np.arange(360.0, hottest, 20.0)])
     for i, wind in enumerate(winds):
         upper, lower = panels[0, i], panels[1, i]
-        # Logarithms, as the colours; the floor keeps them finite, far below what is shown.
+        # Logarithms, as in the colours; the floor keeps them finite, and is far below the displayed decades.
         rows, logarithm = smooth_rows(sun, np.log(np.maximum(solar[i], 1e-3 * dimmest)))
         glint, apparent = np.exp(logarithm), smooth_rows(sun, temperature[i])[1]
         bright = upper.pcolormesh(sensor, rows, np.maximum(glint, dimmest), norm=log, cmap="inferno", shading="gouraud")

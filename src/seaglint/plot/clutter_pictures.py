@@ -488,18 +488,3 @@ PICTURES: Final = {
         "Spatial correlation and spectrum after a polynomial surface is taken off, which is the shape of the corridor.",
     ),
 }
-
-
-__all__ = [
-    "FAMILY_NAMES",
-    "PICTURES",
-    "ReportFigure",
-    "draw_exceedances",
-    "draw_histograms",
-    "draw_memory",
-    "draw_rates",
-    "draw_regions",
-    "draw_slices",
-    "histogram_edges",
-    "unit_of",
-]

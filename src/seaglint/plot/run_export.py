@@ -70,7 +70,7 @@ def write_stack(
     output = Path(output)
     form = format_of(output.suffix.lower())
     if form is None:
-        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(endings())}")
+        raise DataError(f"{output}: the ending selects the format; allowed are {', '.join(endings())}")
     if dtype is not None and dtype not in get_args(Kind):
         raise DataError(f"dtype = {dtype!r}; allowed are {', '.join(get_args(Kind))}")
     scaled = dtype == "uint16" and stack.dtype != np.uint16
@@ -181,7 +181,7 @@ def export_run(
     ending = output.suffix.lower()
     allowed = (*endings(), *VIDEO_ENDINGS)
     if ending not in allowed:
-        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(allowed)}")
+        raise DataError(f"{output}: the ending selects the format; allowed are {', '.join(allowed)}")
     shows = ending in VIDEO_ENDINGS
     _require_unused(output, {"dtype": dtype} if shows else {"colours": colours, "rate": rate, "scale": scale}, shows=shows)
     source = str(dataset.encoding.get("source", "dataset"))

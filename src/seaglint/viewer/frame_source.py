@@ -269,6 +269,11 @@ MOST_CACHED: Final = 48_000_000  #: Largest size of the frames that a source cac
 MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a separate chunk on disk.
 
 
+def evenly(frames: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+    """Return at most a number of frames, evenly spaced, the first and the last included."""
+    return frames[np.unique(np.linspace(0, max(frames.size - 1, 0), min(frames.size, most)).astype(np.int64))]
+
+
 class GoneError(DataError):
     """Error of a file that has disappeared."""
 
@@ -407,7 +412,7 @@ class ViewerSource:
         """Return the values of a pixel in at most :data:`MOST_TRACED` frames, around one or with ``spread`` over the whole sequence."""
         done = self.done()
         if spread:
-            frames = done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, MOST_TRACED)).astype(np.int64))]
+            frames = evenly(done, MOST_TRACED)
         else:
             middle = int(np.searchsorted(done, around))
             first = max(min(middle - MOST_TRACED // 2, done.size - MOST_TRACED), 0)

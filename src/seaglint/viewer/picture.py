@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.brightness import CELLS, Scale
 from seaglint.base.errors import DataError
-from seaglint.viewer.frame_source import ViewerSource
+from seaglint.viewer.frame_source import ViewerSource, evenly
 
 Kind = Literal["linear", "percentile", "plateau"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
@@ -170,7 +170,7 @@ def sampled(show: Show) -> NDArray[np.int64]:
     if done.size < show.source.opened.frames and done.size:
         # Down to a power of two: while a sequence is being written, the scale changes only when its length has doubled.
         done = done[: 1 << (int(done.size).bit_length() - 1)]
-    return done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, SAMPLED)).astype(np.int64))]
+    return evenly(done, SAMPLED)
 
 
 def tag(show: Show, index: int, scaling: Scale) -> str:

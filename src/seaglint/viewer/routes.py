@@ -248,7 +248,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
     done = show.source.done()
     frames = done[(done >= first) & (done <= last)]
     if not frames.size:
-        raise DataError(f"clip of frames {first} to {last}: none of them is there; choose others")
+        raise DataError(f"clip of frames {first} to {last}: none of these frames exists; choose others")
     # Frames are in single precision: 4 bytes a pixel.
     most = max(MOST_CLIP // (4 * opened.rows * opened.columns), 1)
     if frames.size > most:
@@ -287,7 +287,7 @@ _FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.su
 _MEDIA: Final = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
 _COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
 _TICKS: Final = 5
-# Browsers may store answers, but must ask whether they are still valid: a sequence may be growing.
+# Browsers may store answers, but must check whether they are still valid: a sequence may be growing.
 _FRESH: Final = {"cache-control": "no-cache"}
 
 Answer = Callable[[Request], Response]
@@ -511,7 +511,7 @@ class _Pages:
     def _rectangle(query: Query) -> Rectangle:
         rectangle = query.rectangle()
         if rectangle is None:
-            raise DataError("no region is told; drag one on the picture")
+            raise DataError("no region is given; drag one on the picture")
         return rectangle
 
     def exceedances(self, request: Request) -> Response:

@@ -96,7 +96,7 @@ class Guard:
         self.app, self.token = app, token
         self._everywhere = host in ("0.0.0.0", "::", "")
         self._names = {*LOOPBACK, host.lower()}
-        # Other machines use the names of this one; a server bound to the loopback device needs none of them.
+        # Other machines use the names of this machine; a server at the loopback device is reached by LOOPBACK alone.
         if self._everywhere or not is_loopback(host):
             self._names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
 

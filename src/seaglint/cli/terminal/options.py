@@ -37,8 +37,7 @@ Preview = Annotated[bool, typer.Option("--preview", help="write a picture beside
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace an existing output")]
 StoreOption = Annotated[str, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")]
 ShardOption = Annotated[
-    str | None,
-    typer.Option("--shard", metavar="I/N", help="make share K of N, from 0:N to N-1:N; 'render --finish' joins them"),
+    str | None, typer.Option("--shard", metavar="I/N", help="make share K of N, from 0:N to N-1:N; 'render --finish' joins them")
 ]
 ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
 LateProgressOption = Annotated[

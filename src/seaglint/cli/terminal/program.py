@@ -191,10 +191,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "reproduce fig5": ("seaglint reproduce fig5 -o article",),
     "reproduce fig10": ("seaglint reproduce fig10 -o article",),
     "reproduce fig12": ("seaglint reproduce fig12 --frames 60:80 --pixels 128 -o article",),
-    "compare": (
-        *_RADIOMETER,
-        "seaglint compare sky.csv radiometer.toml --zenith-deg 30 -o sky.png --overwrite",
-    ),
+    "compare": (*_RADIOMETER, "seaglint compare sky.csv radiometer.toml --zenith-deg 30 -o sky.png --overwrite"),
     "reproduce measured": ("seaglint reproduce measured -o measured --overwrite",),
     "reproduce table1": ("seaglint reproduce table1 -o article",),
     "mean": (_SCENE, "seaglint mean example.toml -o mean.nc --preview"),

@@ -342,14 +342,13 @@ class RunOptions(WorkRequest):
         typer.Option(
             "--dask-slurm",
             metavar="CLUSTER.toml",
-            help="batch queue that workers are asked of, with the settings in this file",
+            help="batch queue that provides workers, with the settings in this file",
             rich_help_panel="Run",
         ),
     ] = None
-    resume: Annotated[bool, Parameter("go on with what is kept beside RESULT", "Run")] = False
+    resume: Annotated[bool, Parameter("continue with the parts stored beside RESULT", "Run")] = False
     show: Annotated[
-        ProgressMode,
-        typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing", rich_help_panel="Run"),
+        ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing", rich_help_panel="Run")
     ] = ProgressMode.AUTO
 
     def chosen(self) -> AbstractContextManager[Workers | None]:
@@ -375,7 +374,7 @@ def require_one_way(*, shard: str | None, overwrite: bool) -> None:
     """
     for name, given in (("--shard", shard is not None), ("--overwrite", overwrite)):
         if given:
-            raise DataError(f"--finish checks and names what is there, and {name} makes frames; give one of the two")
+            raise DataError(f"--finish checks and names an existing store, and {name} makes frames; give one of the two")
 
 
 def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path | str:
@@ -397,7 +396,7 @@ def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path 
         log(f"{store}: is finished already")
         return store
     with open_sequence(store) as dataset:
-        log(f"{store}: {dataset.sizes['time']} frames, all there and as their checksums say")
+        log(f"{store}: {dataset.sizes['time']} frames, all complete and with correct checksums")
     return store
 
 

@@ -20,7 +20,7 @@ from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS
 from seaglint.scenario.text.display import compass
-from seaglint.viewer.workbench.scenario_draft import Draft, Keys
+from seaglint.viewer.workbench.scenario_draft import Draft, Keys, mistakes_of
 from seaglint.viewer.workbench.scenario_form import Form
 from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, PreviewPicture
 from seaglint.viewer.workbench.sun_card import Daylight
@@ -337,14 +337,13 @@ class Bench:
         self._toml.content = f"<pre>{escape(self._text)}</pre>"
         try:
             view = await asyncio.to_thread(plan, scenario)
-        except ScenarioError as error:
-            self._redraw.drop()
-            self._show_mistakes(error.mistakes or (Mistake("", None, None, str(error)),), draft.raw)
-            view = None
         except SeaglintError as error:
-            self._show_mistakes((Mistake("", None, None, str(error)),), draft.raw)
-            view = None
-        if view is not None and not self._gone():
+            # A scenario that is not valid after all is not drawn; other errors concern the plan alone.
+            if isinstance(error, ScenarioError):
+                self._redraw.drop()
+            self._show_mistakes(mistakes_of(error), draft.raw)
+            return
+        if not self._gone():
             self._lay_out(scenario, view)
 
     def _lay_out(self, scenario: Scenario, view: PlanView) -> None:

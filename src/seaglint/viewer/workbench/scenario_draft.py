@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from seaglint.base.errors import DataError, Mistake, ScenarioError
+from seaglint.base.errors import DataError, Mistake, ScenarioError, SeaglintError
 from seaglint.base.free_form import JsonObject, TomlTables
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
@@ -276,7 +276,7 @@ class Draft:
         try:
             return parse_scenario(self.raw, base=self.folder), ()
         except ScenarioError as error:
-            return None, error.mistakes or (Mistake("", None, None, str(error)),)
+            return None, mistakes_of(error)
 
     def _outside(self) -> Iterator[Mistake]:
         """Yield a mistake for each file that the page may not name: neither in the scenario's folder nor in the opened file."""
@@ -334,6 +334,12 @@ class Draft:
         stem = Path(self.name).stem
         name, run, mean = (shlex.quote(text) for text in (self.name, f"{stem}.zarr", f"{stem}_mean.nc"))
         return [f"seaglint render {name} -o {run} --preview", f"seaglint mean {name} -o {mean} --preview"]
+
+
+def mistakes_of(error: SeaglintError) -> tuple[Mistake, ...]:
+    """Return the mistakes of an error; the whole text is one where the error names no keys."""
+    known = error.mistakes if isinstance(error, ScenarioError) else ()
+    return known or (Mistake("", None, None, str(error)),)
 
 
 def dotted(keys: Keys) -> str:
