@@ -138,7 +138,7 @@ class _Terminated(BaseException):
 
 @contextmanager
 def _termination() -> Iterator[None]:
-    """Let SIGTERM end a command as Ctrl-C does, with a line and its own exit code."""
+    """Let SIGTERM end a command as Ctrl-C does, with a line and a separate exit code."""
 
     def end(*_: object) -> None:
         raise _Terminated

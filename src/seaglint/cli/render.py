@@ -57,7 +57,7 @@ def render(
         only_numpy()
         require_one_way(shard=shard, overwrite=request.overwrite)
         if preview:
-            _beside(place_given(output or scenario), None)  # before anything is done
+            _local_store(place_given(output or scenario), None)  # before anything is done
         finished = finish_store(scenario, output, sensor)
         if preview:
             _preview(finished, scale)
@@ -71,12 +71,12 @@ def render(
     store = place_given(output)
     inputs = files_read(file, loaded)
     check_output(store, resume=request.resume, overwrite=request.overwrite, inputs=inputs, share=share)
-    beside = _beside(store, share) if preview else None
+    local_store = _local_store(store, share) if preview else None
     from seaglint.base.kernel_plan import start_helpers
 
     start_helpers("render")  # before the other imports, which take seconds: the helpers compile meanwhile
     only_numpy()
-    pictures = None if beside is None else _Pictures(beside, inputs, replace=request.overwrite or request.resume)
+    pictures = None if local_store is None else _Pictures(local_store, inputs, replace=request.overwrite or request.resume)
     render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or request.electrons or request.radiance:
         from seaglint.studies.sequence.sensed_sequence import render as render_counts
@@ -86,13 +86,13 @@ def render(
         from seaglint.studies.sequence.render_sequence import render as render_radiance
 
         render_sequence = render_radiance
-    with naming_file(file, loaded), run.chosen() as others, progress(run.show, "frames") as report:
+    with naming_file(file, loaded), run.chosen() as workers, progress(run.show, "frames") as report:
         if run.show is not ProgressMode.NONE:
             say_air(loaded)
         more: dict[str, Any] = {"share": share} if share is not None else {}
-        more |= {"workers": others} if others is not None else {}
+        more |= {"workers": workers} if workers is not None else {}
         # Workers have their threads from their own options.
-        alone = None if others is not None else request.threads
+        alone = None if workers is not None else request.threads
         more |= {"resume": request.resume, "overwrite": request.overwrite}
         render_sequence(loaded, store, frames=numbers, threads=alone, progress=report, **more)
     if share is not None:
@@ -114,10 +114,10 @@ def _preview(store: Path | str, scale: PreviewScale) -> None:
     from seaglint.store.sequence_store import open_sequence
 
     with open_sequence(store) as dataset:
-        _Pictures(_beside(store, None), [], replace=True).write(dataset, scale)
+        _Pictures(_local_store(store, None), [], replace=True).write(dataset, scale)
 
 
-def _beside(store: Path | str, share: Share | None) -> Path:
+def _local_store(store: Path | str, share: Share | None) -> Path:
     """Return the local store beside which pictures are written; refuse shares and URLs."""
     if share is not None:
         raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out, and give it with --finish")

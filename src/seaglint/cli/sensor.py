@@ -68,7 +68,7 @@ def sense(
     )
     opened = request.opened(recording)
     log_notes(recording, opened)
-    with naming_file(scenario, loaded), run.chosen() as others, patient_progress(run.show, "frames") as report:
+    with naming_file(scenario, loaded), run.chosen() as workers, patient_progress(run.show, "frames") as report:
         sensed(
             opened,
             loaded,
@@ -81,7 +81,7 @@ def sense(
             overwrite=request.overwrite,
             progress=report,
             share=share,
-            workers=others,
+            workers=workers,
             reopen=Reopen(Path(recording), request.frame_rate, request.variable, request.channel, request.axes, request.missing),
         )
     if share is not None:

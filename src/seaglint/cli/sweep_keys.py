@@ -43,14 +43,14 @@ def sweep(
         refuse_preview(picture, run.overwrite, inputs)
     from seaglint.studies.sweep.run_sweep import sweep as compute
 
-    with run.chosen() as hands, patient_progress(run.show, "cases") as report:
+    with run.chosen() as workers, patient_progress(run.show, "cases") as report:
         dataset = compute(
             scenario,
             vary,
             what=request.what,
             at=at,
-            workers=hands,
-            threads=request.threads if hands is None else None,
+            workers=workers,
+            threads=request.threads if workers is None else None,
             keep_going=request.keep_going,
             most_cases=request.most_cases,
             progress=report,

@@ -212,7 +212,7 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
     symbol = VARIABLES["radiance"].symbol
     thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
     if scale.logarithmic:
-        # A second axis would be linear beside this one.
+        # A second axis would be linear, and this one is not.
         ticks = round_ticks(scale.share, scale.value)
         bar.set_ticks(ticks, labels=[f"{rounded(tick, 9)} ({rounded(ARTICLE_RADIANCE_PER_SI * tick, 9)})" for tick in ticks])
         bar.set_label(f"{symbol} ({ARTICLE_RADIANCE_SYMBOL}), logarithmic", fontsize=8)

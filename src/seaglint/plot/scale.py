@@ -1,4 +1,4 @@
-"""Brightness scale of a preview: limits from the displayed pixels, and a logarithm beside glint.
+"""Brightness scale of a preview: limits from the displayed pixels, and a logarithm where glint is bright.
 
 Where the sky alone would determine the scale, the limits are taken from the sea.
 """
@@ -33,11 +33,11 @@ _OWN: Final = 0.5  #: Share of the whole scale below which the sea gets its own 
 #: 1.5 times the sea's radiance, at night in 3.5-5 um.
 _SUNLIT: Final = 2.0
 
-_CLOSE: Final = 0.055  #: Least distance of two numbers beside a bar [share of its length].
+_CLOSE: Final = 0.055  #: Least distance of two numbers at a colour bar [share of its length].
 
-_WIDE: Final = 0.22  #: Distance of two numbers beside a bar from which another comes between them [share of its length].
+_WIDE: Final = 0.22  #: Distance of two numbers at a colour bar from which another is written between them [share of its length].
 
-_DECADES: Final = 12  #: Largest number of decades beside a bar.
+_DECADES: Final = 12  #: Largest number of decades at a colour bar.
 
 
 def scale_of(values: NDArray[Any], kind: Kind = "auto", depression: NDArray[Any] | None = None) -> Scale:
@@ -125,7 +125,7 @@ def tick_labels(values: NDArray[Any], digits: int = 3) -> list[str]:
 
 
 def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Return round numbers beside the bar of a logarithmic scale, rising: 1, 2 and 5 times powers of ten, then others where a gap is wide.
+    """Return round numbers for the bar of a logarithmic scale, rising: 1, 2 and 5 times powers of ten, then others where a gap is wide.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def round_ticks(share: Callable[[FloatArray], FloatArray], value: Callable[[Floa
 
 
 def number_decades(bar: Colorbar) -> None:
-    """Write the numbers 1, 2 and 5 of each decade, or of more than four the powers of ten alone, beside the bar of a ``LogNorm``."""
+    """Write 1, 2 and 5 of each decade at the bar of a ``LogNorm``; over more than four decades, powers of ten only."""
     from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
     low, high = float(bar.norm.vmin or 1.0), float(bar.norm.vmax or 1.0)

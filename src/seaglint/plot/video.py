@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class VideoFormat:
     """Format of a video: ending, codec, pixels and frame rates."""
 
-    ending: str  #: Ending of its files, and without the dot its name in PyAV.
+    ending: str  #: Ending of the files; without the dot it is the format's name in PyAV.
     #: ``codec``, ``pixels``: Codec and type of pixels of PyAV.
     codec: str
     pixels: str
@@ -61,10 +61,10 @@ def video_format(ending: str) -> VideoFormat:
 
 
 _SHOWN_WIDTH: Final = 1024  # small images are enlarged to about this, by whole factors, so that pixels stay pixels
-_MAX_SIDE: Final = 4096  # what H.264 decoders take; wider panoramas are averaged down
-_SAMPLED_FRAMES: Final = 16  # frames that set the grey scale
+_MAX_SIDE: Final = 4096  # px, the limit of H.264 decoders; wider panoramas are averaged
+_SAMPLED_FRAMES: Final = 16  # number of frames that determine the scale
 _CAPTION: Final = 56  # px; two lines of text
-_LEAST_WIDTH: Final = 480  # px that the caption takes; narrower pictures get black beside them
+_LEAST_WIDTH: Final = 480  # px that the caption needs; narrower pictures are padded with black
 _USUAL_RATE: Final = 25.0  # Hz, if the run has no frame rate
 _REMEDY: Final = "make room or choose another place; nothing was written"
 
@@ -125,8 +125,8 @@ def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float |
     strip.paste(Image.fromarray(np.repeat(ramp[np.newaxis], 16, axis=0)), (left, 7))
     pen.rectangle((left - 1, 6, right, 23), outline=128)
     pen.text((8, 32), ends + (", logarithmic" if scale.logarithmic else ""), fill=255, font=font)
-    beside = np.pad(picture, [(0, 0), (0, width - picture.shape[1])])
-    return np.concatenate([beside, np.asarray(strip, dtype=np.uint8)])
+    widened = np.pad(picture, [(0, 0), (0, width - picture.shape[1])])
+    return np.concatenate([widened, np.asarray(strip, dtype=np.uint8)])
 
 
 def write_video(

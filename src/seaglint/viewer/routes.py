@@ -1,7 +1,7 @@
 """Requests of the page of sequences: its script, pictures, probes, traces, analyses and downloads.
 
 Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long analyses run in one
-thread each, with progress, and stop when no browser requests their progress any more.
+thread each, with progress, and stop when browsers cease to request their progress.
 """
 
 from __future__ import annotations
@@ -473,7 +473,7 @@ class _Pages:
         scaling = self._scales.of(show, index)
         # A browser that shows a frame again sends its tag, and pixels are transferred only if they changed.
         etag = tag(show, index, scaling)
-        # Numbers beside the colour bar: the page does not know the scale's form.
+        # Numbers for the colour bar: the page does not know the form of the scale.
         shares = np.linspace(0.0, 1.0, _TICKS)
         scale = {"shares": shares.tolist(), "values": scaling.value(shares).tolist(), "unit": show.source.layer(show.layer).unit}
         headers = {**_FRESH, "etag": etag, "seaglint-scale": json.dumps(scale)}

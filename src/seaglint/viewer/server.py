@@ -236,7 +236,7 @@ def _bounded_body(receive: Receive) -> Receive:
 
 
 def _bounded_messages(receive: Receive, send: Send) -> Receive:
-    """Return a receiver that ends a websocket whose message is too large."""
+    """Return a receiver that ends a websocket when a message is too large."""
 
     async def bounded() -> Message:
         message = await receive()

@@ -193,7 +193,7 @@ class _Stderr(logging.Handler):
 
 
 def begin_logs() -> None:
-    """Begin a new command, whose warnings are printed again, each once."""
+    """Begin a new command: print warnings only, and each of them once more."""
     show_logs(quiet=True)
     for handler in logging.getLogger("seaglint").handlers:
         if isinstance(handler, _Stderr):

@@ -102,7 +102,7 @@ completion_init()
 
 
 def derived_help(**texts: Callable[[], str]) -> type[TyperCommand]:
-    """Return a class of commands whose options may have ``{NAME}`` in their help, for which ``texts[NAME]()`` is printed.
+    """Return a class of commands that replace ``{NAME}`` in the help of options by ``texts[NAME]()`` when it is printed.
 
     Command modules are imported to complete words, where no library may be loaded.
     """

@@ -96,7 +96,7 @@ class Without(NamedTuple):
 
 
 class RecordCommand(TyperCommand):
-    """Command whose help page has its options in groups."""
+    """Command with its options in groups on the help page."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the arguments, then the options under their headings."""

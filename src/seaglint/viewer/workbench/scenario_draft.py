@@ -139,7 +139,7 @@ def _field(name: str, schema: Mapping[str, Any], ways: list[JsonObject], hint: s
 
 
 def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> JsonObject:
-    """Return the schema behind a reference, with the attributes beside it."""
+    """Return the schema behind a reference, with the attributes next to it."""
     if "$ref" not in schema:
         return dict(schema)
     rest = {key: value for key, value in schema.items() if key != "$ref"}
@@ -402,7 +402,7 @@ def _with_units(value: Any, typed: Any) -> Any:
         case dict(), dict():
             return {key: _with_units(inner, typed.get(key)) for key, inner in value.items()}
         case (list() | tuple(), list()) if len(value) == len(typed):
-            return [_with_units(inner, beside) for inner, beside in zip(value, typed, strict=True)]
+            return [_with_units(inner, typed_inner) for inner, typed_inner in zip(value, typed, strict=True)]
         case float(), str():
             return typed
         case _:
