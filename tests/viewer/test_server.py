@@ -258,7 +258,7 @@ def test_fifty_clients_at_once(store):
 
 
 def test_jobs_that_nobody_waits_for_end():
-    job = AnalysisJob(asked=time.monotonic() - 60.0)
+    job = AnalysisJob(requested=time.monotonic() - 60.0)
     with pytest.raises(_StoppedError):
         job.progress(1, 2)
     jobs = Jobs()

@@ -1,4 +1,4 @@
-"""The command ``seaglint``: parse, call a study, show. Its commands by groups, and the module of each.
+"""The command ``seaglint``: its commands by groups, the module of each command, and the exit codes of errors.
 
 Results that a program may read go to stdout alone; logs, progress and errors go to stderr.
 
@@ -31,14 +31,14 @@ from seaglint.cli.terminal.program import InstallCompletion, ShowCompletion, add
 
 @dataclass(frozen=True)
 class CommandEntry:
-    """Where a command is defined, the first line of its help, which the list of commands shows without importing it, and its class."""
+    """Entry of a command: module and function, first line of its help (listed without importing the command), and its class."""
 
     place: str
     summary: str
     made_by: str | None = None
 
 
-#: Commands by what a person wants.
+#: Commands by purpose.
 GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Begin": {
         "init": CommandEntry("scenario_file.init", "Write a commented scenario file."),
@@ -47,7 +47,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     },
     "Look": {
         "view": CommandEntry("view.view", "Look at sequences, maps and scenarios in a browser."),
-        "info": CommandEntry("facts.info", "Say what a file holds and how it was made."),
+        "info": CommandEntry("facts.info", "Report the contents of a file and how it was made."),
         "reproduce": CommandEntry("reproduce.reproduce", "Results of the source article, and measured spectra."),
     },
     "Compute": {
@@ -65,7 +65,7 @@ GROUPS: Final[dict[str, dict[str, CommandEntry]]] = {
     "Analyse": {
         "analyze": CommandEntry("analyze.analyze", "Clutter statistics and false alarms of a recording, by region."),
         "detect": CommandEntry("detect.detect", "Probabilities of detection and false alarm of a detector."),
-        "compare": CommandEntry("compare.compare", "Compare a measured spectrum with that of a scenario."),
+        "compare": CommandEntry("compare.compare", "Compare a measured spectrum with a scenario's spectrum."),
         "likelihood": CommandEntry("likelihood.likelihood", "How often glint is brighter than thresholds."),
     },
     "Share": {
@@ -95,7 +95,7 @@ def _made(name: str, entry: CommandEntry) -> Any:
 
 
 class Commands(Mapping[str, Any]):
-    """Commands of the program by name, each imported when it is asked for.
+    """Commands of the program by name, each imported when it is called.
 
     Examples
     --------
@@ -123,6 +123,7 @@ class Commands(Mapping[str, Any]):
 
 def write_groups(formatter: Any) -> None:
     """Write the commands under their headings."""
+    # 6 columns: the indentation of a list in Click's help pages, and the gap between its columns.
     limit = formatter.width - 6 - max(map(len, _ENTRIES))
     for heading, members in GROUPS.items():
         with formatter.section(heading):
@@ -137,7 +138,7 @@ class _Terminated(BaseException):
 
 @contextmanager
 def _termination() -> Iterator[None]:
-    """Let SIGTERM end a command as Ctrl-C does, with a line and its own exit code."""
+    """Let SIGTERM end a command as Ctrl-C does, with a line and a separate exit code."""
 
     def end(*_: object) -> None:
         raise _Terminated
@@ -154,7 +155,7 @@ def _termination() -> Iterator[None]:
 
 @contextmanager
 def _printable_usage() -> Iterator[None]:
-    """Let complaints about the command line repeat only what a terminal shows as it is."""
+    """Let errors of the command line repeat printable characters only."""
     try:
         yield
     except Exception as error:
@@ -165,14 +166,14 @@ def _printable_usage() -> Iterator[None]:
 
 
 class _Program(TyperGroup):
-    """Errors that the user can mend are one line each on stderr; anything else keeps its traceback."""
+    """Group of all commands. Errors that the user can correct become lines on stderr; all others keep their traceback."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(**options)
         self.commands = Commands()  # type: ignore[assignment]
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the commands by what a person wants."""
+        """Write the commands by purpose."""
         write_groups(formatter)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -181,7 +182,7 @@ class _Program(TyperGroup):
             return super().parse_args(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run the command chosen."""
+        """Run the chosen command."""
         words = [*ctx._protected_args, *ctx.args]
         begin_logs()
         try:
@@ -194,11 +195,12 @@ class _Program(TyperGroup):
                 log(f"seaglint: {line}")
             sys.exit(error.exit_code)
         except OSError as error:
+            # Other errors of the system are converted where their cause is known.
             if error.errno != errno.ENAMETOOLONG:
                 raise
             log(f"seaglint: {str(error.filename)[:80]}...: a name in it is too long for this file system; give a shorter one")
             sys.exit(2)
-        except MemoryError as error:  # what no estimate foresaw
+        except MemoryError as error:  # no estimate foresaw it
             log(f"seaglint: the memory of this machine is not enough ({str(error) or 'it ran out'}); give fewer pixels, frames or workers")
             sys.exit(2)
         except KeyboardInterrupt:
@@ -217,7 +219,7 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     epilog=epilog(""),
-    add_completion=False,  # seaglint.cli.terminal.program has its own
+    add_completion=False,  # replaced by the options of seaglint.cli.terminal.program
 )
 
 

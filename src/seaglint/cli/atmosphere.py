@@ -1,14 +1,17 @@
-"""``seaglint atmosphere``: what is understood of a sounding, the air of a scenario as a file, MODTRAN's files written and read."""
+"""Commands ``seaglint atmosphere ...``: soundings, files of a scenario's air, MODTRAN's files, transmittance and sky."""
 
 from __future__ import annotations
 
+import json
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import contrasts_of, files_read, log, naming_file, show_logs
+from seaglint.cli.terminal.options import AsJson, Overwrite, ScenarioArgument, two_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,11 +21,18 @@ if TYPE_CHECKING:
 atmosphere = typer.Typer(help="The air: soundings, files of it, and MODTRAN's files.", no_args_is_help=True)
 
 
-SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario that says none [K].
+AirFile = Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")]
+NumbersFile = Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")]
+
+SEA_KELVIN = 288.15  #: Temperature of the sea in a scenario without one [K].
+
+
+#: Reader of the shortest and the longest wavelength of a band [um].
+_band = two_numbers("-", "the shortest and the longest wavelength in micrometres, as 3.7-4.2")
 
 
 class DeckFormat(StrEnum):
-    """Kinds of decks."""
+    """Formats of MODTRAN decks."""
 
     TAPE5 = "tape5"
     TAPE5_LOWTRAN7 = "tape5-lowtran7"
@@ -35,14 +45,10 @@ def _atmosphere() -> None:
 
 
 @atmosphere.command()
-def export(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
-    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
-) -> None:
+def export(scenario: ScenarioArgument, output: AirFile, overwrite: Overwrite = False) -> None:
     """Write the air of a scenario's sensor height and band.
 
-    Transmittance, radiance and sunlight: a start for an atmosphere file of your own.
+    Transmittance, radiance and sunlight: a start for your own atmosphere file.
     """
     from seaglint.formats.air_file import require_kind, write_atmosphere
     from seaglint.scenario.load import load_scenario
@@ -61,13 +67,13 @@ def export(
 
 @atmosphere.command()
 def write(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
+    scenario: ScenarioArgument,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the deck and its manifest; it is made")],
     form: Annotated[
         DeckFormat, typer.Option("--format", help="tape5: MODTRAN 4 and 5; tape5-lowtran7: LOWTRAN7; modtran6-json: MODTRAN 6")
     ] = DeckFormat.TAPE5,
-    scattered: Annotated[bool, typer.Option(help="ask for sunlight scattered by the air, where the Sun is up")] = True,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace files that stand in the folder")] = False,
+    scattered: Annotated[bool, typer.Option(help="request sunlight scattered by the air, where the Sun is up")] = True,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace existing files in the folder")] = False,
 ) -> None:
     """Write a MODTRAN deck of a scenario's lines of sight.
 
@@ -94,8 +100,8 @@ def read(
             metavar="FILE...", help="tape7, .tp7, .7sc, CSV or JSON of LOWTRAN7 or MODTRAN 4-6, or the folder of atmosphere write"
         ),
     ],
-    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    output: AirFile,
+    overwrite: Overwrite = False,
 ) -> None:
     """Make a file of air from what MODTRAN or LOWTRAN7 computed.
 
@@ -110,7 +116,7 @@ def read(
 
     air = read_air(files)
     write_atmosphere(air, output, overwrite=overwrite)
-    sizes = ", ".join(f"{air.sizes[name]} {what}" for name, what in _HELD.items() if name in air.sizes)
+    sizes = ", ".join(f"{air.sizes[name]} {what}" for name, what in _DIMENSION_NAMES.items() if name in air.sizes)
     sun = f"; scattered sunlight of a Sun at {air.attrs['solar_zenith_deg']:g} deg" if "solar_zenith_deg" in air.attrs else ""
     if "cases_without_azimuth" in air.attrs:
         log(
@@ -139,16 +145,13 @@ def info(
         str | None, typer.Option("--time", metavar="ISO", help="time in a file that holds several, such as 2024-07-01T06:00Z; UTC")
     ] = None,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw temperature, humidity and refractivity")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    as_json: AsJson = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Levels, water vapour and refraction of a sounding.
 
     Levels, water vapour, hydrostatic misfit, the lowest air, refraction and ducts; the same of a model atmosphere.
     """
-    import json
-
-    from seaglint.base.errors import DataError
     from seaglint.formats.soundings.air_summary import moment_of, place_of_air, summarise_air
     from seaglint.store.outputs import refuse_existing
 
@@ -176,8 +179,7 @@ SceneArgument = Annotated[
 def path_command(
     scenario: SceneArgument = None,
     range_m: Annotated[
-        str | None,
-        typer.Option("--range-m", metavar="A,B,...", help="arcs along the sea from the sensor's foot [m]; or FIRST:LAST:STEP"),
+        str | None, typer.Option("--range-m", metavar="A,B,...", help="arcs along the sea from the sensor's foot [m]; or FIRST:LAST:STEP")
     ] = None,
     target_height_m: Annotated[
         str, typer.Option("--target-height-m", metavar="A,B,...", help="heights of the points above the mean sea; 0 is the sea")
@@ -198,8 +200,8 @@ def path_command(
     ch4_ppmv: Annotated[float, typer.Option("--ch4-ppmv", help="even air: methane, parts per million of dry air")] = 0.0,
     spectroscopy: Annotated[str, typer.Option("--spectroscopy", help="even air: absorption, lblrtm or lowtran7")] = "lblrtm",
     haze: Annotated[str, typer.Option("--haze", help="even air: aerosol, as atmosphere.haze of a scenario")] = "none",
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    output: NumbersFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Transmittance of paths through the air.
 
@@ -208,7 +210,6 @@ def path_command(
     temperature; besides the gases given the air is nitrogen, oxygen and water, and nitrogen absorbs in 3.7-4.2 um only, where RRTMGP's
     tables have it.
     """
-    from seaglint.cli.terminal.messages import contrasts_of, show_logs
     from seaglint.studies.air_paths import even_path, require_one_kind
 
     show_logs()
@@ -226,19 +227,20 @@ def path_command(
         loaded = load_scenario(scenario)
         _refuse_table(output, overwrite, files_read(scenario, loaded))
         with naming_file(scenario, loaded):
-            found = path_air(loaded, contrasts_of(range_m, "--range-m"), contrasts_of(target_height_m, "--target-height-m"))
+            result = path_air(loaded, contrasts_of(range_m, "--range-m"), contrasts_of(target_height_m, "--target-height-m"))
         typer.echo(f"{'range [m]':>12} {'height [m]':>12} {'transmittance':>14} {'path radiance [W m-2 sr-1]':>27}")
-        for (height, arc), value in _flat(found.transmittance):
-            glow = float(found.path_radiance.sel(target_height_m=height, range_m=arc))
-            hidden = "  behind the horizon" if float(found.lowest_height.sel(target_height_m=height, range_m=arc)) < 0.0 else ""
+        for (height, arc), value in _flat(result.transmittance):
+            glow = float(result.path_radiance.sel(target_height_m=height, range_m=arc))
+            # A ray whose lowest point lies below the sea does not reach the target.
+            hidden = "  behind the horizon" if float(result.lowest_height.sel(target_height_m=height, range_m=arc)) < 0.0 else ""
             typer.echo(f"{arc:>12g} {height:>12g} {value:>14.4f} {glow:>27.5g}{hidden}")
     else:
         _refuse_table(output, overwrite, [])
         gases = {"CO2": co2_ppmv, "O3": o3_ppmv, "N2O": n2o_ppmv, "CO": co_ppmv, "CH4": ch4_ppmv}
-        low, high = _band(band_um)
-        found = even_path(numbers, (low, high), gases, cast("Spectroscopy", spectroscopy), haze)
-        typer.echo(f"transmittance {float(found.transmittance):.4f} of {low:g}-{high:g} um, {length_km:g} km")
-    _write_table(found, output, overwrite)
+        low, high = _band(str(band_um), "--band-um")
+        result = even_path(numbers, (low, high), gases, cast("Spectroscopy", spectroscopy), haze)
+        typer.echo(f"transmittance {float(result.transmittance):.4f} of {low:g}-{high:g} um, {length_km:g} km")
+    _write_table(result, output, overwrite)
 
 
 @atmosphere.command("sky")
@@ -248,16 +250,15 @@ def sky_command(
         str, typer.Option("--zenith-deg", metavar="A,B,...", help="zenith angles looked at from the sensor, in degrees; or FIRST:LAST:STEP")
     ],
     azimuth_deg: Annotated[
-        str | None, typer.Option("--azimuth-deg", metavar="A,B,...", help="azimuths looked at, clockwise from north; that of the sensor")
+        str | None, typer.Option("--azimuth-deg", metavar="A,B,...", help="azimuths, clockwise from north; default: the sensor's")
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="file for the numbers: .nc NetCDF with spectra, or .csv")] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    output: NumbersFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Radiance and apparent temperature of the clear sky.
 
     As the sensor of a scenario sees it: emission of the air and sunlight that it scatters.
     """
-    from seaglint.cli.terminal.messages import contrasts_of, show_logs
     from seaglint.scenario.load import load_scenario
     from seaglint.studies.air_paths import sky_air
 
@@ -266,28 +267,17 @@ def sky_command(
     _refuse_table(output, overwrite, files_read(scenario, loaded))
     azimuths = None if azimuth_deg is None else contrasts_of(azimuth_deg, "--azimuth-deg")
     with naming_file(scenario, loaded):
-        found = sky_air(loaded, contrasts_of(zenith_deg, "--zenith-deg"), azimuths)
+        result = sky_air(loaded, contrasts_of(zenith_deg, "--zenith-deg"), azimuths)
     typer.echo(f"{'zenith [deg]':>12} {'azimuth [deg]':>14} {'radiance [W m-2 sr-1]':>22} {'scattered':>11} {'apparent [K]':>13}")
-    for (zenith, azimuth), value in _flat(found.radiance):
-        here = {"zenith_deg": zenith, "azimuth_deg": azimuth}
-        kelvin, light = (float(found[name].sel(here)) for name in ("apparent_temperature", "scattered_radiance"))
+    for (zenith, azimuth), value in _flat(result.radiance):
+        direction = {"zenith_deg": zenith, "azimuth_deg": azimuth}
+        kelvin, light = (float(result[name].sel(direction)) for name in ("apparent_temperature", "scattered_radiance"))
         typer.echo(f"{zenith:>12g} {azimuth:>14g} {value:>22.5g} {light:>11.4g} {kelvin:>13.2f}")
-    _write_table(found, output, overwrite)
-
-
-def _band(text: str | None) -> tuple[float, float]:
-    """Return the wavelengths of an option [um]."""
-    from seaglint.base.errors import DataError
-
-    try:
-        low, high = (float(part) for part in str(text).split("-"))
-    except ValueError:
-        raise DataError(f"--band-um {text}: give the shortest and the longest wavelength in micrometres, as 3.7-4.2") from None
-    return low, high
+    _write_table(result, output, overwrite)
 
 
 def _flat(values: xr.DataArray) -> list[tuple[tuple[float, ...], float]]:
-    """Return the coordinates and values of an array, one after the other."""
+    """Return pairs of coordinates and value for all elements of an array."""
     from itertools import product
 
     axes = [values[name].to_numpy().tolist() for name in values.dims]
@@ -303,32 +293,33 @@ def _refuse_table(output: Path | None, overwrite: bool, inputs: list[Path]) -> N
         )
 
 
-def _write_table(found: xr.Dataset, output: Path | None, overwrite: bool) -> None:
-    """Write a dataset as NetCDF, or its numbers as the columns of a CSV file: without spectra, unless it has nothing else."""
+def _write_table(result: xr.Dataset, output: Path | None, overwrite: bool) -> None:
+    """Write a dataset as NetCDF, or its numbers as columns of a CSV file; a CSV file has spectra only where there is nothing else."""
     if output is None:
         return
     if output.suffix.lower() == ".csv":
         from seaglint.formats.tables.table_text import write_columns
 
-        spectra = set(found.dims) == {"wavenumber_cm"}
-        kept = (
-            found[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
+        spectra = set(result.dims) == {"wavenumber_cm"}
+        numbers = (
+            result[["spectral_transmittance"]].rename(spectral_transmittance="transmittance")
             if spectra
-            else found.drop_dims("wavenumber_cm")
+            else result.drop_dims("wavenumber_cm")
         )
-        frame = kept.to_dataframe().reset_index()
+        frame = numbers.to_dataframe().reset_index()
         write_columns({str(name): column.to_numpy() for name, column in frame.items()}, output, overwrite=overwrite)
     else:
         from seaglint.store.netcdf import write_netcdf
 
-        write_netcdf(found, output, overwrite=overwrite)
+        write_netcdf(result, output, overwrite=overwrite)
     log(f"{output} written")
 
 
 _WITH_PLACES = ("ERA5 pressure levels", "bufkit's list")  #: Kinds of files that may hold several places.
 
 
-_HELD = {
+#: Dimensions of a file of air, with their names in messages.
+_DIMENSION_NAMES = {
     "range_m": "paths",
     "sky_zenith_deg": "angles of sky from the sea",
     "sensor_sky_zenith_deg": "from the sensor",

@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file, tell
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import files_read, log, naming_file, show_logs, tell
 from seaglint.cli.terminal.options import Overwrite
 
 
 def compare(
     spectrum: Annotated[
-        Path,
-        typer.Argument(metavar="SPECTRUM.csv", help="CSV with wavenumber_cm or wavelength_um, and a radiance with its unit"),
+        Path, typer.Argument(metavar="SPECTRUM.csv", help="CSV with wavenumber_cm or wavelength_um, and a radiance with its unit")
     ],
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario of the place: sea, air, Sun, height of the sensor")],
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="F.png", help="picture to write: .png, .pdf or .svg")] = None,
@@ -24,23 +24,21 @@ def compare(
         float | None, typer.Option("--depression-deg", help="angle below the horizontal at which the sea is looked at; 90 is the nadir")
     ] = None,
     resolution_cm: Annotated[
-        float | None, typer.Option("--resolution-cm", help="full width at half maximum of the spectrum in cm-1; that of the file")
+        float | None, typer.Option("--resolution-cm", help="full width at half maximum of the spectrum in cm-1; default: the file's")
     ] = None,
     spectroscopy: Annotated[
-        str | None, typer.Option("--spectroscopy", help="absorption of the air, lblrtm or lowtran7; that of the scenario")
+        str | None, typer.Option("--spectroscopy", help="absorption of the air, lblrtm or lowtran7; default: the scenario's")
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Compare a measured spectrum with that of a scenario.
+    """Compare a measured spectrum with a scenario's spectrum.
 
     Prints temperatures and differences by band.
 
-    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, the same with _um for those per wavelength, and
-    brightness_temperature_k. A column or comment resolution_cm states the resolution. A spectrum finer than 20 cm-1 is averaged to that; of
-    a coarser one ours is averaged.
+    Columns of radiance are radiance_w_m2_sr_cm, radiance_mw_m2_sr_cm, radiance_w_cm2_sr_cm, likewise with _um per wavelength, and
+    brightness_temperature_k. A column or comment resolution_cm states the resolution. A measured spectrum finer than 20 cm-1 is averaged
+    to 20 cm-1; for a coarser one the computed spectrum is averaged.
     """
-    from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.messages import show_logs
     from seaglint.scenario.load import load_scenario
     from seaglint.store.outputs import refuse_existing, require_ending
 
@@ -57,12 +55,7 @@ def compare(
     light = stated_spectrum(spectrum)
     with naming_file(scenario, loaded):
         result = compare_spectrum(
-            light,
-            loaded,
-            resolution_cm=resolution_cm,
-            zenith_deg=zenith_deg,
-            depression_deg=depression_deg,
-            spectroscopy=spectroscopy,
+            light, loaded, resolution_cm=resolution_cm, zenith_deg=zenith_deg, depression_deg=depression_deg, spectroscopy=spectroscopy
         )
     for note in result.notes:
         log(note)

@@ -1,4 +1,4 @@
-"""Compile the kernels of a scenario before they are needed, as ``seaglint doctor --compile`` does for images of containers and clusters."""
+"""Compilation of a scenario's kernels in advance: ``seaglint doctor --compile``, for images of containers and for clusters."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.scenario.model import Scenario
 
-POLL = 0.5  #: Seconds between two looks at what has been compiled.
+POLL = 0.5  #: Time between two counts of compiled kernels [s].
 
-_settings: Any = numba.config  # made at run time, where type checkers do not see it
+_settings: Any = numba.config  # created at run time, invisible to type checkers
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Compiled:
 
     #: Scenario, or "the default scenario".
     scenario: str
-    #: Number of functions that were compiled now [1]; the others were there.
+    #: Number of functions that were compiled now [1]; the others were compiled before.
     compiled: int
     #: Wall time [s].
     seconds: float
@@ -54,21 +54,21 @@ class Compiled:
 
 
 def compile_kernels(file: Path | None, report: Progress) -> Compiled:
-    """Compute a mean map and one frame of a scenario, in all processors, which compiles what they call.
+    """Compute a mean map and one frame of a scenario on all processors, which compiles all kernels that they call.
 
     Parameters
     ----------
     file : Path, optional
-        Scenario; the default one if not given.
+        Scenario; the default scenario if not given.
     report : callable
-        Called with numbers of functions: compiled, and in all.
+        Called with the numbers of functions: compiled, and in all.
 
     Raises
     ------
     BackendError
-        No folder can be written, or kernels are not compiled here.
+        No folder can be written, or compilation is switched off.
     SeaglintError
-        A scenario that cannot be read or drawn.
+        The scenario cannot be read or drawn.
     """
     from seaglint.scenario.load import load_scenario, parse_scenario
 
@@ -79,7 +79,7 @@ def compile_kernels(file: Path | None, report: Progress) -> Compiled:
         raise BackendError("compiled kernels cannot be kept: no folder can be written; set SEAGLINT_CACHE to one that can")
     scenario = parse_scenario({}) if file is None else load_scenario(file)
     before, start = _forms(folder), time.monotonic()
-    with naming_file(file, scenario) if file is not None else _nothing(), _watched(report):
+    with naming_file(file, scenario) if file is not None else nullcontext(), _watched(report):
         _run(scenario)
     number = len(_forms(folder) - before)
     return Compiled(str(file or "the default scenario"), number, round(time.monotonic() - start, 1), str(folder))
@@ -90,13 +90,8 @@ def _forms(folder: Path) -> set[str]:
     return {path.name for path in folder.glob("*.nbc")}
 
 
-@contextmanager
-def _nothing() -> Iterator[None]:
-    yield
-
-
 def _run(scenario: Scenario) -> None:
-    """Compute what calls the kernels; nothing is stored."""
+    """Compute one frame and a mean map, which call the kernels; nothing is stored."""
     from seaglint.studies.mean.mean_map import mean
 
     if scenario.sensor.senses:
@@ -110,6 +105,7 @@ def _run(scenario: Scenario) -> None:
     images(0)
     try:
         mean(scenario)
+    # Some scenarios can be rendered but have no mean map; their other kernels are compiled all the same.
     except SeaglintError as error:
         log(f"kernels of mean maps are left out: {error}")
 

@@ -1,4 +1,4 @@
-"""Is the installation whole, and what can this machine do?"""
+"""Examination of the installation and the machine: ``seaglint doctor``."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Report:
 
     @property
     def lines(self) -> list[str]:
-        """Plain text."""
+        """Return the report as lines of text."""
         out: list[str] = []
         for title, entries in self.sections.items():
             out.append(title)
@@ -53,12 +53,12 @@ class Report:
         return out
 
     def as_dict(self) -> JsonObject:
-        """Plain values, for JSON."""
+        """Return plain values, for JSON."""
         return {**self.sections, "problems": self.problems}
 
 
 def examine() -> Report:
-    """Examine versions, threads, GPU, codecs and table checksums; every check runs, whatever the others give."""
+    """Examine versions, threads, GPU, codecs and table checksums; every check runs, also after others have failed."""
     report = Report()
     report.sections["seaglint"] = {
         "version": __version__,
@@ -102,6 +102,7 @@ def _packages(report: Report) -> dict[str, str]:
 
 
 def _machine(report: Report) -> JsonObject:
+    # Containers and batch queues grant fewer processors than the machine has.
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     machine: JsonObject = {"processors": os.cpu_count(), "usable by this process": usable}
     machine["numba threads"] = _try(report, "numba", _numba_threads)
@@ -150,7 +151,7 @@ def _blosc_round_trip() -> str:
     )
     array[...] = values
     if not np.array_equal(np.asarray(array[...]), values):
-        raise RuntimeError("what was written is not what was read")
+        raise RuntimeError("values that were read differ from those written")
     return "ok"
 
 
@@ -167,7 +168,7 @@ def _h264() -> str:
 
 
 def _tables(report: Report) -> dict[str, str]:
-    """SHA-256 of every data file against the list shipped beside them."""
+    """Compare the SHA-256 of every data file with the list in the package; return the states by name."""
     root = Path(str(files("seaglint")))
     states: dict[str, str] = {}
     expected = read_checksums(root / "checksums.sha256")
@@ -186,17 +187,17 @@ def _tables(report: Report) -> dict[str, str]:
 
 
 def data_files(root: Path) -> list[str]:
-    """Data files of the package, relative to it."""
+    """Return the names of the package's data files, relative to the package."""
     return sorted(path.relative_to(root).as_posix() for path in root.glob("*/data/*") if path.is_file() and path.suffix != ".py")
 
 
 def checksum(path: Path) -> str:
-    """SHA-256 of a file."""
+    """Return the SHA-256 of a file, in hexadecimal."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def read_checksums(path: Path) -> dict[str, str]:
-    """File of ``sha256sum`` lines; empty where there is none."""
+    """Return the checksums in a file of ``sha256sum`` lines by name; empty if the file is missing."""
     if not path.is_file():
         return {}
     return {
@@ -205,7 +206,7 @@ def read_checksums(path: Path) -> dict[str, str]:
 
 
 def _try(report: Report, what: str, check: Callable[[], str]) -> str:
-    """Result of a check; a failure becomes a problem and does not end the examination."""
+    """Return the result of a check; a failure becomes a problem and does not end the examination."""
     try:
         return check()
     except Exception as error:

@@ -1,4 +1,4 @@
-"""The commands ``seaglint evaluate ...``: a CSV file of cases in, the same rows with results out."""
+"""Commands ``seaglint evaluate ...``: they add columns of results to a CSV file of cases."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ Output = Annotated[Path, typer.Option("-o", "--output", help="CSV file to write"
 
 
 def _one_thread() -> None:
-    """Keep matrix products to one thread where NumPy is still to be loaded and nobody has chosen.
+    """Limit matrix products to one thread, unless NumPy is loaded already or the user has set a number.
 
-    They are small here: threads that wait for each other take twice the processor time, and with other work beside them more time too.
+    The products are small: threads that wait for each other take twice the processor time, and on a busy machine more time too.
     """
     if "numpy" not in sys.modules:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _run(path: Path, output: Path, request: EvaluationRequest, show: ProgressMode, compute: Callable[..., Columns]) -> None:
-    """Read, compute, write; what can be refused before the work is."""
+    """Read cases, compute and write; errors in names of files are raised before the work."""
     from seaglint.formats.tables.input_tables import read_cases, write_cases
     from seaglint.store.outputs import refuse_existing, require_ending
 
-    # The cases themselves may be the output: all their rows and columns are in it.
+    # The output may replace the cases: it contains all their rows and columns.
     require_ending(output, (".csv", ".txt"), "the results are a CSV file")
     refuse_existing(output, overwrite=request.overwrite)
     cases = read_cases(path)
@@ -92,8 +92,8 @@ def mean(cases: CasesFile, output: Output, request: BandsRequest, show: LateProg
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
     relative_azimuth_deg (0 looks towards the Sun), sea_temperature_k, ifov_mrad (side of the square pixel). Columns made, per band:
     radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. Cox-Munk slopes, shadowed towards viewer and Sun: isotropic, or with the
-    column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind, or what a column slopes
-    says (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind, or as a column slopes
+    specifies (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
     """
     _one_thread()
     from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands

@@ -1,6 +1,6 @@
-"""``seaglint export`` and ``export-sea``: a run, and the sea of one instant, for other programs.
+"""Commands that write files for other programs: ``seaglint export``, ``export-sea`` and ``labels``.
 
-``seaglint labels``: the truth of a sequence's objects for other programs.
+They export a run, the sea at one instant, and the truth of a sequence's objects.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import Annotated
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import Overwrite, ProgressOption
-from seaglint.cli.terminal.program import derived_help, listed
-from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.options import Overwrite, ProgressOption, ScenarioArgument, parse_frames
+from seaglint.cli.terminal.program import derived_help, listed, only_numpy
+from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.record_options import takes_records
 from seaglint.studies.study_requests import ExportRequest
 
@@ -40,17 +40,11 @@ Command = derived_help(endings=_endings, videos=_videos)
 @takes_records(order="run output")
 def export(
     run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render'")],
-    output: Annotated[
-        Path,
-        typer.Option("-o", "--output", help="file to write: {endings}"),
-    ],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: {endings}")],
     request: ExportRequest,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Write frames of a run for another program."""
-    from seaglint.cli.terminal.options import parse_frames
-    from seaglint.cli.terminal.program import only_numpy
-    from seaglint.cli.terminal.progress import patient_progress
     from seaglint.formats.export.stack import held_frames
     from seaglint.plot.run_export import export_run
     from seaglint.store.sequence_store import open_sequence
@@ -64,7 +58,7 @@ def export(
 
 
 def export_sea(
-    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
+    scenario: ScenarioArgument,
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .ply a triangle mesh, .nc NetCDF")],
     time: Annotated[float, typer.Option("--time", help="seconds from the start of the sequence")] = 0.0,
     extent: Annotated[
@@ -75,8 +69,7 @@ def export_sea(
         float | None, typer.Option("--spacing", help="distance of its points in metres; a quarter of the shortest wave")
     ] = None,
     centre: Annotated[
-        tuple[float, float],
-        typer.Option("--centre", metavar="EAST NORTH", help="middle of the patch in metres from the sensor's foot"),
+        tuple[float, float], typer.Option("--centre", metavar="EAST NORTH", help="middle of the patch in metres from the sensor's foot")
     ] = (0.0, 0.0),
     lattices: Annotated[bool, typer.Option("--lattices/--no-lattices", help="with the periodic tiles beside the patch (.nc)")] = True,
     overwrite: Overwrite = False,

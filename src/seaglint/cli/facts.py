@@ -1,4 +1,4 @@
-"""The commands ``seaglint info`` and ``seaglint doctor``: of a file, and of the installation."""
+"""Commands ``seaglint info``, contents of a file, and ``seaglint doctor``, check of the installation."""
 
 from __future__ import annotations
 
@@ -8,17 +8,15 @@ from typing import Annotated
 import typer
 
 from seaglint.base.errors import DataError
-from seaglint.cli.terminal.messages import log, print_json, tell
-from seaglint.cli.terminal.options import ProgressOption, place_given
+from seaglint.cli.terminal.messages import log, print_json, show_logs, tell
+from seaglint.cli.terminal.options import AsJson, ProgressOption, place_given
+from seaglint.cli.terminal.program import only_numpy
 from seaglint.cli.terminal.progress import ProgressMode, progress
-
-AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 
 
 def info(
     path: Annotated[
-        str,
-        typer.Argument(metavar="FILE", help="sequence, finished or not, also a URL; mean map; scenario; recording of any format"),
+        str, typer.Argument(metavar="FILE", help="sequence, finished or not, also a URL; mean map; scenario; recording of any format")
     ],
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a recording that holds several")] = None,
     channel: Annotated[
@@ -28,23 +26,22 @@ def info(
     everything: Annotated[bool, typer.Option("--all", help="with all that was noted when it was made")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Say what a file holds and how it was made."""
-    from seaglint.cli.terminal.program import only_numpy
+    """Report the contents of a file and how it was made."""
     from seaglint.studies.file_contents import describe, describe_recording, describe_scenario, is_ours, lines
 
     only_numpy()
     place = place_given(path)
     if is_ours(place):
-        held = describe(place)
-        told, plain = lines(held, everything=everything), held.as_dict
+        contents = describe(place)
+        text, as_plain = lines(contents, everything=everything), contents.as_dict
     else:
         assert isinstance(place, Path)
         facts = describe_scenario(place) if place.suffix.lower() == ".toml" else describe_recording(place, variable, channel, axes)
-        told, plain = facts.lines, facts.as_dict
+        text, as_plain = facts.lines, facts.as_dict
     if as_json:
-        print_json(plain())
+        print_json(as_plain())
     else:
-        tell(told)
+        tell(text)
 
 
 def doctor(
@@ -80,10 +77,8 @@ def doctor(
 
 
 def _compile(scenario: Path | None, as_json: bool, show: ProgressMode) -> None:
-    """Compile the kernels of a scenario and say where they are."""
+    """Compile the kernels of a scenario and print their folder."""
     from seaglint.cli.compile_kernels import compile_kernels
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.program import only_numpy
 
     only_numpy()
     show_logs(quiet=True)

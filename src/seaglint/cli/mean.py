@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import LateProgressOption, PreviewScale, ScaleOption, refuse_preview
+from seaglint.cli.terminal.messages import files_read, log, naming_file, show_logs
+from seaglint.cli.terminal.options import LateProgressOption, Preview, PreviewScale, ScaleOption, refuse_preview
+from seaglint.cli.terminal.program import only_numpy
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.record_options import takes_records
 from seaglint.studies.study_requests import MeanRequest
@@ -18,13 +19,11 @@ from seaglint.studies.study_requests import MeanRequest
 def mean(
     request: MeanRequest,
     output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
-    preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
+    preview: Preview = False,
     scale: ScaleOption = PreviewScale.AUTO,
     show: LateProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Map mean radiance and apparent temperature over the view."""
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.program import only_numpy
     from seaglint.scenario.load import load_scenario
     from seaglint.store.netcdf import write_netcdf
     from seaglint.store.outputs import refuse_existing, require_ending

@@ -13,10 +13,11 @@ from seaglint.base.errors import DataError
 from seaglint.base.optional import remedy
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.sensor import line as counts_line
-from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air
-from seaglint.cli.terminal.options import PreviewScale, ScaleOption, ShardOption, place_given, refuse_preview
-from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.record_options import RunOptions, takes_records
+from seaglint.cli.terminal.messages import files_read, log, naming_file, say_air, show_logs
+from seaglint.cli.terminal.options import PreviewScale, ScaleOption, ShardOption, parse_frames, place_given, refuse_preview
+from seaglint.cli.terminal.program import only_numpy
+from seaglint.cli.terminal.progress import ProgressMode, progress
+from seaglint.cli.terminal.record_options import RunOptions, finish_store, require_one_way, takes_records, tell_share
 from seaglint.studies.study_requests import RenderRequest
 
 if TYPE_CHECKING:
@@ -47,11 +48,6 @@ def render(
 
     Radiance is at the aperture; where the scenario has a detector, frames are its counts. Any frame alone is the same as in the sequence.
     """
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.options import parse_frames
-    from seaglint.cli.terminal.program import only_numpy
-    from seaglint.cli.terminal.progress import progress
-    from seaglint.cli.terminal.record_options import finish_store, require_one_way, tell_share
     from seaglint.scenario.load import load_scenario
     from seaglint.store.sequence_store import check_output
     from seaglint.store.writers import Share
@@ -61,7 +57,7 @@ def render(
         only_numpy()
         require_one_way(shard=shard, overwrite=request.overwrite)
         if preview:
-            _beside(place_given(output or scenario), None)  # before anything is done
+            _local_store(place_given(output or scenario), None)  # before anything is done
         finished = finish_store(scenario, output, sensor)
         if preview:
             _preview(finished, scale)
@@ -75,12 +71,12 @@ def render(
     store = place_given(output)
     inputs = files_read(file, loaded)
     check_output(store, resume=request.resume, overwrite=request.overwrite, inputs=inputs, share=share)
-    beside = _beside(store, share) if preview else None
+    local_store = _local_store(store, share) if preview else None
     from seaglint.base.kernel_plan import start_helpers
 
     start_helpers("render")  # before the other imports, which take seconds: the helpers compile meanwhile
     only_numpy()
-    pictures = None if beside is None else _Pictures(beside, inputs, replace=request.overwrite or request.resume)
+    pictures = None if local_store is None else _Pictures(local_store, inputs, replace=request.overwrite or request.resume)
     render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or request.electrons or request.radiance:
         from seaglint.studies.sequence.sensed_sequence import render as render_counts
@@ -90,12 +86,13 @@ def render(
         from seaglint.studies.sequence.render_sequence import render as render_radiance
 
         render_sequence = render_radiance
-    with naming_file(file, loaded), run.chosen() as others, progress(run.show, "frames") as report:
+    with naming_file(file, loaded), run.chosen() as workers, progress(run.show, "frames") as report:
         if run.show is not ProgressMode.NONE:
             say_air(loaded)
         more: dict[str, Any] = {"share": share} if share is not None else {}
-        more |= {"workers": others} if others is not None else {}
-        alone = None if others is not None else request.threads
+        more |= {"workers": workers} if workers is not None else {}
+        # Workers have their threads from their own options.
+        alone = None if workers is not None else request.threads
         more |= {"resume": request.resume, "overwrite": request.overwrite}
         render_sequence(loaded, store, frames=numbers, threads=alone, progress=report, **more)
     if share is not None:
@@ -113,15 +110,15 @@ def render(
 
 
 def _preview(store: Path | str, scale: PreviewScale) -> None:
-    """Write pictures of a finished store; older ones are replaced, as by --resume."""
+    """Write pictures of a finished store; older pictures are replaced, as with --resume."""
     from seaglint.store.sequence_store import open_sequence
 
     with open_sequence(store) as dataset:
-        _Pictures(_beside(store, None), [], replace=True).write(dataset, scale)
+        _Pictures(_local_store(store, None), [], replace=True).write(dataset, scale)
 
 
-def _beside(store: Path | str, share: Share | None) -> Path:
-    """Where pictures of a store go."""
+def _local_store(store: Path | str, share: Share | None) -> Path:
+    """Return the local store beside which pictures are written; refuse shares and URLs."""
     if share is not None:
         raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out, and give it with --finish")
     if not isinstance(store, Path):
@@ -130,7 +127,7 @@ def _beside(store: Path | str, share: Share | None) -> Path:
 
 
 class _Pictures:
-    """Previews beside a store, refused before the work rather than after it."""
+    """Previews beside a store; existing files are refused before the work begins."""
 
     def __init__(self, output: Path, inputs: list[Path], *, replace: bool) -> None:
         from seaglint.plot.video import video_available

@@ -1,7 +1,8 @@
-"""``seaglint reproduce``: results of the source article, and measured spectra, computed anew."""
+"""Commands ``seaglint reproduce ...``: results of the source article, and measured spectra, computed again."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -9,9 +10,9 @@ from typing import Annotated
 import typer
 
 from seaglint.base.optional import remedy
-from seaglint.cli.terminal.messages import log, print_json, tell
-from seaglint.cli.terminal.options import Overwrite, ProgressOption
-from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.messages import log, print_json, show_logs, table, tell
+from seaglint.cli.terminal.options import AsJson, Overwrite, ProgressOption, parse_frames
+from seaglint.cli.terminal.progress import ProgressMode, progress
 
 reproduce = typer.Typer(help="Results of the source article, and measured spectra.", no_args_is_help=True)
 
@@ -27,7 +28,7 @@ class SpectroscopyChoice(StrEnum):
 
 
 @reproduce.command()
-def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False) -> None:
+def headline(as_json: AsJson = False) -> None:
     """Headline numbers of the article beside ours."""
     from seaglint.studies.article.headline import headline as rows
 
@@ -35,7 +36,6 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
     if as_json:
         print_json({name: row.as_dict() for name, row in computed.items()})
         return
-    from seaglint.cli.terminal.messages import table
 
     tell(table(computed))
 
@@ -79,13 +79,9 @@ def fig5(
 
     Writes DIR/fig5.png and fig5.csv (a minute).
     """
-    from seaglint.cli.terminal.progress import progress
     from seaglint.formats.tables.table_text import write_columns
-    from seaglint.store.outputs import refuse_existing
 
-    _made(output)
-    inputs = [] if weather is None else [weather]
-    picture, numbers = (refuse_existing(output / f"fig5.{kind}", overwrite=overwrite, inputs=inputs) for kind in ("png", "csv"))
+    picture, numbers = _outputs(output, "fig5", overwrite=overwrite, inputs=[] if weather is None else [weather])
     from seaglint.studies.article.figures_5_and_12 import PRINTED, figure_5
 
     with progress(show, "azimuths") as report:
@@ -118,7 +114,7 @@ def fig12(
     pixels: Annotated[
         int | None, typer.Option("--pixels", min=16, max=512, help="pixels along each side, fewer for a quick look; 512")
     ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="continue an unfinished sequence")] = False,
     overwrite: Overwrite = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
@@ -129,9 +125,6 @@ def fig12(
     The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every
     frame, fig12.mp4 the sequence (with PyAV). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
     """
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.options import parse_frames
-    from seaglint.cli.terminal.progress import progress
     from seaglint.plot.video import video_available
     from seaglint.store.outputs import refuse_existing
     from seaglint.store.sequence_store import check_output
@@ -173,16 +166,15 @@ def fig12(
 @reproduce.command()
 def table1(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder for table1.csv; not written without")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    as_json: AsJson = False,
     overwrite: Overwrite = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Table 1 of the article, of false alarms, beside ours.
 
     Renders two seconds of glint for it: some five minutes on two cores. They are counted as rendered and through a detector with a blur
-    of 1.2 pixels, which is assumed: the article does not state that of its sensor. Other blurs stand below each row.
+    of 1.2 pixels, which is assumed: the article does not state its sensor's. Other blurs are listed below each row.
     """
-    from seaglint.cli.terminal.progress import progress
     from seaglint.formats.tables.table_text import write_columns
     from seaglint.store.outputs import refuse_existing
 
@@ -198,7 +190,6 @@ def table1(
         rows = {name: row.as_dict() for name, row in result.rows().items()}
         print_json({"rows": rows, "settings": result.settings(), "notes": list(result.analysis.notes)})
         return
-    from seaglint.cli.terminal.messages import table
 
     tell(table(result.rows()))
     typer.echo("; ".join(f"{key} = {value}" for key, value in result.settings().items()))
@@ -211,19 +202,18 @@ def measured(
         SpectroscopyChoice, typer.Option("--spectroscopy", help="absorption of the air: today's line-by-line models or LOWTRAN7's; both")
     ] = SpectroscopyChoice.BOTH,
     overwrite: Overwrite = False,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Measured spectra of sky and sea beside ours.
 
     Writes DIR/measured.csv and measured.png.
 
     Measured are AERI's zenith sky, HIS over the sea from 20 km, IRIS from space and a wave buoy. MODTRAN 4's path and sky and RRTMGP's
-    paths and skies are those of models. The data come with the package, and their sources are in measured.csv.
+    paths and skies come from models. The data come with the package, and their sources are in measured.csv.
     """
-    from seaglint.store.outputs import refuse_existing, write_text
+    from seaglint.store.outputs import write_text
 
-    _made(output)
-    picture, numbers = (refuse_existing(output / f"measured.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
+    picture, numbers = _outputs(output, "measured", overwrite=overwrite)
     from seaglint.plot.sensor_and_spectra import write_beside
     from seaglint.studies.measured.against_measurements import against_measurements
 
@@ -239,20 +229,26 @@ def measured(
 
 
 def _made(folder: Path) -> Path:
-    """The folder, made where it is missing."""
+    """Return the folder, created if it is missing."""
     from seaglint.store.outputs import made_folder, refuse_file_ending
 
     return made_folder(refuse_file_ending(folder, "the output"), "choose another folder with -o")
 
 
-def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
-    """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
-    from seaglint.cli.terminal.progress import progress
-    from seaglint.formats.tables.table_text import write_columns
+def _outputs(folder: Path, name: str, *, overwrite: bool, inputs: Sequence[Path] = ()) -> tuple[Path, Path]:
+    """Return the names of picture and numbers in a folder, which is created; existing files and inputs are refused."""
     from seaglint.store.outputs import refuse_existing
 
     _made(folder)
-    picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
+    picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite, inputs=inputs) for kind in ("png", "csv"))
+    return picture, numbers
+
+
+def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
+    """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
+    from seaglint.formats.tables.table_text import write_columns
+
+    picture, numbers = _outputs(folder, name, overwrite=overwrite)
     from seaglint.studies.article import figures
 
     with progress(show, "textures" if name == "fig10" else "winds") as report:

@@ -26,9 +26,7 @@ def init(
     camera: Annotated[
         str | None,
         typer.Option(
-            "--camera",
-            metavar="KEY=VALUE,...",
-            help="camera of a data sheet's numbers, as in the example, or a TOML file of the same",
+            "--camera", metavar="KEY=VALUE,...", help="camera of a data sheet's numbers, as in the example, or a TOML file of the same"
         ),
     ] = None,
     overwrite: Overwrite = False,

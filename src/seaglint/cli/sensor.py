@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import files_read, log, log_notes, naming_file, print_json, tell
-from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
-from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
+from seaglint.cli.terminal.options import AsJson, ShardOption, StoreOption, place_given
+from seaglint.cli.terminal.program import only_numpy
+from seaglint.cli.terminal.progress import patient_progress
+from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records, tell_share
 from seaglint.studies.study_requests import SenseRequest
 
 if TYPE_CHECKING:
@@ -21,8 +24,7 @@ if TYPE_CHECKING:
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with [sensor.optics] and [sensor.detector]")]
 SensorPreset = Annotated[
-    str | None,
-    typer.Option("--sensor", help="sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them"),
+    str | None, typer.Option("--sensor", help="sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them")
 ]
 
 
@@ -51,9 +53,6 @@ def sense(
     shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
-    from seaglint.cli.terminal.program import only_numpy
-    from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.cli.terminal.record_options import tell_share
     from seaglint.formats.recording.labelled_arrays import source_of
     from seaglint.scenario.load import load_scenario
     from seaglint.store.sequence_store import check_output, open_sequence
@@ -69,7 +68,7 @@ def sense(
     )
     opened = request.opened(recording)
     log_notes(recording, opened)
-    with naming_file(scenario, loaded), run.chosen() as others, patient_progress(run.show, "frames") as report:
+    with naming_file(scenario, loaded), run.chosen() as workers, patient_progress(run.show, "frames") as report:
         sensed(
             opened,
             loaded,
@@ -82,7 +81,7 @@ def sense(
             overwrite=request.overwrite,
             progress=report,
             share=share,
-            workers=others,
+            workers=workers,
             reopen=Reopen(Path(recording), request),
         )
     if share is not None:
@@ -93,7 +92,7 @@ def sense(
 
 
 def line(dataset: xr.Dataset) -> str:
-    """A line about a sequence of counts, saturated shares in it."""
+    """Return a line about a sequence of counts: size, range, and share of saturated pixels."""
     import numpy as np
 
     signal, share = dataset["signal"], dataset["saturated_share"].to_numpy()
@@ -112,7 +111,7 @@ def line(dataset: xr.Dataset) -> str:
 
 def sensor(
     scenario: ScenarioFile,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    as_json: AsJson = False,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw MTF and noise budget")] = None,
     frequency: Annotated[
         list[float] | None, typer.Option("--frequency", min=0.0, help="frequencies of the MTF, in cycles/mrad; repeatable")
@@ -122,8 +121,6 @@ def sensor(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
 ) -> None:
     """Figures of merit of a sensor: NETD, MTF, noise budget."""
-    from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.program import only_numpy
     from seaglint.scenario.load import load_scenario
     from seaglint.store.outputs import refuse_existing
     from seaglint.studies.mean.sensor_figures import describe_sensor
@@ -150,7 +147,7 @@ def sensor(
 
 
 def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
-    """Return the figures of merit as lines of text, with the key of the detector that follows from a stated NETD."""
+    """Return the figures of merit as lines of text, and the keys of the detector that follow from a stated NETD."""
     from seaglint.instrument.figures_of_merit import MTF_POINTS
 
     unit, budget, mtf = sheet.unit, sheet.noise_budget, sheet.mtf
@@ -172,6 +169,7 @@ def lines(sheet: SensorDataSheet, from_netd: Mapping[str, float]) -> list[str]:
     if sheet.saturation_temperature_k is not None:
         out.append(f"  saturates at            {sheet.saturation_temperature_k:.5g} K")
     out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf.nyquist_cycles_per_mrad:.4g})")
+    # Of the default frequencies every fifth is printed; frequencies that the user gave are all printed.
     for i in range(0, len(mtf.along), 5 if len(mtf.along) == MTF_POINTS else 1):
         out.append(f"    {mtf.frequency_cycles_per_mrad[i]:<21.4g} {mtf.along[i]:<7.3f} {mtf.across[i]:.3f}")
     scene = budget.scene_apparent_temperature_k

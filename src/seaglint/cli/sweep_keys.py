@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.terminal.messages import files_read, log
-from seaglint.cli.terminal.options import refuse_preview
-from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import files_read, log, show_logs
+from seaglint.cli.terminal.options import Preview, refuse_preview
+from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 from seaglint.cli.terminal.record_options import RunOptions, Without, takes_records
 from seaglint.studies.study_requests import SweepRequest
 
@@ -20,15 +21,12 @@ def sweep(
     request: Annotated[SweepRequest, Without(("resume",))],
     run: Annotated[RunOptions, Without(("resume",))],
     output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
-    preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
+    preview: Preview = False,
 ) -> None:
     """Compute one quantity over every combination of values of keys.
 
-    The result has a dimension for each swept key, then those of the view angles or of the picture.
+    The result has a dimension for each swept key, then the dimensions of the view angles or of the picture.
     """
-    from seaglint.base.errors import DataError
-    from seaglint.cli.terminal.messages import show_logs
-    from seaglint.cli.terminal.progress import patient_progress
     from seaglint.scenario.load import load_scenario
     from seaglint.scenario.text.option_texts import parse_vary
     from seaglint.store.netcdf import write_netcdf
@@ -45,14 +43,14 @@ def sweep(
         refuse_preview(picture, run.overwrite, inputs)
     from seaglint.studies.sweep.run_sweep import sweep as compute
 
-    with run.chosen() as hands, patient_progress(run.show, "cases") as report:
+    with run.chosen() as workers, patient_progress(run.show, "cases") as report:
         dataset = compute(
             scenario,
             vary,
             what=request.what,
             at=at,
-            workers=hands,
-            threads=request.threads if hands is None else None,
+            workers=workers,
+            threads=request.threads if workers is None else None,
             keep_going=request.keep_going,
             most_cases=request.most_cases,
             progress=report,

@@ -1,4 +1,4 @@
-"""``seaglint view``: look at sequences, maps, recordings and scenarios in a browser."""
+"""The command ``seaglint view``: sequences, maps, recordings and scenarios in a browser."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import typer
 def view(
     inputs: Annotated[
         list[str] | None,
-        typer.Argument(metavar="RUN.zarr|map.nc|SCENARIO.toml|RECORDING", help="what to look at; two sequences stand side by side"),
+        typer.Argument(metavar="RUN.zarr|map.nc|SCENARIO.toml|RECORDING", help="files to look at; two sequences are shown side by side"),
     ] = None,
     port: Annotated[int | None, typer.Option("--port", min=1, max=65535, help="port to listen at; the first free one from 8420")] = None,
     host: Annotated[
@@ -19,7 +19,7 @@ def view(
     ] = "127.0.0.1",
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the address in a browser")] = True,
     folder: Annotated[
-        Path | None, typer.Option("--folder", help="folder from which other files may be chosen; that of what is given")
+        Path | None, typer.Option("--folder", help="folder from which other files may be chosen; default: the folder of INPUT")
     ] = None,
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
     channel: Annotated[str | None, typer.Option("--channel", help="a colour of true colour images, or the number of a channel")] = None,
@@ -46,7 +46,7 @@ def view(
     if scenarios:
         from seaglint.viewer.workbench.scenario_draft import Draft
 
-        Draft(scenarios[0])  # what is no scenario file is told here, not in the browser
+        Draft(scenarios[0])  # a file that is no scenario is refused here, not in the browser
     # With nothing to look at the workbench begins with a preset.
     pages = [workbench(scenarios[0] if scenarios else None)] if scenarios or (not given and folder is None) else []
     library = Library(others, folder if folder is not None or others else None, variable, channel, axes)

@@ -42,7 +42,7 @@ def build(
     anemometer: Annotated[
         float | None, typer.Option("--anemometer-height", help="of NDBC buoys [m]; winds are brought from there to 10 m")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing output")] = False,
 ) -> None:
     """Make a table of weather from reanalysis, ships, buoys or CSV.
 

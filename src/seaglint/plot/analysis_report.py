@@ -1,4 +1,4 @@
-"""The report of an analysis: one HTML file with its tables and pictures inside, which asks nothing of the network."""
+"""Report of an analysis: one HTML file with its tables and pictures inside, which loads nothing from the network."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
     path : path
         File to write, usually ``.html``.
     overwrite : bool
-        Whether a file that is there may be replaced.
+        Flag: an existing file may be replaced.
     progress : callable
-        Called with (pictures drawn, pictures in all).
+        Called with the numbers of pictures: drawn, and in all.
 
     Returns
     -------
     Path
-        As given.
+        The path.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
 
 
 def report(analysis: Analysis, progress: Progress = lambda done, total: None) -> str:
-    """The report as text."""
+    """Return the report as HTML text."""
     results = analysis.as_dict()
     images: dict[str, str] = {}
     for done, (name, picture) in enumerate(PICTURES.items(), start=1):
@@ -197,7 +197,8 @@ def _fits(analysis: Analysis) -> list[str]:
 
 
 def _level(p: float | None, least: float | None) -> str:
-    """A level; the smallest that the bootstrap can give is an upper bound."""
+    """Return a level as text; the smallest level of the bootstrap is an upper bound."""
+    # A thousandth allows for rounding of the smallest level, 1 / (replicates + 1).
     return f"≤\u00a0{number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
 
 

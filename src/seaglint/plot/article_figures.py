@@ -1,8 +1,6 @@
-"""Figure 10 of the source article, drawn from the dataset of its study.
+"""Figures 2, 3, 4, 10 and 12 of the source article, drawn from the datasets of the studies. Equal datasets give equal bytes.
 
-Figures 2, 3, 4 and 10 of the source article, drawn from the datasets of the studies. The same dataset gives the same bytes.
-
-The class of the source article's Fig. 12: a frame in colours and in grey, and the geometry from the side.
+Figure 12 is drawn as its class: a frame in colours and in grey, and the geometry from the side.
 """
 
 from __future__ import annotations
@@ -18,9 +16,8 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.formats.object_labels import Label
-from seaglint.plot.figures_and_pages import new_figure
+from seaglint.plot.figures_and_pages import new_figure, save_figure
 from seaglint.plot.scale import number_decades, scale_of
-from seaglint.store.outputs import moved_when_whole
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import directions, to_temperature
 
@@ -39,7 +36,7 @@ _COLUMNS: Final = (
 
 
 def draw_figure_10(dataset: xr.Dataset) -> Figure:
-    """Textures of isotropic couplings above, of horizontal emphasis below; beside them the picture, a frozen and a molten sample."""
+    """Draw textures of isotropic couplings (upper row) and of horizontal ones (lower row): picture, and samples by three methods."""
     figure = new_figure(14.0, 8.0)
     panels = figure.subplots(2, len(_COLUMNS))
     names = ("(a) isotropic", "(b) horizontal")
@@ -50,9 +47,10 @@ def draw_figure_10(dataset: xr.Dataset) -> Figure:
             )
             axes.set_xticks([])
             axes.set_yticks([])
-            tie = dataset["correlation"].to_numpy()[i, j]
-            spread = float(dataset["std_level"].to_numpy()[i, j])
-            lines = [f"deviation {spread:.2f} levels; correlation → {tie[0]:.2f}, ↓ {tie[1]:.2f}"]
+            correlation = dataset["correlation"].to_numpy()[i, j]
+            deviation = float(dataset["std_level"].to_numpy()[i, j])
+            lines = [f"deviation {deviation:.2f} levels; correlation → {correlation[0]:.2f}, ↓ {correlation[1]:.2f}"]
+            # Only the second column has couplings with standard errors; the next two have regimes.
             if j == 1:
                 coupling, error = (dataset[key].to_numpy()[i, 1] for key in ("coupling", "coupling_standard_error"))
                 lines.append(f"β → {coupling[0]:.3f} ± {error[0]:.3f}, ↓ {coupling[1]:.3f} ± {error[1]:.3f}")
@@ -91,7 +89,7 @@ def _settings(dataset: xr.Dataset, *more: str) -> str:
 
 
 def _both_units(axes: Axes) -> None:
-    """The article's unit on the right-hand side."""
+    """Add an axis in the article's unit on the right-hand side."""
 
     def article(radiance: Any) -> Any:
         return ARTICLE_RADIANCE_PER_SI * radiance
@@ -105,7 +103,7 @@ def _both_units(axes: Axes) -> None:
 
 
 def draw_figure_2(dataset: xr.Dataset) -> Figure:
-    """Path and boundary properties against slant range, sunlight and sky against zenith angle; a line for each wind."""
+    """Draw path and boundary properties against slant range, sunlight and sky against zenith angle; a line for each wind."""
     from matplotlib import colormaps
 
     figure = new_figure(13.0, 7.5)
@@ -147,14 +145,14 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
         _both_units(axes)
     last.axis("off")
     lines, names = b.get_legend_handles_labels()
-    lines += [a.plot([], [], color="0.3", linestyle=":", linewidth=2.0)[0]]
+    lines.append(a.plot([], [], color="0.3", linestyle=":", linewidth=2.0)[0])
     last.legend(lines, [*names, "(a) cubic of Eq. 9, fitted"], loc="center", fontsize=10, title="wind at 10 m", frameon=False)
     figure.suptitle(f"Path and boundary: {_settings(dataset)}", fontsize=11)
     return figure
 
 
 def smooth_rows(sun: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rows at even steps of :data:`_SUN_STEP` between the computed ones, by monotone cubics: bent lines between them show as stripes."""
+    """Return rows at even steps of :data:`_SUN_STEP` from the computed rows, by monotone cubics: kinks of lines show as stripes."""
     from scipy.interpolate import PchipInterpolator
 
     fine = np.linspace(sun[0], sun[-1], 1 + round(float(sun[-1] - sun[0]) / _SUN_STEP))
@@ -162,7 +160,7 @@ def smooth_rows(sun: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def draw_figure_3(dataset: xr.Dataset) -> Figure:
-    """Mirrored Sun (upper) and apparent temperature (lower) against the zenith angles of sensor and Sun; a column for each wind."""
+    """Draw mirrored Sun (upper) and apparent temperature (lower) against the zenith angles of sensor and Sun; a column for each wind."""
     from matplotlib.colors import LogNorm
 
     figure = new_figure(13.0, 8.0)
@@ -177,7 +175,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
     levels = np.concatenate([[295.0, 300.0, 310.0, 320.0, 330.0, 340.0, 350.0], np.arange(360.0, hottest, 20.0)])
     for i, wind in enumerate(winds):
         upper, lower = panels[0, i], panels[1, i]
-        # Logarithms, as the colours; the floor keeps them finite, far below what is shown.
+        # Logarithms, as in the colours; the floor keeps them finite, and is far below the displayed decades.
         rows, logarithm = smooth_rows(sun, np.log(np.maximum(solar[i], 1e-3 * dimmest)))
         glint, apparent = np.exp(logarithm), smooth_rows(sun, temperature[i])[1]
         bright = upper.pcolormesh(sensor, rows, np.maximum(glint, dimmest), norm=log, cmap="inferno", shading="gouraud")
@@ -209,7 +207,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
 
 
 def draw_figure_4(dataset: xr.Dataset) -> Figure:
-    """Images of glint: mean (left) and standard deviation (right), a row for each wind and a column for each direction of it."""
+    """Draw images of glint, mean (left) and standard deviation (right): a row for each wind speed, a column for each wind direction."""
     from matplotlib.colors import LogNorm
 
     figure = new_figure(17.0, 8.2)
@@ -226,8 +224,8 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
         scale = LogNorm(lowest, highest)
         panels = half.subplots(winds.size, directions.size, sharex=True, sharey=True, squeeze=False)
         for (i, j), axes in np.ndenumerate(panels):
-            seen = np.maximum(values[i, j], lowest)
-            image = axes.imshow(seen, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
+            floored = np.maximum(values[i, j], lowest)
+            image = axes.imshow(floored, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
             lines = values[i, j].max() * np.array(_SHARES)
             axes.contour(azimuth, elevation, values[i, j], levels=lines, colors="c", linewidths=0.7)
             axes.tick_params(labelsize=8)
@@ -237,6 +235,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
                 axes.set_ylabel(f"{winds[i]:g} m/s\nelevation [deg]", fontsize=9)
             if i == winds.size - 1:
                 axes.set_xlabel("azimuth from the Sun [deg]", fontsize=9)
+        # All panels of a half share one scale: the bar of the last image is the bar of all.
         bar = half.colorbar(image, ax=panels, extend="min", location="bottom", shrink=0.7, pad=0.02, aspect=40)
         number_decades(bar)
         bar.set_label(f"[{_RADIANCE}]; lines at 10, 50 and 90 % of each image's maximum", fontsize=9)
@@ -263,10 +262,7 @@ def write_figure(name: str, dataset: xr.Dataset, output: str | Path) -> Path:
     StorageError
         No room or no rights; nothing is left behind.
     """
-    output = Path(output)
-    with moved_when_whole(output) as partial:
-        DRAW[name](dataset).savefig(partial, format="png", dpi=110, metadata={"Software": None})
-    return output
+    return save_figure(DRAW[name](dataset), output, 110, format="png", metadata={"Software": None})
 
 
 #: Colours of the bodies in their order: the article's attacking one is red, the defending one green.
@@ -274,7 +270,7 @@ COLOURS: Final = ("tab:red", "tab:green", "tab:orange", "tab:purple")
 
 _CLOSE: Final = 24  #: Pixels along each side of a close view.
 
-_SECOND_MARKS: Final = 1.0  #: Time between marks on the ways [s].
+_SECOND_MARKS: Final = 1.0  #: Time between marks on the paths of the bodies [s].
 
 
 class EngagementWays(Protocol):
@@ -287,7 +283,7 @@ class EngagementWays(Protocol):
 
     @property
     def ahead(self) -> dict[str, FloatArray]:
-        """Distance ahead of the sensor's start by name [m, (frames,)]; that of the sensor is ``"sensor"``."""
+        """Distance ahead of the sensor's start by name [m, (frames,)]; the sensor itself has the name ``"sensor"``."""
         ...
 
     @property
@@ -302,18 +298,18 @@ class EngagementWays(Protocol):
 
 
 def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementWays) -> Figure:
-    """One frame of the sequence beside its geometry.
+    """Draw one frame of the sequence beside its geometry.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         The sequence.
     index : int
-        Frame that is shown, of those stored.
+        Index of the displayed frame in the sequence.
     labels : list of Label
-        Of the bodies in that frame.
+        Labels of the bodies in this frame.
     ways : EngagementWays
-        Of sensor and bodies over the frames stored.
+        Positions of sensor and bodies over the stored frames.
     """
     figure = new_figure(12.0, 9.5)
     panels = figure.subplot_mosaic([["colours", "grey"], ["side", "side"]], height_ratios=[1.9, 1.0])
@@ -337,6 +333,7 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementW
             _marked(panels["colours"], label, radiance.shape, extent, COLOURS[number % len(COLOURS)])
             _close_view(panels["grey"], radiance, label, number, (scale.low, scale.high))
     _side(panels["side"], index, ways)
+    # The enlargement is known only after the layout of the panels.
     figure.draw_without_rendering()
     panels["side"].set_title(f"{panels['side'].get_title()}; heights {_enlarged(panels['side']):.0f} times enlarged", fontsize=10)
     return figure
@@ -350,14 +347,11 @@ def write(dataset: xr.Dataset, index: int, labels: list[Label], ways: Engagement
     StorageError
         No room or no rights; nothing is left behind.
     """
-    output = Path(output)
-    with moved_when_whole(output) as partial:
-        draw(dataset, index, labels, ways).savefig(partial, format="png", dpi=90, metadata={"Software": None})
-    return output
+    return save_figure(draw(dataset, index, labels, ways), output, 90, format="png", metadata={"Software": None})
 
 
 def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
-    """Azimuths of the left and right edge and elevations of the lower and upper one [deg]."""
+    """Return the azimuths of the left and right edge and the elevations of the lower and upper edge [deg]."""
     azimuth, elevation = directions(dataset)
     if azimuth.ndim == 2:  # upright all the same: every row has the same azimuths
         azimuth, elevation = np.unwrap(azimuth[0], period=360.0) % 360.0, elevation[:, 0]
@@ -367,9 +361,10 @@ def _extent(dataset: xr.Dataset) -> tuple[float, float, float, float]:
 
 
 def _marked(axes: Axes, label: Label, shape: tuple[int, ...], extent: tuple[float, float, float, float], colour: str) -> None:
-    """A ring about a body, with its name and range."""
+    """Draw a ring around a body, with its name and range."""
     x = extent[0] + (label.values["column_px"] + 0.5) / shape[1] * (extent[1] - extent[0])
     y = extent[3] - (label.values["row_px"] + 0.5) / shape[0] * (extent[3] - extent[2])
+    # A white ring below the coloured one separates it from any background.
     axes.plot(x, y, "o", ms=22, mfc="none", mec="white", mew=2.6)
     axes.plot(x, y, "o", ms=22, mfc="none", mec=colour, mew=1.4)
     right = x > 0.5 * (extent[0] + extent[1])
@@ -388,7 +383,7 @@ def _marked(axes: Axes, label: Label, shape: tuple[int, ...], extent: tuple[floa
 
 
 def _close_view(axes: Axes, radiance: NDArray[Any], label: Label, number: int, limits: tuple[float, float]) -> None:
-    """The pixels about a body, enlarged, in a corner of the image."""
+    """Draw the pixels around a body, enlarged, in a corner of the image."""
     rows, columns = radiance.shape
     side = min(_CLOSE, rows, columns)
     left = int(np.clip(round(label.values["column_px"]) - side // 2, 0, columns - side))
@@ -402,13 +397,14 @@ def _close_view(axes: Axes, radiance: NDArray[Any], label: Label, number: int, l
 
 
 def _side(axes: Axes, index: int, ways: EngagementWays) -> None:
-    """Heights against the distance ahead of the sensor's start, with what the image of the frame sees."""
+    """Draw heights against the distance ahead of the sensor's start, with the field of view of the frame."""
     farthest = 1.08 * max(float(ahead.max()) for ahead in ways.ahead.values()) + 1.0
     names = ["sensor", *(name for name in ways.ahead if name != "sensor")]
     x, h = float(ways.ahead["sensor"][index]), float(ways.height["sensor"][index])
     along = np.linspace(0.0, farthest - x, 200)
 
     def ray(elevation: float) -> FloatArray:
+        # A straight ray over a sea that falls by s^2 / 2R; the radius includes refraction.
         return np.asarray(h + along * np.tan(elevation) + along**2 / (2.0 * EFFECTIVE_EARTH_RADIUS))
 
     lower, upper = (ray(elevation) for elevation in ways.sight)
@@ -433,7 +429,7 @@ def _side(axes: Axes, index: int, ways: EngagementWays) -> None:
 
 
 def _enlarged(axes: Axes) -> float:
-    """How many times heights are enlarged against distances, after the layout."""
+    """Return the factor by which heights are enlarged against distances; valid after the layout."""
     size = axes.get_window_extent()
     metres = float(np.ptp(axes.get_ylim())), 1e3 * float(np.ptp(axes.get_xlim()))
     return float((size.height / metres[0]) / (size.width / metres[1]))

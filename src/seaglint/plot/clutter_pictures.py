@@ -1,18 +1,7 @@
-"""Parts that the pictures of clutter share: panels, colours of the regions, units on labels, text on an empty axis.
+"""Pictures of clutter statistics: regions, slices in time, distributions, false alarms, correlation. Equal analyses give equal bytes.
 
-Where the regions lie in the mean image, and a row and a column in time.
-
-How clutter hangs together: exceedances in time, brightness in space and time, spectrum.
-
-Distributions of brightness with the fits to them.
-
-False-alarm rates against the threshold: counted, Gaussian, extrapolated.
-
-The pictures of a report, in its order, with what stands above and below them.
-
-Pictures of clutter statistics: regions, slices in time, distributions, false alarms, memory. The same analysis gives the same bytes.
-
-What the data cannot tell (time in a single frame, a region that is missing) is said in words in the panel.
+A panel that the data cannot fill (time in a single frame, a missing region) states the reason in words. ``report_pictures`` lists all
+pictures in the order of a report, with the title above and the caption below each.
 """
 
 from __future__ import annotations
@@ -34,7 +23,7 @@ from seaglint.clutter.extremes import TailFit
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.fits import FAMILIES
 from seaglint.clutter.thresholds import gaussian_rate
-from seaglint.plot.figures_and_pages import new_figure
+from seaglint.plot.figures_and_pages import beyond, new_figure
 from seaglint.plot.scale import number_decades
 
 if TYPE_CHECKING:
@@ -47,39 +36,33 @@ COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
 
 
 def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axes, str, Region]]]:
-    """A panel for each region that there is."""
+    """Return a figure of a height [in] and its panels, one for each region of the analysis."""
     number = len(analysis.regions)
     figure = new_figure(max(5.0 * number, 7.0), height)
     axes = figure.subplots(1, number, squeeze=False)[0]
     return figure, [(a, name, region) for a, (name, region) in zip(axes, analysis.regions.items(), strict=True)]
 
 
-def say(axes: Axes, text: str) -> None:
-    """Write text on an empty axis."""
+def write_in_panel(axes: Axes, text: str) -> None:
+    """Write text in the middle of an empty panel."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes, fontsize=10, color="0.35", wrap=True)
 
 
-def beyond(values: NDArray[Any], low: float, high: float) -> str:
-    """Ends of a colour bar beyond which there are values."""
-    with np.errstate(invalid="ignore"):
-        above, below = bool((values > high).any()), bool((values < low).any())
-    return {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
-
-
 def unit_of(units: str | None, unknown: str = "unit") -> str:
-    """Units for labels: powers raised, ``W m-2 sr-1`` as W m⁻² sr⁻¹."""
+    """Return units for labels, with raised powers: ``W m-2 sr-1`` as W m⁻² sr⁻¹."""
+    # Only digits behind a letter are powers: a number that begins the units is a factor.
     raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
     return re.sub(r"(?<=[A-Za-z])-?\d+(?=\s|$)", lambda power: power[0].translate(raised), units) if units else unknown
 
 
 def values_label(analysis: Analysis) -> str:
-    """Label of an axis or bar of the recording's values."""
+    """Return the label of an axis or colour bar with the recording's values."""
     return f"values [{unit_of(analysis.recording.units, 'unit not known')}]"
 
 
 def per_frame(analysis: Analysis) -> tuple[float, str]:
-    """Seconds in a frame and the unit's name; frames where no rate is known."""
+    """Return the duration of a frame and its unit: seconds, or 1 frame where no frame rate is known."""
     rate = analysis.recording.frame_rate
     return (1.0 / rate, "s") if rate else (1.0, "frames")
 
@@ -90,7 +73,7 @@ _LEFT_OUT: Final = "#c2a5cf"
 
 
 def draw_regions(analysis: Analysis) -> Figure:
-    """Mean image with the outlines of the regions, and the row and column of :func:`draw_slices`."""
+    """Draw the mean image with the outlines of the regions, and the row and column of :func:`draw_slices`."""
     from matplotlib.colors import ListedColormap
     from matplotlib.lines import Line2D
 
@@ -127,7 +110,7 @@ def draw_regions(analysis: Analysis) -> Figure:
 
 
 def draw_slices(analysis: Analysis) -> Figure:
-    """A row and a column in time: raw, filtered, and above 3 sigma (the article's Fig. 7); profiles of a single frame."""
+    """Draw a row and a column in time: raw, filtered, and above 3 sigma (the article's Fig. 7). A single frame has profiles."""
     figure = new_figure(13.0, 7.5)
     panels = figure.subplots(2, 3, squeeze=False)
     slices = analysis.slices
@@ -161,7 +144,7 @@ def draw_slices(analysis: Analysis) -> Figure:
 
 
 def _profiles(line: Any, raw: NDArray[Any], filtered: NDArray[Any], above: NDArray[Any], label: str) -> None:
-    """A single frame has lines, not slices."""
+    """Draw raw and filtered values along a line of a single frame, which has no slices in time."""
     for axes, values in zip(line, (raw, filtered), strict=False):
         axes.plot(values, color="0.2", linewidth=0.7)
         axes.set(xlabel=label, xlim=(0, values.size - 1))
@@ -169,14 +152,14 @@ def _profiles(line: Any, raw: NDArray[Any], filtered: NDArray[Any], above: NDArr
     place = np.flatnonzero(above)
     line[1].plot(place, filtered[place], "o", color=COLOURS["glint"], markersize=3, label=f"above threshold: {place.size}")
     line[1].legend(fontsize=7)
-    say(line[2], "a single frame:\nno slices in time")
+    write_in_panel(line[2], "a single frame:\nno slices in time")
 
 
 _FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 def draw_exceedances(analysis: Analysis) -> Figure:
-    """Exceedances of each pixel in time: joint probability (the article's Fig. 6) and correlation, 1/e marked."""
+    """Draw joint probability (the article's Fig. 6) and correlation of each pixel's exceedances in time, with 1/e marked."""
     figure = new_figure(12.0, 4.6 if analysis.recording.frames > 1 else 1.6)
     left, right = figure.subplots(1, 2)
     left.set_title("joint probability of exceeding now and later", fontsize=10)
@@ -188,16 +171,18 @@ def draw_exceedances(analysis: Analysis) -> Figure:
         alarms = next(iter(region.alarms.values()))
         for threshold, style in zip(alarms.thresholds, ("-", "--", "-.", ":", ":", ":"), strict=False):
             joint = alarms.joint(threshold)
+            # A curve needs two lags, and a correlation a rate above 0.
             if alarms.pixels == 0 or np.isfinite(joint.joint).sum() < 2 or not joint.rate > 0.0:
                 continue
             time, _ = joint.correlation_time()
+            # The slowest curve sets the axis: ten of its correlation times.
             longest = max(longest, 10.0 * time if time is not None else 10.0)
             legend = f"{name}, {threshold:g} σ" + ("" if time is None else f": {time * seconds:.3g} {label}")
             lines.append((legend, COLOURS[name], style, joint.joint, joint.correlation, joint.rate))
     if not lines:
-        why = "a single frame: nothing can be said of time" if analysis.recording.frames == 1 else "no exceedances"
-        say(left, why)
-        say(right, why)
+        reason = "a single frame: nothing can be said of time" if analysis.recording.frames == 1 else "no exceedances"
+        write_in_panel(left, reason)
+        write_in_panel(right, reason)
         return figure
     for legend, colour, style, probability, correlation, rate in lines:
         lag = seconds * np.arange(probability.size)
@@ -219,7 +204,7 @@ def draw_exceedances(analysis: Analysis) -> Figure:
 
 
 def draw_memory(analysis: Analysis) -> Figure:
-    """Clutter in space and time: correlation along both axes and in time, spectrum by rings and in the plane."""
+    """Draw the clutter in space and time: correlation along both axes and in time, spectrum by rings and in the plane."""
     figure = new_figure(12.0, 9.0)
     (space, time), (rings, plane) = figure.subplots(2, 2)
     seconds, label = per_frame(analysis)
@@ -232,7 +217,9 @@ def draw_memory(analysis: Analysis) -> Figure:
             space.plot(np.arange(rho.size), rho, color=colour, linestyle=style, label=f"{name}, {axis}: {legend}")
             reach = max(reach, min(5.0 * length, rho.size - 1.0) if math.isfinite(length) else 10.0)
         rho = region.temporal.rho
+        # Lag 0 alone is no curve.
         if np.isfinite(rho).sum() > 1:
+            # The time is in seconds where the frame rate is known, otherwise in frames already.
             frames = region.temporal.time * (analysis.recording.frame_rate or 1.0)
             legend = f"{frames * seconds:.3g} {label}" if math.isfinite(frames) else "no 1/e"
             time.plot(seconds * np.arange(rho.size), rho, color=colour, label=f"{name}: {legend}")
@@ -249,7 +236,7 @@ def draw_memory(analysis: Analysis) -> Figure:
     if time.lines:
         time.set(xlabel=f"lag [{label}]", xlim=(0.0, seconds * last), ylim=(-0.3, 1.05), ylabel="correlation [1]")
     else:
-        say(time, _why_no_time(analysis))
+        write_in_panel(time, _why_no_time(analysis))
     for axes in (space, time):
         if axes.lines:
             axes.axhline(math.exp(-1.0), color="k", linewidth=0.8, linestyle=":")
@@ -260,7 +247,7 @@ def draw_memory(analysis: Analysis) -> Figure:
         rings.minorticks_off()
         rings.set(xlabel="spatial frequency [cycles/px]", ylabel=f"density [({unit})² px²]")
     else:
-        say(rings, "no square of at least 8 px lies wholly in a region, or nothing varies")
+        write_in_panel(rings, "no square of at least 8 px lies wholly in a region, or nothing varies")
     _plane(figure, plane, analysis)
     for axes in (space, time, rings):
         if axes.lines:
@@ -270,7 +257,7 @@ def draw_memory(analysis: Analysis) -> Figure:
 
 
 def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
-    """Spectrum of the corridor, or of everything, over both frequencies."""
+    """Draw the spectrum of the corridor, or else of the whole image, over both frequencies."""
     from matplotlib.colors import LogNorm
 
     for name in ("glint", "all"):
@@ -282,8 +269,10 @@ def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
         most = float(np.nanmax(density))
         if not most > 0.0:
             continue
+        # Frequencies are at the middle of their cells, which are 1/size cycles per pixel wide.
         half = 0.5 / region.spectrum.frequency.size
         ends = float(region.spectrum.frequency[0]) - half, float(region.spectrum.frequency[-1]) + half
+        # A few nearly empty cells would take most of the colours: the lowest 2 % share one, and six decades are enough.
         least = max(float(np.nanpercentile(density, 2.0)), 1e-6 * most)
         image = axes.imshow(
             np.maximum(density, least), norm=LogNorm(least, most), cmap="viridis", extent=(*ends, ends[1], ends[0]), interpolation="nearest"
@@ -294,7 +283,7 @@ def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
         axes.set_title(f"spectrum: {name}", fontsize=10)
         axes.set(xlabel="frequency along rows, x [cycles/px]", ylabel="frequency along columns, y [cycles/px]")
         return
-    say(axes, "no spectrum")
+    write_in_panel(axes, "no spectrum")
 
 
 def _why_no_time(analysis: Analysis) -> str:
@@ -311,25 +300,27 @@ _MOST_BINS: Final = 150
 
 
 def draw_histograms(analysis: Analysis) -> Figure:
-    """Histogram of each region on a logarithmic axis with every valid fit, its distance and level (the article's Figs. 8 and 9)."""
+    """Draw the histogram of each region, logarithmic, with every valid fit, its distance and level (the article's Figs. 8 and 9)."""
     figure, panels = panels_of(analysis, 5.2)
     for axes, name, region in panels:
         x = region.sample
         axes.set_title(f"{name}: {x.size} values sampled", fontsize=10)
         if x.size < 2 or np.ptp(x) == 0.0:
-            say(axes, "all values are equal" if x.size else "no values")
+            write_in_panel(axes, "all values are equal" if x.size else "no values")
             continue
         edges = histogram_edges(x)
         counts, _ = np.histogram(x, edges)
         density = counts / (x.size * np.diff(edges))
         axes.stairs(np.where(counts > 0, density, np.nan), edges, color="0.2", linewidth=1.0, fill=False, label="data")
         axes.set_yscale("log", subs=[])
+        # One value in the narrowest cell lies above the lower end of the axis by a factor of three.
         lowest, highest = 0.3 / (x.size * float(np.diff(edges).min())), 3.0 * float(density.max())
         grid = np.linspace(edges[0], edges[-1], 800)
         for family in FAMILIES:
             fit = region.fits.get(family)
             if fit is None or not fit.is_valid:
                 continue
+            # All other families have their values above the location, where some densities have a pole.
             inside = grid if family == "gaussian" else grid[grid > (fit.loc or 0.0)]
             with np.errstate(all="ignore"):
                 values = fit.pdf(inside)
@@ -347,16 +338,18 @@ def draw_histograms(analysis: Analysis) -> Figure:
 
 
 def histogram_edges(values: NDArray[Any]) -> FloatArray:
-    """Edges of a histogram: Freedman and Diaconis' width, at most 150 cells; of whole numbers, cells of as many each.
+    """Return the edges of a histogram with Freedman and Diaconis' width, at most 150 cells.
 
-    Cells that hold now three and now four whole numbers would show a comb that is not in the data.
+    For whole numbers every cell holds equally many of them: cells of three and of four numbers by turns would show a comb.
     """
     low, high = float(values.min()), float(values.max())
     quartiles = np.percentile(values, [25.0, 75.0])
+    # Freedman and Diaconis (1981): twice the interquartile range over the cube root of the number of values.
     width = 2.0 * float(quartiles[1] - quartiles[0]) / values.size ** (1.0 / 3.0)
-    # Never more cells than can be told apart, and never cells that single precision could not.
+    # Never more cells than can be distinguished, and no cells narrower than single precision resolves.
     width = max(width, (high - low) / _MOST_BINS, 1e-6 * max(abs(low), abs(high)))
     if np.all(values == np.rint(values)):
+        # 1e-9 keeps a width that is a whole number but for rounding.
         step = float(max(math.ceil(width - 1e-9), 1))
         return np.arange(low - 0.5, high + 0.5 + step, step)
     number = min(max(math.ceil((high - low) / width), 1), _MOST_BINS)
@@ -366,17 +359,17 @@ def histogram_edges(values: NDArray[Any]) -> FloatArray:
 def _level(p: float, replicates: int) -> str:
     if not math.isfinite(p):
         return "no level"
-    # A bootstrap of n draws cannot tell levels below 1 / (n + 1).
+    # A bootstrap of n draws cannot resolve levels below 1 / (n + 1).
     return f"p < {2.0 / (replicates + 1):.2g}" if p <= 1.0 / (replicates + 1) else f"p = {p:.2g}"
 
 
 def draw_rates(analysis: Analysis) -> Figure:
-    """False-alarm rate of each region against threshold: measured, Gaussian, and extrapolated with its band and limit of trust."""
+    """Draw the false-alarm rate of each region against threshold: measured, Gaussian, and extrapolated with its band and limit of trust."""
     figure, panels = panels_of(analysis, 5.4)
     for axes, name, region in panels:
         axes.set_title(name, fontsize=10)
         if not any(alarms.pixels for alarms in region.alarms.values()):
-            say(axes, "no pixel with a standard deviation")
+            write_in_panel(axes, "no pixel with a standard deviation")
             continue
         _rate_panel(axes, region, COLOURS[name])
     panels[0][0].set_ylabel("false alarms per pixel and frame [1]")
@@ -390,12 +383,13 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         if not alarms.pixels:
             continue
         curve = alarms.curve()
-        seen = (curve.threshold >= 0.0) & (curve.exceedances > 0)
-        own = colour if number == 0 else next(others, "0.5")
-        axes.plot(curve.threshold[seen], curve.rate[seen], color=own, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
-        _counted(axes, alarms, own, label=number == 0)
+        counted = (curve.threshold >= 0.0) & (curve.exceedances > 0)
+        line_colour = colour if number == 0 else next(others, "0.5")
+        threshold, rate = curve.threshold[counted], curve.rate[counted]
+        axes.plot(threshold, rate, color=line_colour, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
+        _counted(axes, alarms, line_colour, label=number == 0)
         pixels = max(pixels, alarms.pixels)
-        reached = float(curve.threshold[seen][-1]) if seen.any() else 0.0
+        reached = float(threshold[-1]) if threshold.size else 0.0
         furthest = max(furthest, reached)
         if number == 0:
             tail, reason = region.tail(name)
@@ -403,6 +397,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
                 _remark(axes, f"no extrapolation: {reason}")
             else:
                 furthest = max(furthest, _extrapolated(axes, tail, pixels))
+    # Far out the Gaussian rate underflows to 0, which a logarithmic axis cannot show.
     m = np.linspace(0.0, furthest, 400)
     axes.plot(m, np.maximum(gaussian_rate(m), 1e-300), color="0.3", linestyle="--", linewidth=1.0, label="Gaussian tail")
     axes.axhline(1.0 / pixels, color="0.3", linestyle=":", linewidth=0.9)
@@ -415,13 +410,14 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         transform=axes.get_yaxis_transform(),
     )
     axes.set_yscale("log", subs=[])
+    # Two decades below one alarm in all pixels leave room for the extrapolated tail.
     axes.set(xlim=(0.0, furthest), ylim=(0.01 / pixels, 1.0), xlabel="threshold [standard deviations σ]")
     axes.grid(alpha=0.25)
     axes.legend(fontsize=7, loc="upper right", framealpha=0.85)
 
 
 def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> None:
-    """Counted thresholds with their 95 % intervals; an open circle has none."""
+    """Draw the counted thresholds with their 95 % intervals; an open circle marks a threshold without interval."""
     labelled = not label
     for rate in alarms.rates():
         if not rate.rate > 0.0:
@@ -436,7 +432,8 @@ def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> No
 
 
 def _extrapolated(axes: Axes, tail: TailFit, pixels: int) -> float:
-    """Tail and its band; returns the threshold up to which it is worth seeing."""
+    """Draw a fitted tail and its band; return the threshold at which the axis ends [standard deviations]."""
+    # To a rate of 3 % of one alarm in all pixels, but not much further than twice the trusted part of the tail.
     end = tail.threshold_for(0.03 / pixels) or tail.trusted_to_sigma
     end = min(end, tail.threshold + 2.0 * (tail.trusted_to_sigma - tail.threshold) + 2.0)
     m = np.linspace(tail.threshold, max(end, tail.trusted_to_sigma), 200)
@@ -448,14 +445,14 @@ def _extrapolated(axes: Axes, tail: TailFit, pixels: int) -> float:
 
 
 def _remark(axes: Axes, text: str) -> None:
-    """Small print in the lower right corner."""
+    """Write small print in the lower right corner."""
     box = {"facecolor": "w", "edgecolor": "none", "alpha": 0.8}
     axes.text(0.98, 0.02, textwrap.fill(text, 44), transform=axes.transAxes, fontsize=7, ha="right", va="bottom", bbox=box)
 
 
 @dataclass(frozen=True)
 class ReportFigure:
-    """One of the report's figures."""
+    """Figure of the report, with its title and caption."""
 
     draw: Callable[[Analysis], Figure]
     title: str
@@ -478,7 +475,7 @@ PICTURES: Final = {
         "Of the same pixel, in the filtered images. Thin lines: what independent exceedances of the same rate would give.",
     ),
     "slices": ReportFigure(
-        draw_slices, "A row and a column in time", "Through the middle of the corridor, or of the picture where there is none."
+        draw_slices, "A row and a column in time", "Through the middle of the corridor, or of the picture if it has no corridor."
     ),
     "histograms": ReportFigure(
         draw_histograms,
@@ -491,18 +488,3 @@ PICTURES: Final = {
         "Spatial correlation and spectrum after a polynomial surface is taken off, which is the shape of the corridor.",
     ),
 }
-
-
-__all__ = [
-    "FAMILY_NAMES",
-    "PICTURES",
-    "ReportFigure",
-    "draw_exceedances",
-    "draw_histograms",
-    "draw_memory",
-    "draw_rates",
-    "draw_regions",
-    "draw_slices",
-    "histogram_edges",
-    "unit_of",
-]

@@ -1,7 +1,4 @@
-"""Pictures of detection in rendered scenes: false alarms over the field, chips, sweeps, and ranges about the Sun.
-
-Report of a detection study: one HTML file with tables and pictures inside.
-"""
+"""Report of a detection study, one HTML file, and its pictures: false alarms over the field, chips, sweeps, ranges about the Sun."""
 
 from __future__ import annotations
 

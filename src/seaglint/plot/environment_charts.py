@@ -1,8 +1,8 @@
-"""Picture of a profile of the air: temperature, humidity and refractivity, the lowest kilometre below the whole.
+"""Charts of the environment: a profile of the air, a weather table, and the likelihood of glint.
 
-Picture of a weather table: wind rose, joint density of wind and cloud, means by month, missing values.
-
-Charts of the likelihood of glint: by threshold, bearing, month and hour; maps by month; the article's Fig. 5.
+The profile shows temperature, humidity and refractivity, the lowest kilometre below the whole. The weather table is shown as wind rose,
+joint density of wind and cloud, means by month and missing values. The likelihood is drawn by threshold, bearing, month and hour, as maps
+by month, and as Fig. 5 of the source article.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.climate.likelihood_summary import LikelihoodSummary, StratumChance
 from seaglint.climate.table_summary import MonthFacts, WeatherFacts, WindRose
 from seaglint.climate.weather_table import MONTHS
-from seaglint.plot.figures_and_pages import new_figure
-from seaglint.store.outputs import moved_when_whole
+from seaglint.plot.figures_and_pages import new_figure, save_figure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,14 +32,12 @@ TALL = 20.0  #: Height of the upper panels [km].
 
 
 def write_air_plot(summary: AirSummary, output: Path) -> Path:
-    """Write the picture, complete or not at all."""
-    with moved_when_whole(output) as partial:
-        draw_air(summary).savefig(partial, dpi=120, format=output.suffix.lstrip(".").lower())
-    return output
+    """Write the charts of a profile of air to a picture file, complete or not at all."""
+    return save_figure(draw_air(summary), output, 120)
 
 
 def draw_air(summary: AirSummary) -> Figure:
-    """Profiles against height: up to 20 km above, the lowest kilometre below."""
+    """Draw profiles against height: up to 20 km above, the lowest kilometre below."""
     air = summary.profile
     figure = new_figure(10.0, 7.5)
     panels = figure.subplots(2, 3, height_ratios=(1.4, 1.0))
@@ -52,9 +49,11 @@ def draw_air(summary: AirSummary) -> Figure:
     )
     # rays are trapped where the modified refractivity falls with height
     low_columns = (*columns[:2], ("modified refractivity [10⁻⁶]", dry + 1e6 * air.height / air.earth_radius, "C2"))
+    # The model atmosphere continues above the sounding's top; 1 m allows for rounded heights.
     given = air.height <= summary.top + 1.0
     for row, top, quantities in zip(panels, (TALL, 1.0), (columns, low_columns), strict=True):
         inside = z <= top * 1.001
+        # Evenly spaced up to the top of the panel, which may lie between two levels.
         fine = np.linspace(0.0, top, 400)
         for axes, (label, values, colour) in zip(row, quantities, strict=True):
             axes.plot(np.interp(fine, z, values), fine, color=colour, linewidth=1.2)
@@ -77,8 +76,7 @@ SIZE = (12.0, 9.0)  #: Width and height [in].
 
 def write_weather_plot(facts: WeatherFacts, path: Path) -> None:
     """Draw the facts of a table of weather into a picture file."""
-    with moved_when_whole(path) as partial:
-        draw_weather(facts).savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
+    save_figure(draw_weather(facts), path, 120)
 
 
 def draw_weather(facts: WeatherFacts) -> Figure:
@@ -103,23 +101,20 @@ def _rose(axes: Any, rose: WindRose) -> None:
     axes.set_theta_direction(-1)
     axes.set_title("where the wind comes from [% of the weight]", fontsize=10)
     if not percent.any():
-        axes.text(0.5, 0.5, "no directions in the table", ha="center", va="center", transform=axes.transAxes)
-        axes.set_axis_off()
+        _write_only(axes, "no directions in the table")
         return
     bottom = np.zeros(angle.size)
     for k, label in enumerate(_classes(rose.speed_edges_m_s)):
-        axes.bar(
-            angle,
-            percent[:, k],
-            0.9 * width,
-            bottom=bottom,
-            color=_shade(k, percent.shape[1]),
-            edgecolor="white",
-            linewidth=0.4,
-            label=label,
-        )
+        colour = _shade(k, percent.shape[1])
+        axes.bar(angle, percent[:, k], 0.9 * width, bottom=bottom, color=colour, edgecolor="white", linewidth=0.4, label=label)
         bottom += percent[:, k]
     axes.legend(title="m/s", fontsize=7, loc="center right", bbox_to_anchor=(-0.12, 0.5), frameon=False)
+
+
+def _write_only(axes: Any, text: str) -> None:
+    """Write a text into a panel without data, in place of axes."""
+    axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes)
+    axes.set_axis_off()
 
 
 def _shade(k: int, count: int) -> Any:
@@ -135,20 +130,21 @@ def _joint(figure: Any, axes: Any, facts: WeatherFacts) -> None:
     axes.set_xticks(range(percent.shape[1]), [f"{k}" for k in range(percent.shape[1])])
     axes.set_yticks(range(percent.shape[0]), _classes(joint.speed_edges_m_s))
     for (row, column), value in np.ndenumerate(percent):
+        # Cells that would round to 0 stay empty.
         if value >= 0.5:
+            # White on the dark cells of the colours, black on the light ones.
             colour = "white" if value > 0.6 * percent.max() else "black"
             axes.text(column, row, f"{value:.0f}" if value >= 10 else f"{value:.1f}", ha="center", va="center", fontsize=7, color=colour)
-    linked = facts.wind_cloud_correlation
+    correlation = facts.wind_cloud_correlation
     axes.set(xlabel="cloud cover [eighths]", ylabel="wind speed [m/s]")
-    axes.set_title(f"wind and cloud [%]{'' if linked is None else f', correlation {linked:.2f}'}", fontsize=10)
+    axes.set_title(f"wind and cloud [%]{'' if correlation is None else f', correlation {correlation:.2f}'}", fontsize=10)
     figure.colorbar(shown, ax=axes, shrink=0.8)
 
 
 def _months(axes: Any, months: list[MonthFacts]) -> None:
     axes.set_title("means by month", fontsize=10)
     if not months:
-        axes.text(0.5, 0.5, "no months in the table", ha="center", va="center", transform=axes.transAxes)
-        axes.set_axis_off()
+        _write_only(axes, "no months in the table")
         return
     number = [m.month for m in months]
     wind = [np.nan if m.wind_speed_m_s is None else m.wind_speed_m_s for m in months]
@@ -169,12 +165,12 @@ def _missing(axes: Any, shares: dict[str, float]) -> None:
     axes.tick_params(axis="y", labelsize=8)
 
 
-_DPI = 130
+_DPI = 130  #: Resolution of the charts of likelihood [dots per inch].
 
 
 def write_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None, output: Path) -> None:
     """Draw the charts into a picture file."""
-    _save(draw_charts(summary, month_by_hour), output)
+    save_figure(draw_charts(summary, month_by_hour), output, _DPI)
 
 
 def draw_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None) -> Figure:
@@ -183,10 +179,10 @@ def draw_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None) ->
     first = summary.results[0].threshold_w_m2_sr
     _thresholds(figure.add_subplot(2, 2, 1), summary)
     _bearings(figure.add_subplot(2, 2, 2, projection="polar"), summary, first)
-    _causes(figure.add_subplot(2, 2, 3), summary, first)
+    _bars(figure.add_subplot(2, 2, 3), _strata(summary, "wind_speed_m_s", first), "wind [m/s]")
     axes = figure.add_subplot(2, 2, 4)
     if month_by_hour is None:
-        _bars(axes, _of(summary, "sun_elevation_deg", first), "Sun's elevation [deg]")
+        _bars(axes, _strata(summary, "sun_elevation_deg", first), "Sun's elevation [deg]")
     else:
         image = axes.pcolormesh(np.arange(25), np.arange(13), month_by_hour, cmap="magma", vmin=0.0)
         axes.set(xlabel="hour of the Sun's day [h]", title="by month and hour", xticks=range(0, 25, 4))
@@ -197,7 +193,7 @@ def draw_charts(summary: LikelihoodSummary, month_by_hour: FloatArray | None) ->
     return figure
 
 
-def _of(summary: LikelihoodSummary, by: str, threshold: float) -> list[StratumChance]:
+def _strata(summary: LikelihoodSummary, by: str, threshold: float) -> list[StratumChance]:
     return [row for row in summary.strata if row.by == by and row.threshold_w_m2_sr == threshold]
 
 
@@ -205,6 +201,7 @@ def _thresholds(axes: Axes, summary: LikelihoodSummary) -> None:
     rows = sorted(summary.results, key=lambda row: row.threshold_w_m2_sr)
     x, p = np.array([row.threshold_w_m2_sr for row in rows]), np.array([row.probability for row in rows])
     low, high = np.array([row.interval for row in rows]).T
+    # Rounding may put an estimate just outside its interval, and Matplotlib refuses negative lengths of bars.
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
     axes.set(
         xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
@@ -212,16 +209,12 @@ def _thresholds(axes: Axes, summary: LikelihoodSummary) -> None:
 
 
 def _bearings(axes: Axes, summary: LikelihoodSummary, threshold: float) -> None:
-    rows = [(row.low, row.high, row.value) for row in _of(summary, "azimuth_from_sun_deg", threshold) if row.high is not None]
+    rows = [(row.low, row.high, row.value) for row in _strata(summary, "azimuth_from_sun_deg", threshold) if row.high is not None]
     axes.set_theta_zero_location("N")  # type: ignore[attr-defined]
     axes.set_theta_direction(-1)  # type: ignore[attr-defined]
     middle = [math.radians(0.5 * (low + high)) for low, high, _ in rows]
     axes.bar(middle, [value for *_, value in rows], width=[math.radians(high - low) for low, high, _ in rows], alpha=0.7)
     axes.set_title("probability [1] by azimuth from the Sun [deg]")
-
-
-def _causes(axes: Axes, summary: LikelihoodSummary, threshold: float) -> None:
-    _bars(axes, _of(summary, "wind_speed_m_s", threshold), "wind [m/s]")
 
 
 def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
@@ -233,12 +226,13 @@ def _bars(axes: Axes, rows: list[StratumChance], label: str) -> None:
 
 
 def write_map(dataset: xr.Dataset, output: Path) -> None:
-    """Draw the map of every month."""
+    """Draw a map of the chance of glint for every month into a picture file."""
     chance = dataset["probability"].isel(threshold=0)
     months = chance.month.to_numpy().tolist()
     columns = min(4, len(months))
     rows = math.ceil(len(months) / columns)
     figure = new_figure(3.2 * columns, 2.6 * rows + 0.6)
+    # Months without any glint still need a colour scale above 0.
     most = max(float(chance.max()), 1e-6)
     image = None
     for i, month in enumerate(months):
@@ -251,14 +245,15 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
     figure.supxlabel("longitude [deg]", fontsize=9)
     figure.supylabel("latitude [deg]", fontsize=9)
     figure.suptitle(f"glint above {float(chance.threshold):g} W m⁻² sr⁻¹, {dataset.attrs['case']}")
-    _save(figure, output)
+    save_figure(figure, output, _DPI)
 
 
 def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:
-    """Draw chances by threshold and by month of several sea regions, :func:`seaglint.studies.likelihood.chance_map.regions`."""
+    """Draw chances by threshold and by month for several sea regions, from :func:`seaglint.studies.likelihood.chance_map.regions`."""
     figure = new_figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     for name, columns in result.items():
+        # A logarithmic axis has no 0; 1e-6 is below its lower end.
         left.loglog(columns["threshold"], np.maximum(columns["probability"], 1e-6), label=name)
         right.plot(np.arange(12), columns["by_month"], marker="o", label=name)
     left.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability of a look [1]", ylim=(1e-4, 1.0))
@@ -266,7 +261,7 @@ def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> Non
     right.set_xticks(np.arange(12), [month[:1] for month in MONTHS])
     right.set_xlabel("month")
     left.legend()
-    _save(figure, output)
+    save_figure(figure, output, _DPI)
 
 
 def write_fig5(columns: dict[str, FloatArray], output: Path) -> None:
@@ -288,9 +283,4 @@ def write_fig5(columns: dict[str, FloatArray], output: Path) -> None:
             axes.set_xlabel("azimuth from the Sun [deg]" if panel == 0 else within)
             axes.set_ylabel("probability [1]")
     grid[0][0].legend()
-    _save(figure, output)
-
-
-def _save(figure: Any, output: Path) -> None:
-    with moved_when_whole(output) as partial:
-        figure.savefig(partial, dpi=_DPI, format=output.suffix.lstrip("."))
+    save_figure(figure, output, _DPI)

@@ -1,7 +1,4 @@
-"""Figures that need no screen, shown by notebooks, and as bytes.
-
-Pages of reports: one HTML file with tables and pictures inside, which asks nothing of the network.
-"""
+"""New figures that need no screen, figures as bytes, and the HTML pages of reports, which load nothing from the network."""
 
 from __future__ import annotations
 
@@ -10,9 +7,13 @@ import io
 from collections.abc import Iterable, Sequence
 from functools import partial
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from seaglint.store.outputs import json_text
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.store.outputs import json_text, moved_when_whole
 from seaglint.version import __version__
 
 if TYPE_CHECKING:
@@ -23,10 +24,11 @@ _DOTS_PER_INCH: Final = 100
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as PNG, without date or version inside."""
+    """Return a figure as PNG, without date or version inside."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     buffer = io.BytesIO()
+    # Set here, so that a user's settings of Matplotlib do not change the bytes of a report.
     figure.set_dpi(_DOTS_PER_INCH)
     # Not savefig, which lays everything out twice.
     FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
@@ -34,7 +36,7 @@ def png(figure: Figure) -> bytes:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """A figure of this size [inch] that needs no screen; notebooks show it without pyplot."""
+    """Return an empty figure of a size [inch] that needs no screen; notebooks display it without pyplot."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -44,9 +46,31 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def save_figure(figure: Figure, output: str | Path, dpi: int, *remedy: str, **options: Any) -> Path:
+    """Write a figure to a picture file, complete or not at all, in the format of the ending unless ``format`` is given.
+
+    Raises
+    ------
+    StorageError
+        No room or no rights; nothing is left behind. Its text ends with ``remedy``.
+    """
+    output = Path(output)
+    kind = options.pop("format", output.suffix.lstrip(".").lower())
+    with moved_when_whole(output, *remedy) as partial_file:
+        figure.savefig(partial_file, dpi=dpi, format=kind, **options)
+    return output
+
+
+def beyond(values: NDArray[Any], low: float, high: float) -> str:
+    """Return the ends of a colour bar that values exceed, as Matplotlib's ``extend``: both, max, min or neither."""
+    with np.errstate(invalid="ignore"):
+        above, below = bool((values > high).any()), bool((values < low).any())
+    return {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
+
+
 ABSENT: Final = "–"  #: Text in place of a number that does not exist.
 
-WIDE: Final = 9  #: Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view.
+WIDE: Final = 9  #: Number of columns from which a table is set smaller and its numbers may wrap, so that the last columns stay in view.
 
 STYLE: Final = """
 body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;
@@ -77,7 +101,7 @@ pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; font-size: .8rem; }
 
 
 def page(title: str, body: Iterable[str]) -> str:
-    """The whole page as text."""
+    """Return the whole HTML page as text."""
     head = (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -89,23 +113,25 @@ def page(title: str, body: Iterable[str]) -> str:
 
 
 def number(value: Any, digits: int = 3) -> str:
-    """A number for a table; what does not exist is a dash."""
+    """Return a number for a table; a missing one is a dash."""
     if value is None:
         return ABSENT
+    # Before whole numbers, of which Python's truth values are a subclass.
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, int):
         return f"{value:,}".replace(",", "\u202f")
+    # Exponents without leading zero and plus sign; a minus sign instead of a hyphen.
     return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "\u2212")
 
 
 def interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
-    """Two ends for a table."""
+    """Return an interval for a table; where an end is missing, a dash."""
     return ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
-    """Cells are text; those of the columns ``words`` are sentences."""
+    """Return a table of text; cells of the columns ``words`` hold sentences."""
 
     def cell(tag: str, place: int, text: str) -> str:
         return f'<{tag} class="text">{escape(text)}</{tag}>' if place in words else f"<{tag}>{escape(text)}</{tag}>"
@@ -123,21 +149,21 @@ def bullets(texts: Iterable[str], kind: str = "") -> str:
 
 
 def notes(texts: Sequence[str], none: str = "") -> str:
-    """Return remarks in a box; where there are none, the sentence ``none``."""
+    """Return remarks in a box; without remarks the sentence ``none``."""
     return bullets(texts, "notes") if texts else f'<div class="notes none">{escape(none)}</div>'
 
 
 def all_numbers(results: Any) -> str:
-    """Return everything that a report is made from, as JSON that opens on a click."""
+    """Return all results of a report as JSON that opens on a click."""
     return f"<details><summary>All numbers as JSON</summary><pre>\n{escape(json_text(results, indent=1))}\n</pre></details>"
 
 
 def section(title: str, *parts: str) -> str:
-    """A heading and what stands below it."""
+    """Return a heading and the text below it."""
     return "\n".join([f"<h2>{escape(title)}</h2>", *parts])
 
 
 def figure(content: bytes, title: str, caption: str) -> str:
-    """A PNG picture with its caption, inside the page."""
+    """Return a PNG picture and its caption as HTML; the pixels are inside the page."""
     data = base64.b64encode(content).decode("ascii")
     return f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'

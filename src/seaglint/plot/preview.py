@@ -1,6 +1,6 @@
-"""Lines of equal elevation and azimuth across the picture of a camera that has no grid of them.
+"""Picture of a sequence or map: radiance and apparent temperature, with angles on the axes.
 
-A picture of a sequence or map: radiance and apparent temperature, angles on the axes.
+Where rows and columns are not lines of equal elevation and azimuth (plane images, rolled cameras), such lines are drawn across the picture.
 """
 
 from __future__ import annotations
@@ -17,9 +17,8 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.representation import rounded
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
-from seaglint.plot.figures_and_pages import new_figure
+from seaglint.plot.figures_and_pages import beyond, new_figure, save_figure
 from seaglint.plot.scale import Kind, round_ticks, scale_of
-from seaglint.store.outputs import moved_when_whole
 from seaglint.store.provenance import stored_band
 from seaglint.store.stored_images import below_horizon, directions, images, pictures, to_temperature
 
@@ -55,6 +54,7 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
 
     axes.set_xlabel("column")
     axes.set_ylabel("row")
+    # Contours need two rows and two columns.
     if min(azimuth.shape) < 2:
         return
     # Round the nadir, or the whole compass, azimuth has a seam that its lines would bunch on.
@@ -75,13 +75,14 @@ def draw_graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> No
                 _label_elevation(axes, float(level), azimuth, elevation)
 
 
-def _turned(azimuth: FloatArray, towards: float) -> FloatArray:
-    """Angles from an azimuth, -180 to 180 [deg]."""
+def _angles_from(azimuth: FloatArray, towards: float) -> FloatArray:
+    """Return angles measured from an azimuth, -180 to 180 [deg]."""
     return np.asarray((azimuth - towards + 180.0) % 360.0 - 180.0)
 
 
 def _draw_azimuth(axes: Axes, towards: float, azimuth: FloatArray) -> None:
-    """Line of one azimuth, drawn as the zero of a sine, with its label where it leaves the picture."""
+    """Draw the line of one azimuth as the zero of a sine, with its label where the line leaves the picture."""
+    # A sine has no seam at 360 degrees, where azimuth jumps; its second zero, in the opposite direction, is masked by the cosine.
     off = np.radians(azimuth - towards)
     sine = np.where(np.cos(off) > 0.0, np.sin(off), np.nan)
     if not (np.any(sine < 0.0) and np.any(sine > 0.0)):
@@ -91,32 +92,36 @@ def _draw_azimuth(axes: Axes, towards: float, azimuth: FloatArray) -> None:
     at_row, at_column = _inner(rows), _inner(columns)
     row, column = np.indices(azimuth.shape)
     inside = (row >= at_row) & (row < rows - at_row) & (column >= at_column) & (column < columns - at_column)
+    # The label is written where the line crosses a rectangle at the labels' distance from the edge.
     ring = inside & ((row == at_row) | (row == rows - 1 - at_row) | (column == at_column) | (column == columns - 1 - at_column))
-    distance = np.where(ring, np.abs(_turned(azimuth, towards)), np.inf)
+    distance = np.where(ring, np.abs(_angles_from(azimuth, towards)), np.inf)
     place = np.unravel_index(int(np.argmin(distance)), distance.shape)
+    # Further away than a quarter of the step between two lines, the label would not be on its line.
     if distance[place] < 0.25 * 45.0:
         _write(axes, float(place[1]), float(place[0]), f"{towards:g}° az")
 
 
 def _label_elevation(axes: Axes, level: float, azimuth: FloatArray, elevation: FloatArray) -> None:
-    """Write an elevation where its line is nearest to the azimuth between two labelled ones, inside the picture and beside other labels."""
+    """Write an elevation where its line is nearest to the azimuth between two labelled lines, inside and apart from other labels."""
     rows, columns = elevation.shape
     row, column = np.indices(elevation.shape)
     inside = (np.minimum(row, rows - 1 - row) >= _inner(rows)) & (np.minimum(column, columns - 1 - column) >= _inner(columns))
     for text in axes.texts:
         x, y = text.get_position()
         inside &= (np.abs(column - x) > _APART[0] * columns) | (np.abs(row - y) > _APART[1] * rows)
+    # About the change of elevation from one pixel to the next.
     step = max(float(np.ptp(elevation)) / min(elevation.shape), 1e-9)
     near = inside & (np.abs(elevation - level) <= 1.5 * step)
     if not near.any():
         return
-    off = np.where(near, np.abs(_turned(azimuth, _BESIDE)) / 45.0 + np.abs(elevation - level) / step, np.inf)
+    # Distance from the azimuth of the labels in steps of the lines, plus distance from the line in pixels.
+    off = np.where(near, np.abs(_angles_from(azimuth, _BESIDE)) / 45.0 + np.abs(elevation - level) / step, np.inf)
     place = np.unravel_index(int(np.argmin(off)), off.shape)
     _write(axes, float(place[1]), float(place[0]), f"{level:g}°")
 
 
 def _inner(pixels: int) -> int:
-    """Distance of labels from the edge [px]."""
+    """Return the distance of labels from the edge of a side [px]."""
     return min(round(_INSET * pixels), (pixels - 1) // 2)
 
 
@@ -125,7 +130,7 @@ def _write(axes: Axes, column: float, row: float, text: str) -> None:
 
 
 def _outline(text: Any) -> None:
-    """White with a dark edge, legible on any grey and colour."""
+    """Make a text white with a dark edge, legible on any grey and colour."""
     from matplotlib.patheffects import withStroke
 
     text.set_color("white")
@@ -138,13 +143,13 @@ def _step(centres: FloatArray) -> float | None:
 
 
 def _edges(centres: FloatArray, alone: float) -> tuple[float, float]:
-    """First and last edge of pixels; a single one is ``alone`` wide."""
+    """Return the first and the last edge of pixels; a single pixel is ``alone`` wide."""
     step = _step(centres) or alone
     return float(centres[0] - 0.5 * step), float(centres[-1] + 0.5 * step)
 
 
 def _title(dataset: xr.Dataset, frame: int) -> str:
-    """Facts of the scene, from the scenario in the attributes, and the time of a frame."""
+    """Return facts of the scene, from the scenario in the attributes, and the time of a frame."""
     band = stored_band(dataset.attrs)
     facts = [f"{band.min_um:g}–{band.max_um:g} µm"]
     try:
@@ -155,6 +160,7 @@ def _title(dataset: xr.Dataset, frame: int) -> str:
             facts.append(f"Sun zenith {scenario['sun']['zenith_deg']:g}°, azimuth {scenario['sun']['azimuth_deg']:g}°")
         elif scenario.get("time"):
             facts.append(str(scenario["time"]["utc"]))
+    # Maps of other programs have no scenario, or another one: its facts are then left out.
     except (KeyError, ValueError, TypeError):
         pass
     if "time" in pictures(dataset).dims:
@@ -165,21 +171,22 @@ def _title(dataset: xr.Dataset, frame: int) -> str:
 def _panel(
     figure: Figure, axes: Axes, values: NDArray[Any], extent: tuple[float, float, float, float], name: str, colours: str, norm: Normalize
 ) -> Any:
+    # Very wide and very high pictures are stretched to fill their panel.
     shape: Literal["equal", "auto"] = "equal" if 0.2 < abs((extent[3] - extent[2]) / (extent[1] - extent[0])) < 5.0 else "auto"
     image = axes.imshow(values, cmap=colours, norm=norm, extent=extent, origin="upper", aspect=shape, interpolation="nearest")
     axes.set_xlabel("azimuth [deg]")
     axes.set_ylabel("elevation [deg]")
     axes.set_title(VARIABLES[name].long_name, fontsize=10)
-    finite = values[np.isfinite(values)]
-    above, below = bool(np.any(finite > norm.vmax)), bool(np.any(finite < norm.vmin))
-    extend = {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
-    return figure.colorbar(image, ax=axes, extend=extend, pad=0.02)
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    return figure.colorbar(image, ax=axes, extend=beyond(values[np.isfinite(values)], norm.vmin, norm.vmax), pad=0.02)
 
 
 def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
-    """Colour scales of radiance and of apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
+    """Return the colour scales of radiance and apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
     from matplotlib.colors import FuncNorm, Normalize
 
+    # Noise can make the lower end negative, and no temperature has a negative radiance.
     low, high = (float(t) for t in to_temperature(np.array([max(scale.low, 0.0), scale.high]), band))
     known = bool(np.isfinite([low, high]).all()) and high > low
     if not scale.logarithmic:
@@ -187,6 +194,7 @@ def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
     bright = FuncNorm((scale.share, scale.value), scale.low, scale.high)
     if not known:
         return bright, Normalize()
+    # A table for both directions instead of solving Planck's law for each pixel; a node for each of 256 levels, and the end.
     share = np.linspace(0.0, 1.0, 257)
     kelvin = to_temperature(scale.value(share), band)
 
@@ -200,11 +208,11 @@ def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
 
 
 def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
-    """Units on the colour bars: both of radiance, the article's reads 100 times the SI number."""
+    """Write units on the colour bars: two for radiance, where the article's unit reads 100 times the SI number."""
     symbol = VARIABLES["radiance"].symbol
     thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
     if scale.logarithmic:
-        # A second axis would be linear beside this one.
+        # A second axis would be linear, and this one is not.
         ticks = round_ticks(scale.share, scale.value)
         bar.set_ticks(ticks, labels=[f"{rounded(tick, 9)} ({rounded(ARTICLE_RADIANCE_PER_SI * tick, 9)})" for tick in ticks])
         bar.set_label(f"{symbol} ({ARTICLE_RADIANCE_SYMBOL}), logarithmic", fontsize=8)
@@ -222,7 +230,7 @@ def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
 
 
 def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool:
-    """Whether most of the sky is outside the scale, and most of the sea inside."""
+    """Return True where most of the sky is outside the scale and most of the sea inside."""
     known = np.isfinite(radiance)
     outside = known & ((radiance > scale.high) | (radiance < scale.low))
     sea = np.broadcast_to(below > 0.0, radiance.shape) & known
@@ -233,7 +241,7 @@ def _sky_beyond(radiance: NDArray[Any], below: FloatArray, scale: Scale) -> bool
 
 
 def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -> None:
-    """Dotted line at the horizon, which a sky beyond the scale does not show, and words on that; a grid has elevations of its rows."""
+    """Draw a dotted line at the horizon, which a sky beyond the scale hides, and note it in the title; a grid has rows of one elevation."""
     if elevation is not None:
         axes.axhline(float(np.mean(elevation + below[:, 0])), color="deepskyblue", linestyle=":", linewidth=1.2)
     else:
@@ -242,7 +250,7 @@ def _mark_horizon(axes: Axes, below: FloatArray, elevation: FloatArray | None) -
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
-    """Figure of the first frame of a sequence, or of a map; see :func:`seaglint.plot.scale.scale_of` for the scale.
+    """Return a figure of the first frame of a sequence, or of a map; :func:`seaglint.plot.scale.scale_of` explains ``scale``.
 
     Raises
     ------
@@ -267,6 +275,7 @@ def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
     else:
         x, (top, bottom) = (-0.5, azimuth.shape[1] - 0.5), (-0.5, azimuth.shape[0] - 0.5)
     extent = (*x, bottom, top)
+    # Wide pictures are placed one below the other, high ones side by side.
     wide = abs((x[1] - x[0]) / (top - bottom)) > 1.0
     figure = new_figure(*((9.0, 9.0) if wide else (12.0, 6.0)))
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
@@ -291,7 +300,4 @@ def write_picture(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto")
     StorageError
         No room or no rights; nothing is left behind.
     """
-    output = Path(output)
-    with moved_when_whole(output, "make room and run the same command with --resume") as partial:
-        draw(dataset, scale).savefig(partial, format="png", dpi=130)
-    return output
+    return save_figure(draw(dataset, scale), output, 130, "make room and run the same command with --resume", format="png")

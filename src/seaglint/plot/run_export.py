@@ -1,6 +1,7 @@
-"""Frames written in the format of a file's ending, as the numbers of the run, single precision or counts.
+"""Export of a run in the format that belongs to the ending of a file.
 
-A run in the format of a file's ending: numbers by :mod:`seaglint.formats.export`, moving pictures by :mod:`seaglint.plot.video`.
+:mod:`seaglint.formats.export` writes numbers, :mod:`seaglint.plot.video` moving pictures. Numbers are written as stored, in single
+precision, or as counts.
 """
 
 from __future__ import annotations
@@ -48,28 +49,28 @@ def write_stack(
     output : path
         File to write, with one of the endings of :func:`seaglint.formats.export.endings`.
     dtype : {"uint16", "float32"}, optional
-        Type of the numbers; that of the run by default. Counts of 16 bits stay as they are, other values become
+        Type of the numbers; the type of the run by default. Counts of 16 bits stay unchanged, other values become
         :class:`~seaglint.formats.export.stack.Counts`.
     limits : (float, float), optional
-        Range of those counts; that of the values by default, for which all frames are read once more.
+        Range of these counts; by default the range of the values, for which all frames are read a second time.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
     progress : callable, optional
         ``progress(done, total)``.
 
     Raises
     ------
     DataError
-        An ending, a type or a range that cannot be, an output that exists.
+        The ending, the type or the range is not allowed, or the output exists.
     BackendError
-        A library that is not installed.
+        A library is not installed.
     StorageError
         No room or no rights; nothing is left behind.
     """
     output = Path(output)
     form = format_of(output.suffix.lower())
     if form is None:
-        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(endings())}")
+        raise DataError(f"{output}: the ending selects the format; allowed are {', '.join(endings())}")
     if dtype is not None and dtype not in get_args(Kind):
         raise DataError(f"dtype = {dtype!r}; allowed are {', '.join(get_args(Kind))}")
     scaled = dtype == "uint16" and stack.dtype != np.uint16
@@ -87,6 +88,7 @@ def write_stack(
     for file in files:
         refuse_existing(file, overwrite=overwrite)
     total = stack.shape[0]
+    # The range of the values is known only after a first pass over all frames.
     passes = 2 if scaled and limits is None else 1
     done = 0
 
@@ -111,7 +113,7 @@ def write_stack(
             yield numbers.of(image)
 
     with ExitStack() as held:
-        # The header gets its name last of all: what has one is whole.
+        # The header gets its final name last: a file with a header is complete.
         partials = [held.enter_context(moved_when_whole(file)) for file in reversed(files)][::-1]
         for partial in partials:
             partial.unlink(missing_ok=True)  # left by a process that was killed
@@ -123,7 +125,7 @@ def write_stack(
 
 
 def _range(images: Iterable[NDArray[Any]]) -> tuple[float, float]:
-    """Smallest and largest finite value; 0 and 0 where there is none."""
+    """Return the smallest and the largest finite value; 0 and 0 without finite values."""
     low, high = np.inf, -np.inf
     for image in images:
         finite = image[np.isfinite(image)]
@@ -162,16 +164,16 @@ def export_run(
     colours, rate, scale
         As in :func:`seaglint.plot.video.write_video`.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
     progress : callable, optional
         ``progress(done, total)``.
 
     Raises
     ------
     DataError
-        An ending, choice or combination that cannot be; an output that exists, or lies inside the run.
+        The ending, a choice or a combination is not allowed; the output exists, or lies inside the run.
     BackendError
-        A library that is not installed.
+        A library is not installed.
     StorageError
         No room or no rights; nothing is left behind.
     """
@@ -179,7 +181,7 @@ def export_run(
     ending = output.suffix.lower()
     allowed = (*endings(), *VIDEO_ENDINGS)
     if ending not in allowed:
-        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(allowed)}")
+        raise DataError(f"{output}: the ending selects the format; allowed are {', '.join(allowed)}")
     shows = ending in VIDEO_ENDINGS
     _require_unused(output, {"dtype": dtype} if shows else {"colours": colours, "rate": rate, "scale": scale}, shows=shows)
     source = str(dataset.encoding.get("source", "dataset"))
@@ -229,6 +231,7 @@ def _show(
     video.write_video(
         stack.dataset, output, scale or "auto", variable=stack.variable, colours=colours, limits=limits, rate=shown, progress=progress
     )
+    # A rate that differs by more than rounding is reported beside the rate of the run.
     own = stack.frame_rate
     other = f" (the run has {own:g})" if own is not None and abs(shown / own - 1.0) > 1e-3 else ""
     return Exported((output,), stack.variable, stack.units, stack.shape, f"{colours} pictures, {shown:g} per second{other}")

@@ -1,7 +1,4 @@
-"""Picture of a sensor's figures of merit: MTF with its parts, and the noise budget.
-
-Picture of spectra side by side: measured and computed on the left, their difference on the right.
-"""
+"""Pictures of a sensor (MTF with its parts, noise budget) and of two spectra: measured and computed, with their difference."""
 
 from __future__ import annotations
 
@@ -13,8 +10,7 @@ import numpy as np
 
 from seaglint.formats.tables.spectra import SpectraBeside
 from seaglint.instrument.data_sheet import SensorDataSheet
-from seaglint.plot.figures_and_pages import new_figure
-from seaglint.store.outputs import moved_when_whole
+from seaglint.plot.figures_and_pages import new_figure, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,8 +23,7 @@ SIZE = (11.0, 4.2)  #: Width and height [in].
 
 def write_sensor_plot(sheet: SensorDataSheet, path: Path) -> None:
     """Draw the figures of merit of a sensor into a picture file."""
-    with moved_when_whole(path) as partial:
-        draw_sensor(sheet).savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
+    save_figure(draw_sensor(sheet), path, 120)
 
 
 def draw_sensor(sheet: SensorDataSheet) -> Figure:
@@ -40,6 +35,7 @@ def draw_sensor(sheet: SensorDataSheet) -> Figure:
     for name, part in mtf.parts["along"].items():
         left.plot(frequency, part, linewidth=0.9, linestyle="--", label=name)
     left.plot(frequency, mtf.along, color="black", linewidth=1.8, label="along rows")
+    # Equal curves are drawn once.
     if mtf.along != mtf.across:
         left.plot(frequency, mtf.across, color="0.5", linewidth=1.8, label="across rows")
     left.axvline(mtf.nyquist_cycles_per_mrad, color="0.6", linewidth=0.8)
@@ -63,10 +59,8 @@ GAP_CM: Final = 100.0  #: Step from which two parts of a spectrum are not joined
 
 
 def write_beside(spectra: Sequence[SpectraBeside], output: Path) -> Path:
-    """Write the picture of some spectra, complete or not at all."""
-    with moved_when_whole(output) as partial:
-        draw_beside(spectra).savefig(partial, dpi=110, format=output.suffix.lstrip(".").lower())
-    return output
+    """Write the picture of spectra, complete or not at all."""
+    return save_figure(draw_beside(spectra), output, 110)
 
 
 def draw_beside(spectra: Sequence[SpectraBeside]) -> Figure:
@@ -91,6 +85,7 @@ def draw_beside(spectra: Sequence[SpectraBeside]) -> Figure:
 
 
 def _parted(wavenumber_cm: FloatArray, x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points of a line with gaps where samples are missing."""
+    """Return the points of a line, with gaps where samples are missing."""
+    # Matplotlib interrupts a line at a value that is no number.
     at = np.flatnonzero(np.diff(wavenumber_cm) > GAP_CM) + 1
     return np.insert(x, at, np.nan), np.insert(y, at, np.nan)

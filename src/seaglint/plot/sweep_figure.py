@@ -9,20 +9,19 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.base.schema import VARIABLES
-from seaglint.plot.figures_and_pages import new_figure
-from seaglint.store.outputs import moved_when_whole
+from seaglint.plot.figures_and_pages import new_figure, save_figure
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Variables that a picture shows, the first that is there; else the first with numbers.
+#: Variables that a picture shows, in order of preference; without any of them the first variable with numbers is shown.
 SHOWN: Final = ("apparent_temperature", "radiance", "transmittance", "netd_k", "probability")
 
-MOST_LINES: Final = 8  #: Lines of one panel at most; of more values these are spread evenly over them.
+MOST_LINES: Final = 8  #: Largest number of lines in a panel; of more values, this many are chosen evenly.
 
-MOST_PANELS: Final = 4
+MOST_PANELS: Final = 4  #: Largest number of panels, chosen likewise.
 
 
 def shown(dataset: xr.Dataset) -> str:
@@ -31,7 +30,7 @@ def shown(dataset: xr.Dataset) -> str:
     Raises
     ------
     DataError
-        No variable with numbers.
+        No variable has numbers.
     """
     numeric = [str(name) for name, values in dataset.data_vars.items() if values.dtype.kind in "iuf"]
     if not numeric:
@@ -42,13 +41,13 @@ def shown(dataset: xr.Dataset) -> str:
 def draw_sweep(dataset: xr.Dataset) -> Figure:
     """Return the figure of a sweep.
 
-    One dimension gives a line, two with numbers an image with a scale; further ones are lines or panels with a value each. Pictures are
-    shown by the mean of their pixels.
+    One dimension gives a line, two dimensions with numbers an image with a scale; further dimensions become lines or panels, one for each
+    value. Pictures are represented by the mean of their pixels.
 
     Raises
     ------
     DataError
-        Nothing to draw.
+        The sweep has no variable with numbers, or no finite value.
     """
     name = shown(dataset)
     values = dataset[name].astype(np.float64)
@@ -61,9 +60,10 @@ def draw_sweep(dataset: xr.Dataset) -> Figure:
     wide = [str(dim) for dim in values.dims if values.sizes[dim] > 1]
     values = values.squeeze([dim for dim in values.dims if values.sizes[dim] == 1])
     numbers = [dim for dim in wide if _is_numeric(dataset, dim)]
+    # Up to three values are easier to read as lines than as rows of an image.
     flat = len(wide) == 2 and len(numbers) == 2 and min(values.sizes[dim] for dim in wide) > 3
-    across = [] if flat else wide[:-2]  # view angles come last, and stay on the axes
-    panels = _places(values, across)
+    across = [] if flat else wide[:-2]  # view angles come last and remain for the axes
+    panels = _panel_positions(values, across)
     figure = new_figure(6.5 * min(len(panels), 2), 4.6 * ((len(panels) + 1) // 2))
     grid = figure.subplots((len(panels) + 1) // 2, min(len(panels), 2), squeeze=False).ravel()
     for axes, place in zip(grid, panels, strict=False):
@@ -72,11 +72,11 @@ def draw_sweep(dataset: xr.Dataset) -> Figure:
             _image(figure, axes, dataset, part, title)
         else:
             _lines(axes, dataset, part, title)
-        axes.set_title(_said(dataset, place), fontsize=9)
+        axes.set_title(_values_text(dataset, place), fontsize=9)
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
     fixed = {str(dim): 0 for dim in dataset[name].dims if dim not in wide and dim not in pixels}
-    figure.suptitle(", ".join(part for part in (str(dataset.attrs.get("title", "")), _said(dataset, fixed)) if part), fontsize=10)
+    figure.suptitle(", ".join(part for part in (str(dataset.attrs.get("title", "")), _values_text(dataset, fixed)) if part), fontsize=10)
     return figure
 
 
@@ -103,23 +103,24 @@ def _value(dataset: xr.Dataset, dim: str, place: int) -> str:
     return f"{value:g}" if dataset[dim].dtype.kind in "iuf" else str(value)
 
 
-def _said(dataset: xr.Dataset, place: dict[str, int]) -> str:
+def _values_text(dataset: xr.Dataset, place: dict[str, int]) -> str:
     return ", ".join(f"{dim} = {_value(dataset, dim, at)}" for dim, at in place.items())
 
 
-def _spread(size: int, most: int) -> list[int]:
+def _evenly(size: int, most: int) -> list[int]:
+    # Rounded positions may coincide; a set keeps each once.
     return sorted({round(float(at)) for at in np.linspace(0, size - 1, min(size, most))})
 
 
-def _places(values: xr.DataArray, dims: list[str]) -> list[dict[str, int]]:
-    """Return the places along further dimensions that have a panel each."""
+def _panel_positions(values: xr.DataArray, dims: list[str]) -> list[dict[str, int]]:
+    """Return the positions along further dimensions that get a panel."""
     shape = tuple(values.sizes[dim] for dim in dims)
-    chosen = _spread(int(np.prod(shape, dtype=int)), MOST_PANELS) if dims else [0]
+    chosen = _evenly(int(np.prod(shape, dtype=int)), MOST_PANELS) if dims else [0]
     return [dict(zip(dims, map(int, np.unravel_index(at, shape)), strict=True)) if dims else {} for at in chosen]
 
 
-def _along(dataset: xr.Dataset, part: xr.DataArray) -> str | None:
-    """Return the dimension along the horizontal axis: view angles first, then the longest with numbers."""
+def _horizontal(dataset: xr.Dataset, part: xr.DataArray) -> str | None:
+    """Return the dimension along the horizontal axis: a view angle, otherwise the longest dimension with numbers."""
     dims = [str(dim) for dim in part.dims]
     numeric = [dim for dim in dims if _is_numeric(dataset, dim)] or dims
     angle = [dim for dim in numeric if dim.startswith("view_")]
@@ -128,7 +129,7 @@ def _along(dataset: xr.Dataset, part: xr.DataArray) -> str | None:
 
 def _lines(axes: Axes, dataset: xr.Dataset, part: xr.DataArray, title: str) -> None:
     """Draw lines over one dimension, one for each value of the other."""
-    along = _along(dataset, part)
+    along = _horizontal(dataset, part)
     axes.set_ylabel(title, fontsize=9)
     if along is None:
         axes.plot([0.0], [float(part)], "o")
@@ -137,7 +138,7 @@ def _lines(axes: Axes, dataset: xr.Dataset, part: xr.DataArray, title: str) -> N
     part = part.sortby(along) if _is_numeric(dataset, along) else part
     x: Any = part[along].values if along in dataset.coords else np.arange(part.sizes[along])
     x = x if x.dtype.kind in "iufM" else [str(value) for value in x]
-    for at in _spread(part.sizes[rest[0]], MOST_LINES) if rest else [None]:
+    for at in _evenly(part.sizes[rest[0]], MOST_LINES) if rest else [None]:
         y = part if at is None else part.isel({rest[0]: at})
         axes.plot(x, y.values, marker="." if len(x) < 40 else None, label=None if at is None else _value(dataset, rest[0], at))
     if rest:
@@ -164,6 +165,4 @@ def write_sweep(dataset: xr.Dataset, output: Path) -> Path:
     StorageError
         No room or no rights; nothing is left behind.
     """
-    with moved_when_whole(output) as partial:
-        draw_sweep(dataset).savefig(partial, format="png", dpi=130)
-    return output
+    return save_figure(draw_sweep(dataset), output, 130, format="png")

@@ -25,7 +25,7 @@ COLOURS = ("#1f4e79", "#c8553d", "#7a7a7a")
 
 
 def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figure:
-    """The middle frame of each, and its Laplacian in standard deviations, on common scales."""
+    """Draw the middle frame of both textures, and its Laplacian in standard deviations, on common scales."""
     figure = new_figure(12.0, 8.0)
     axes = figure.subplots(2, 2)
     images = [frames[len(frames) // 2] for frames in (first, second)]
@@ -42,7 +42,7 @@ def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figu
 
 
 def draw_measures(comparison: Comparison, gaussian: Comparison | None = None) -> Figure:
-    """Rates of the filtered picture, values, spectra and correlations of both; of the Gaussian field where it is given."""
+    """Draw filtered rates, values, spectra and correlations of both textures, and of the Gaussian field where it is given."""
     figure = new_figure(13.0, 8.0)
     (rates, values, spectra), (space, time, features) = figure.subplots(2, 3)
     textures = [comparison.first, comparison.second, *(() if gaussian is None else (gaussian.second,))]
@@ -60,6 +60,7 @@ def draw_measures(comparison: Comparison, gaussian: Comparison | None = None) ->
 
     rates.semilogy(grid, gaussian_rate(grid), color="black", linewidth=0.8, linestyle=":", label="Gaussian tail")
     names = list(comparison.first.features)
+    # A feature that is 0 has no ratio, and no bar.
     ratios = [comparison.second.features[name] / (comparison.first.features[name] or np.nan) for name in names]
     features.barh(names, ratios, color=COLOURS[1])
     features.axvline(1.0, color="black", linewidth=0.8)
@@ -85,7 +86,7 @@ def draw_measures(comparison: Comparison, gaussian: Comparison | None = None) ->
 def comparison_report(
     comparison: Comparison, first: Frames, second: Frames, gaussian: Comparison | None = None, about: Sequence[str] = ()
 ) -> str:
-    """The report as text; ``about`` are sentences on the fit."""
+    """Return the report as HTML text; ``about`` are sentences on the fit."""
     distances = comparison.distances
     measures = figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")
     title = f"Textures: {distances.second} against {distances.first}"
@@ -164,15 +165,15 @@ def write_comparison(
     ----------
     comparison : Comparison
     first, second : ndarray, shape (frames, rows, columns)
-        What was compared [u].
+        Both textures [u].
     path : path
         HTML file.
     gaussian : Comparison, optional
-        Of the same data with a Gaussian field.
+        Comparison of the same data with a Gaussian field.
     about : sequence of str
-        Sentences on the fit: what was fitted to what, and how.
+        Sentences on the fit: data, model and method.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Formats of videos: their endings, codecs, and the frame rates that they hold.
+"""Videos of a sequence, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV).
 
-A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV).
+Each ending has a codec and the frame rates that it can store.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VideoFormat:
-    """Format of a video."""
+    """Format of a video: ending, codec, pixels and frame rates."""
 
-    ending: str  #: Ending of its files, and without the dot its name in PyAV.
+    ending: str  #: Ending of the files; without the dot it is the format's name in PyAV.
     #: ``codec``, ``pixels``: Codec and type of pixels of PyAV.
     codec: str
     pixels: str
@@ -41,7 +41,7 @@ class VideoFormat:
     options: Mapping[str, str] = field(default_factory=dict)  #: Options of the codec.
 
 
-#: All formats of videos. Help texts, lists in errors and writing follow from it.
+#: All formats of videos, from which help texts, lists in errors and the choice of a codec are derived.
 VIDEOS: Final = (
     VideoFormat(".mp4", "libx264", "yuv420p", (0.01, 1000.0), {"crf": "18", "preset": "veryfast"}),
     # players show GIFs of shorter delays than 20 ms at a tenth of their speed
@@ -61,11 +61,11 @@ def video_format(ending: str) -> VideoFormat:
 
 
 _SHOWN_WIDTH: Final = 1024  # small images are enlarged to about this, by whole factors, so that pixels stay pixels
-_MAX_SIDE: Final = 4096  # what H.264 decoders take; wider panoramas are averaged down
-_SAMPLED_FRAMES: Final = 16  # frames that set the grey scale
+_MAX_SIDE: Final = 4096  # px, the limit of H.264 decoders; wider panoramas are averaged
+_SAMPLED_FRAMES: Final = 16  # number of frames that determine the scale
 _CAPTION: Final = 56  # px; two lines of text
-_LEAST_WIDTH: Final = 480  # px that the caption takes; narrower pictures get black beside them
-_USUAL_RATE: Final = 25.0  # Hz, where the run does not tell its own
+_LEAST_WIDTH: Final = 480  # px that the caption needs; narrower pictures are padded with black
+_USUAL_RATE: Final = 25.0  # Hz, if the run has no frame rate
 _REMEDY: Final = "make room or choose another place; nothing was written"
 
 #: Colours of brightness: grey, dark to bright or the other way, or an even rise of lightness and hue (Matplotlib's inferno).
@@ -78,7 +78,7 @@ def video_available() -> bool:
 
 
 def palette(colours: Colours) -> NDArray[np.uint8]:
-    """Red, green and blue of the 256 levels (256, 3), the darkest value first."""
+    """Return red, green and blue of the 256 levels, shape (256, 3), the darkest value first."""
     if colours == "perceptual":
         from matplotlib import colormaps
 
@@ -88,16 +88,17 @@ def palette(colours: Colours) -> NDArray[np.uint8]:
 
 
 def shown_rate(dataset: xr.Dataset, variable: str, ending: str) -> float:
-    """Frames per second of a video [Hz]: that of the run, within what the format holds."""
+    """Return the frame rate of a video [Hz]: the rate of the run, within the limits of the format."""
     low, high = video_format(ending).rates
     return min(max(stored_frame_rate(dataset, dataset[variable]) or _USUAL_RATE, low), high)
 
 
 def grey(image: NDArray[np.floating], low: float, high: float) -> NDArray[np.uint8]:
-    """Eight-bit picture of even sides; NaN is black."""
+    """Return an eight-bit picture with even sides; NaN is black."""
     scaled = np.nan_to_num(np.clip((image - low) / (high - low), 0.0, 1.0), nan=0.0)
     shrink = -(-max(image.shape) // _MAX_SIDE)
     if shrink > 1:
+        # A side with fewer pixels than the factor is averaged to one pixel.
         down, across = (min(shrink, size) for size in image.shape)
         rows, columns = image.shape[0] // down, image.shape[1] // across
         scaled = scaled[: rows * down, : columns * across].reshape(rows, down, columns, across).mean(axis=(1, 3))
@@ -109,7 +110,7 @@ def grey(image: NDArray[np.floating], low: float, high: float) -> NDArray[np.uin
 
 
 def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float | None) -> NDArray[np.uint8]:
-    """Picture with a strip below it: the time, a bar from the darkest to the brightest grey, and what its ends are."""
+    """Return a picture with a strip below it: the time, a bar from the darkest to the brightest grey, and the values at its ends."""
     from matplotlib import get_data_path
     from PIL import Image, ImageDraw, ImageFont
 
@@ -124,8 +125,8 @@ def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float |
     strip.paste(Image.fromarray(np.repeat(ramp[np.newaxis], 16, axis=0)), (left, 7))
     pen.rectangle((left - 1, 6, right, 23), outline=128)
     pen.text((8, 32), ends + (", logarithmic" if scale.logarithmic else ""), fill=255, font=font)
-    beside = np.pad(picture, [(0, 0), (0, width - picture.shape[1])])
-    return np.concatenate([beside, np.asarray(strip, dtype=np.uint8)])
+    widened = np.pad(picture, [(0, 0), (0, width - picture.shape[1])])
+    return np.concatenate([widened, np.asarray(strip, dtype=np.uint8)])
 
 
 def write_video(
@@ -151,15 +152,15 @@ def write_video(
     scale : {"auto", "linear", "log"}
         As in :func:`seaglint.plot.scale.scale_of`, one for all frames.
     variable : str, optional
-        Images that are shown; radiance by default, of counts where there are only these.
+        Displayed variable; radiance by default, computed from counts where only counts are stored.
     colours : {"white-hot", "black-hot", "perceptual"}
         Colours of brightness.
     limits : (float, float), optional
-        Ends of a linear scale instead [units of the variable].
+        Ends of a linear scale, used instead of ``scale`` [units of the variable].
     rate : float, optional
         Frames per second [Hz]; :func:`shown_rate` by default.
     remedy : str
-        How a full disk's error ends.
+        End of the error's text where the disk is full: what to do.
     progress : callable, optional
         ``progress(done, total)``.
 
@@ -182,6 +183,7 @@ def write_video(
     shown_scale = Scale(*limits) if limits is not None else _scale(dataset, frames, scale, sky=variable is None)
     ends = _ends(dataset, variable or "radiance", shown_scale)
     times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in stored.dims else None
+    # Containers store the rate as a ratio of whole numbers; denominators up to 1000 keep rates as 29.97 Hz.
     hertz = Fraction(rate or shown_rate(dataset, str(stored.name), ending)).limit_denominator(1000)
     levels = palette(colours)
     if progress is not None:
@@ -192,29 +194,33 @@ def write_video(
         for index in range(count):
             shown = grey(shown_scale.share(frames[index]), 0.0, 1.0)
             picture = captioned(shown, shown_scale, ends, None if times is None else float(times[index]))
+            # The caption may widen a picture: the size is known with the first one.
             if index == 0:
                 stream.height, stream.width = picture.shape
             for packet in stream.encode(_coloured(picture, levels, form.pixels)):
                 container.mux(packet)
             if progress is not None:
                 progress(index + 1, count)
+        # Encoders hold frames back; None makes them write the rest.
         for packet in stream.encode(None):
             container.mux(packet)
     return output
 
 
 def _scale(dataset: xr.Dataset, frames: Images, kind: Kind, *, sky: bool) -> Scale:
-    """Scale from some of the frames; ``sky`` where the values are radiances, of which the sky may go beyond the scale."""
+    """Return the scale from some of the frames; ``sky`` marks radiances, where the sky may exceed the scale."""
     count = len(frames)
+    # Some frames, evenly spaced: all would have to be read twice.
     places = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))
     sampled = np.stack([frames[i] for i in places])
     below = [below_horizon(dataset, int(frames.indices[i])) if sky else None for i in places]
     known = [depression for depression in below if depression is not None]
+    # Where the horizon of one frame is not known, the sky counts in all.
     return scale_of(sampled, kind, np.stack(known) if len(known) == len(below) else None)
 
 
 def _ends(dataset: xr.Dataset, variable: str, scale: Scale) -> str:
-    """What the ends of the scale are, for radiance also as apparent temperatures."""
+    """Return the ends of the scale as text, for radiance also as apparent temperatures."""
     known = VARIABLES.get(variable)
     unit = str((known.symbol or known.units) if known else dataset[variable].attrs.get("units", "")).strip()
     text = f"{scale.low:.4g} … {scale.high:.4g} {unit}".rstrip()
@@ -225,7 +231,7 @@ def _ends(dataset: xr.Dataset, variable: str, scale: Scale) -> str:
 
 
 def _coloured(picture: NDArray[np.uint8], levels: NDArray[np.uint8], pixels: str) -> Any:
-    """Frame of a video from levels."""
+    """Return a frame of a video from levels."""
     import av
 
     if pixels != "pal8":

@@ -31,7 +31,7 @@ SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")  #: Families of distrib
 
 BINS: Final = 60  #: Number of bins of the histogram.
 
-_CURVE: Final = 160
+_CURVE: Final = 160  #: Number of points of a distribution's curve.
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,10 @@ class Rectangle:
         Raises
         ------
         DataError
-            Nothing of it lies in the image.
+            No pixel of the rectangle lies in the image.
         """
         out = np.zeros((rows, columns), np.bool_)
+        # Negative ends would count from the far side of the array.
         out[max(self.top, 0) : max(self.top + self.height, 0), max(self.left, 0) : max(self.left + self.width, 0)] = True
         if not out.any():
             raise DataError(f"region {self}: lies outside the image of {rows} rows and {columns} columns; drag one inside")
@@ -64,7 +65,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     Raises
     ------
     DataError
-        A region outside the image or without values.
+        The region lies outside the image, or has no values.
     """
     chosen = source.layer(layer)
     recording = source.recording(chosen.name, only=index)
@@ -79,6 +80,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     values, _ = gathered.sample(block, (1e9, 1e9), mask)
     inside = block[0][mask].astype(np.float64) + recording.offset
     low, high = float(inside.min()), float(inside.max())
+    # A region of equal values still needs a range of some width.
     density, edges = np.histogram(inside, bins=BINS, range=(low, high) if high > low else (low - 0.5, low + 0.5), density=True)
     at = np.linspace(edges[0], edges[-1], _CURVE)
     fits: JsonObject = {}
@@ -110,7 +112,7 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
     Raises
     ------
     DataError
-        A region outside the image, or of too few pixels.
+        The region lies outside the image, or has too few pixels.
     """
     recording = source.recording(layer, only=only)
     mask = where.mask(recording.rows, recording.columns)
@@ -143,7 +145,7 @@ def exceedances(
     Raises
     ------
     DataError
-        An unknown filter, a threshold that is no number, a region outside the image.
+        The filter is not known, the threshold is no number, or the region lies outside the image.
     """
     if not 0.0 <= sigma <= 100.0:
         raise DataError(f"threshold {sigma:g}: give standard deviations from 0 to 100")
@@ -153,9 +155,11 @@ def exceedances(
     if where is not None:
         mask &= where.mask(recording.rows, recording.columns)
     frame = recording.read(0, 1)
+    # Dead pixels must not enter the filter's neighbourhoods.
     frame[:, first.dead] = np.nan
     filtered = filters.named(filter_name).apply(frame)
     z = standardise(filtered, mask)[0]
+    # Single precision as in the analysis, so that both count the same pixels.
     above = z > np.float32(sigma)
     count, pixels = int(np.count_nonzero(above)), int(np.count_nonzero(np.isfinite(z)))
     rate, expected = count / pixels if pixels else math.nan, float(gaussian_rate(sigma))

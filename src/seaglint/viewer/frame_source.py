@@ -1,6 +1,6 @@
-"""Opening of files for display: layers, directions, truth; only headers are read until a frame is requested.
+"""Frames of any file that can be displayed: layers, directions and truth, read one by one on request.
 
-Source of frames: any file that can be displayed, in one form and read frame by frame on request.
+Opening reads headers only. Sequences, maps, pictures and recordings then have the same form.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ _MAPS: Final = (".nc", ".nc4")
 class Layer:
     """Layer of a file: one image for each frame."""
 
-    #: ``name``, ``label``, ``unit``: By which it is asked for, what it is, and the unit as it is written.
+    #: ``name``, ``label``, ``unit``: Name in requests; label and unit on the page.
     name: str
     label: str
     unit: str
     read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)  #: ``read(index)`` gives the image (rows, columns).
     saturation: float | None = None  #: Value at which the format or the detector saturates.
-    blur_px: float | None = None  #: Blur of what made the images, as :class:`seaglint.analysis.Recording` has it [px].
+    blur_px: float | None = None  #: Blur of the images, as in :class:`seaglint.analysis.Recording` [px].
 
 
 @dataclass(frozen=True)
 class ObjectBox:
-    """An object in view: its name, and the first column and row, columns and rows that it touches [px]."""
+    """Object in view: name, first column and row, number of columns and rows [px], and range [m]."""
 
     name: str
     left: float
@@ -78,12 +78,12 @@ class Opened:
 
 
 def open_path(path: Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> Opened:
-    """Open the file or folder at a path; words as in :func:`~seaglint.formats.recording.open_recording`.
+    """Open the file or folder at a path; arguments as in :func:`~seaglint.formats.recording.open_recording`.
 
     Raises
     ------
     DataError
-        Nothing that can be looked at.
+        The path holds nothing that can be displayed.
     """
     if path.is_dir() and is_sequence(path):
         return _of_sequence(path, variable)
@@ -95,7 +95,7 @@ def open_path(path: Path, variable: str | None = None, channel: str | None = Non
 
 
 def _of_sequence(path: Path, variable: str | None) -> Opened:
-    """Open a store of seaglint. Of ``frame_done`` only existing chunks are read, since requesting each of many takes long."""
+    """Open a store of seaglint; only existing chunks of ``frame_done`` are read, since requesting each of many chunks takes long."""
     import xarray as xr
 
     try:
@@ -115,11 +115,12 @@ def _of_sequence(path: Path, variable: str | None) -> Opened:
         chunks = [np.empty(0, np.int64)]
         for chunk in sorted(names):
             frames = np.arange(chunk * unit, min((chunk + 1) * unit, count))
+            # A chunk of several frames may be half done; a chunk of one frame exists only when the frame is written.
             if unit > 1 and chunk not in full:
-                there = done_array[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
-                if there.all():
+                written = done_array[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
+                if written.all():
                     full.add(chunk)
-                frames = frames[there]
+                frames = frames[written]
             chunks.append(frames)
         return np.concatenate(chunks)
 
@@ -150,6 +151,7 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
     rows, columns = (int(size) for size in first.shape[-2:])
     layers = _layers(dataset, names)
     everything = np.arange(frames, dtype=np.int64)
+    # Files of other programs may lack angles, or have them in another form: a first call decides.
     towards: Callable[[int], Any] | None = lambda index: directions(dataset, index)  # noqa: E731
     try:
         assert towards is not None
@@ -157,14 +159,14 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
     except (KeyError, ValueError, TypeError, IndexError):
         towards = None
     return Opened(
-        frames,
-        rows,
-        columns,
-        layers,
-        (lambda: everything) if done is None else done,
-        stored_frame_rate(dataset, first) if moving else None,
-        dataset["time"].to_numpy().astype(np.float64) if moving and "time" in dataset.variables else None,
-        towards,
+        frames=frames,
+        rows=rows,
+        columns=columns,
+        layers=layers,
+        done=(lambda: everything) if done is None else done,
+        frame_rate=stored_frame_rate(dataset, first) if moving else None,
+        times=dataset["time"].to_numpy().astype(np.float64) if moving and "time" in dataset.variables else None,
+        directions=towards,
         turning="azimuth" not in dataset.variables,
         boxes=_boxes(path) if moving else None,
         title=str(dataset.attrs.get("title", "")),
@@ -193,7 +195,7 @@ def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
         label = str(about.get("long_name") or (known.long_name if known else name))
         full = about.get("saturation_counts")
         full = None if full is None else float(full)
-        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), full, stored_blur(dataset, name))
+        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), full, blur_px=stored_blur(dataset, name))
     _derive(dataset, layers)
     return layers
 
@@ -243,17 +245,18 @@ def _of_recording(recording: Recording) -> Opened:
 
     def read(index: int) -> NDArray[np.floating[Any]]:
         block = np.array(recording.read_block(index, index + 1)[0])
+        # Single precision holds integers of 16 bits exactly, but not of 32.
         return block if block.dtype.kind == "f" else block.astype(np.float64 if block.dtype.itemsize > 2 else np.float32)
 
     full = None if recording.saturation is None else recording.saturation + recording.offset
     everything = np.arange(recording.frames, dtype=np.int64)
     return Opened(
-        recording.frames,
-        recording.rows,
-        recording.columns,
-        {"value": Layer("value", label, unit, read, full)},
-        lambda: everything,
-        recording.frame_rate,
+        frames=recording.frames,
+        rows=recording.rows,
+        columns=recording.columns,
+        layers={"value": Layer("value", label, unit, read, full)},
+        done=lambda: everything,
+        frame_rate=recording.frame_rate,
         recording=recording,
         notes=recording.notes,
     )
@@ -263,7 +266,12 @@ Image = NDArray[np.floating[Any]]
 
 MOST_CACHED: Final = 48_000_000  #: Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence.
 
-MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a chunk of its own on disk.
+MOST_TRACED: Final = 256  #: Largest number of frames of a pixel's trace, each of which is a separate chunk on disk.
+
+
+def evenly(frames: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+    """Return at most a number of frames, evenly spaced, the first and the last included."""
+    return frames[np.unique(np.linspace(0, max(frames.size - 1, 0), min(frames.size, most)).astype(np.int64))]
 
 
 class GoneError(DataError):
@@ -273,8 +281,7 @@ class GoneError(DataError):
 class ViewerSource:
     """Frames, layers, truth and directions of one file; see :func:`open_source`.
 
-    A file that changes is opened again; one that is gone is told as a :class:`~seaglint.base.errors.DataError` and is back once it is
-    there.
+    A file that was replaced is opened again. A missing file raises :class:`~seaglint.base.errors.DataError` until it exists again.
     """
 
     def __init__(self, path: str | Path, variable: str | None = None, channel: str | None = None, axes: str | None = None) -> None:
@@ -287,14 +294,14 @@ class ViewerSource:
         try:
             self._place, self._stamp = self._find()
         except GoneError:
-            self._place, self._stamp = Path(path), ()  # never was: the reader says what would do
+            self._place, self._stamp = Path(path), ()  # the place is empty: the reader's error names the allowed files
         self._opened = self._open()
 
     @property
     def opened(self) -> Opened:
         """Return the content of the file in its present state."""
         with self._lock:
-            self._look()
+            self._reopen_if_replaced()
             return self._opened
 
     @property
@@ -308,12 +315,14 @@ class ViewerSource:
         if any(sign in given.name for sign in "*?["):
             return given, ()
         finished = given.with_name(given.name.removesuffix(".partial"))
+        # A sequence has another name while it is being written; either may have been given.
         for place in dict.fromkeys((given, finished, partial_path(finished))):
             for path in (place / "zarr.json", place):
                 try:
                     status = path.stat()
                 except OSError:
                     continue
+                # The size of a folder changes with every file in it; a store is recognised by its zarr.json.
                 return place, (status.st_ino, status.st_mtime_ns, 0 if place.is_dir() else status.st_size)
         raise GoneError(f"{self.path}: is not there any more; put it back, or choose another one")
 
@@ -323,7 +332,7 @@ class ViewerSource:
         self._bytes, self._done = 0, opened.done()
         return opened
 
-    def _look(self) -> None:
+    def _reopen_if_replaced(self) -> None:
         """Open the file again if it was replaced."""
         place, stamp = self._find()
         if stamp != self._stamp or place != self._place:
@@ -333,18 +342,18 @@ class ViewerSource:
     def done(self) -> NDArray[np.int64]:
         """Return the indices of the frames that exist, in order; read again while the file is being written."""
         with self._lock:
-            self._look()
+            self._reopen_if_replaced()
             if self._done.size < self._opened.frames:
                 self._done = self._opened.done()
             return self._done
 
     def layer(self, name: str | None = None) -> Layer:
-        """Return a layer by its name; the main one where none is given.
+        """Return a layer by its name; the main one by default.
 
         Raises
         ------
         DataError
-            No such layer.
+            The file has no such layer.
         """
         layers = self.opened.layers
         chosen = name or next(iter(layers))
@@ -358,7 +367,7 @@ class ViewerSource:
         Raises
         ------
         DataError
-            A frame that is not there (yet), a layer that does not exist, or a file that is gone.
+            The frame is not written (yet), the layer does not exist, or the file has disappeared.
         """
         with self._lock:
             chosen = self.layer(layer)
@@ -369,7 +378,9 @@ class ViewerSource:
                 image = chosen.read(index)
                 image.flags.writeable = False
                 self._bytes += image.nbytes
+            # Put back at the end: the first entry is the one not used for longest.
             self._cached[key] = image
+            # The frame just read stays, however large it is.
             while self._bytes > MOST_CACHED and len(self._cached) > 1:
                 self._bytes -= self._cached.popitem(last=False)[1].nbytes
             return image
@@ -378,6 +389,7 @@ class ViewerSource:
         frames = self._opened.frames
         if not 0 <= index < frames:
             raise DataError(f"frame {index}: {Path(self.path).name} has {frames}, from 0; choose one of them")
+        # The list of written frames is read again only where the known one lacks the frame.
         if index not in self._done and index not in self.done():
             raise DataError(f"frame {index}: is not written yet, {self._done.size} of {frames} are; wait or choose one of those")
 
@@ -389,7 +401,7 @@ class ViewerSource:
             return [] if read_boxes is None else read_boxes(index)
 
     def directions(self, index: int) -> tuple[Image, Image] | None:
-        """Return azimuth and elevation [deg] as :func:`seaglint.store.stored_images.directions` gives them; None where not known."""
+        """Return azimuth and elevation [deg] as :func:`seaglint.store.stored_images.directions` does; None where they are not known."""
         with self._lock:
             read_directions = self.opened.directions
             return None if read_directions is None else read_directions(index)
@@ -400,7 +412,7 @@ class ViewerSource:
         """Return the values of a pixel in at most :data:`MOST_TRACED` frames, around one or with ``spread`` over the whole sequence."""
         done = self.done()
         if spread:
-            frames = done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, MOST_TRACED)).astype(np.int64))]
+            frames = evenly(done, MOST_TRACED)
         else:
             middle = int(np.searchsorted(done, around))
             first = max(min(middle - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
@@ -408,7 +420,7 @@ class ViewerSource:
         chosen = self.layer(layer)
         values = np.empty(frames.size)
         for place, frame in enumerate(frames.tolist()):
-            with self._lock:  # frame by frame: who plays the sequence meanwhile is not kept waiting
+            with self._lock:  # for each frame: a browser that plays the sequence does not wait for the whole trace
                 cached = self._cached.get((chosen.name, frame))
                 values[place] = (chosen.read(frame) if cached is None else cached)[row, column]
         return frames, values
@@ -421,7 +433,7 @@ class ViewerSource:
         layer : str, optional
             Layer; the main one by default.
         only : int, optional
-            The one frame wanted.
+            Single frame to return.
         """
         from dataclasses import replace
 
@@ -437,14 +449,14 @@ class ViewerSource:
             return np.stack([self.read(int(index), chosen.name) for index in done[start:stop]])
 
         return Recording(
-            f"{self.path}:{chosen.name}",
-            int(done.size),
-            opened.rows,
-            opened.columns,
-            read,
-            opened.frame_rate,
-            chosen.unit or None,
-            chosen.saturation,
+            source=f"{self.path}:{chosen.name}",
+            frames=int(done.size),
+            rows=opened.rows,
+            columns=opened.columns,
+            read_block=read,
+            frame_rate=opened.frame_rate,
+            units=chosen.unit or None,
+            saturation=chosen.saturation,
             blur_px=chosen.blur_px,
         )
 
@@ -462,6 +474,6 @@ def open_source(path: str | Path, variable: str | None = None, channel: str | No
     Raises
     ------
     DataError
-        Nothing there, or nothing that can be looked at.
+        The path does not exist, or holds nothing that can be displayed.
     """
     return ViewerSource(path, variable, channel, axes)

@@ -31,7 +31,7 @@ class Library:
     Parameters
     ----------
     given : iterable of path
-        Paths that the user named; opened at once, so that errors appear before a browser opens.
+        Paths from the command line, opened at once so that errors appear before a browser opens.
     folder : path, optional
         Folder of further files; the folders of the given files by default.
     variable, channel, axes : str, optional
@@ -40,7 +40,7 @@ class Library:
     Raises
     ------
     DataError
-        A folder that is none, or something given that cannot be opened.
+        The folder does not exist, or a given path cannot be opened.
     """
 
     def __init__(
@@ -73,13 +73,17 @@ class Library:
             return self._paths.index(path)
 
     def listed(self) -> list[JsonObject]:
-        """Return number and name of every file that may be opened, those given first; folders are read again."""
+        """Return number and name of every file that may be opened, given files first; folders are read again."""
         for folder in self._folders:
             for path in _files(folder):
                 if len(self._paths) >= self.given + MOST_LISTED:
                     break
                 self._number(str(path))
-        return [{"id": number, "name": self._name(path)} for number, path in enumerate(self._paths) if number < self.given or _there(path)]
+        return [
+            {"id": number, "name": self._name(path)}
+            for number, path in enumerate(self._paths)
+            if number < self.given or os.path.exists(path)
+        ]
 
     def _name(self, path: str) -> str:
         resolved = Path(path).resolve()
@@ -89,12 +93,12 @@ class Library:
         return Path(path).name
 
     def source(self, number: int) -> ViewerSource:
-        """Return the source of a number, opened if necessary; the one not used for longest is closed.
+        """Return the source of a number, opened if necessary; beyond :data:`MOST_OPEN`, the source not used for longest is closed.
 
         Raises
         ------
         DataError
-            No such number, or a file that cannot be opened.
+            The number is not in the list, or the file cannot be opened.
         """
         with self._lock:
             if not 0 <= number < len(self._paths):
@@ -102,17 +106,15 @@ class Library:
             source = self._open.pop(number, None)
             if source is None:
                 path = self._paths[number]
+                # A link may have been changed after the folder was listed, and lead out of it.
                 if number >= self.given and not any(Path(path).resolve().is_relative_to(folder) for folder in self._folders):
                     raise DataError(f"{self._name(path)}: leads out of the folders that the viewer was started with")
                 source = open_source(path)
-            self._open[number] = source  # the last to go
+            self._open[number] = source  # at the end: the last to be closed
+            # Files from the command line stay open.
             while len(self._open) > max(MOST_OPEN, self.given):
                 self._open.pop(next(n for n in self._open if n >= self.given))
             return source
-
-
-def _there(path: str) -> bool:
-    return os.path.exists(path)
 
 
 def _files(folder: Path, depth: int = 2) -> Iterator[Path]:

@@ -1,8 +1,7 @@
-"""Brightness scale of a picture: values become 255 levels, linearly, between percentiles, or by plateau equalisation.
+"""Displayed picture of a source: one layer, optionally less the layer of another source, on a brightness scale.
 
-Level 0 is kept for pixels without a value. The colours of the levels are drawn by the browser.
-
-Displayed picture of a source: its layer, an optional source that is subtracted, and its scale.
+The scale maps values to 255 levels: linearly, between percentiles, or by plateau equalisation. Level 0 marks pixels without a value. The
+browser draws the colours of the levels.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.brightness import CELLS, Scale
 from seaglint.base.errors import DataError
-from seaglint.viewer.frame_source import ViewerSource
+from seaglint.viewer.frame_source import ViewerSource, evenly
 
 Kind = Literal["linear", "percentile", "plateau"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
@@ -37,26 +36,26 @@ def scaling_of(
     percentiles: tuple[float, float] = PERCENTILES,
     symmetric: bool = False,
 ) -> Scale:
-    """Return the scaling of some images: of one frame for itself, of several for a sequence.
+    """Return the brightness scale of images: of a single frame, or of several for a sequence.
 
     Parameters
     ----------
     images : sequence of ndarray
-        Images that set it.
+        Images that determine the scale.
     kind : {"linear", "percentile", "plateau"}
-        From the smallest to the largest value; between two percentiles; or with levels for as many pixels each, where cells that hold
-        very many count a plateau only (Vickers 1996), so that an even sky does not take all levels.
+        Linear from the smallest to the largest value, linear between two percentiles, or by plateau equalisation: every level has as many
+        pixels, where cells of the histogram count up to a plateau only (Vickers 1996), so that an even sky does not take all levels.
     limits : (float, float), optional
-        Ends of a straight line instead [unit of the images].
+        Ends of a linear scale, used instead [unit of the images].
     percentiles : (float, float)
-        Lower and upper one [%].
+        Lower and upper percentile [%].
     symmetric : bool
         Zero in the middle, for differences.
 
     Raises
     ------
     DataError
-        An unknown kind, or limits that are no range.
+        The kind is not known, or the limits are no range.
     """
     if kind not in KINDS:
         raise DataError(f"scaling '{kind}': allowed are {', '.join(KINDS)}")
@@ -72,6 +71,7 @@ def scaling_of(
         return Scale(0.0, 1.0)
     low, high = (float(v) for v in (np.percentile(values, percentiles) if kind == "percentile" else (values.min(), values.max())))
     if symmetric:
+        # Differences of either sign are equally far from the middle of the scale.
         high = max(abs(low), abs(high))
         low = -high
     if kind != "plateau" or not high > low:
@@ -83,21 +83,21 @@ def scaling_of(
 
 SAMPLED: Final = 12  #: Number of frames that set a scale for all.
 
-MOST_SAMPLED: Final = 1_000_000  #: Largest number of their pixels that enter percentiles and histograms.
+MOST_SAMPLED: Final = 1_000_000  #: Largest number of pixels of these frames that enter percentiles and histograms.
 
-_MOST_CACHED: Final = 64
+_MOST_CACHED: Final = 64  #: Largest number of cached scales.
 
 
 @dataclass(frozen=True)
 class Show:
-    """Selection of what is displayed."""
+    """Displayed selection: source, layer, difference and scale."""
 
-    #: ``source``, ``minus``: Frames, and those that are taken off them, frame by frame.
+    #: ``source``, ``minus``: Displayed frames, and the frames that are subtracted from them one by one.
     source: ViewerSource
-    layer: str | None = None  #: Layer of both.
+    layer: str | None = None  #: Layer of both sources.
     minus: ViewerSource | None = None  #: See ``source``.
     kind: str = "percentile"  #: One of :data:`seaglint.viewer.picture.KINDS`.
-    fixed: bool = True  #: One scale for all frames, from some of them; otherwise of each frame its own.
+    fixed: bool = True  #: Flag: one scale for all frames, from some of them; otherwise a scale for each frame.
     limits: tuple[float, float] | None = None  #: Ends of a linear scale, given by hand.
 
     def image(self, index: int) -> NDArray[np.floating[Any]]:
@@ -106,7 +106,7 @@ class Show:
         Raises
         ------
         DataError
-            A frame or a layer that is not there, or two sources of different sizes or units.
+            The frame or the layer does not exist, or the two sources differ in size or unit.
         """
         values = self.source.read(index, self.layer)
         if self.minus is None:
@@ -131,14 +131,14 @@ class Show:
 
 
 class Scales:
-    """Cache of the latest scalings; one for a whole sequence requires reading several frames."""
+    """Cache of the latest scales: a scale for a whole sequence requires reading several frames."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._cached: OrderedDict[tuple[Any, ...], Scale] = OrderedDict()
 
     def of(self, show: Show, index: int) -> Scale:
-        """Return the scaling of a frame."""
+        """Return the scale of a frame."""
         symmetric = show.minus is not None
         if show.limits is not None:
             return scaling_of((), show.kind, limits=show.limits)
@@ -151,6 +151,7 @@ class Scales:
             if scaling is None:
                 images = [show.image(int(frame)) for frame in frames]
                 pixels = sum(image.size for image in images)
+                # Extremes need every pixel; percentiles and histograms are stable with every n-th row and column.
                 if show.kind != "linear" and pixels > MOST_SAMPLED:
                     step = int(np.ceil(np.sqrt(pixels / MOST_SAMPLED)))
                     images = [image[::step, ::step] for image in images]
@@ -167,8 +168,9 @@ def sampled(show: Show) -> NDArray[np.int64]:
     if show.minus is not None:
         done = np.intersect1d(done, show.minus.done())
     if done.size < show.source.opened.frames and done.size:
+        # Down to a power of two: while a sequence is being written, the scale changes only when its length has doubled.
         done = done[: 1 << (int(done.size).bit_length() - 1)]
-    return done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, SAMPLED)).astype(np.int64))]
+    return evenly(done, SAMPLED)
 
 
 def tag(show: Show, index: int, scaling: Scale) -> str:

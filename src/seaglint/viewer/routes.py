@@ -1,12 +1,7 @@
-"""Analyses that take longer than an answer may: one thread each, with progress, stopped when no browser asks for them.
+"""Requests of the page of sequences: its script, pictures, probes, traces, analyses and downloads.
 
-Probe and trace: a pixel's values in every layer, its direction, and its values over time.
-
-Downloads of the viewer: a frame as picture or numbers, a clip, and statistics as a table.
-
-Addresses of the page of sequences: the requests of its script.
-
-Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path.
+Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path. Long analyses run in one
+thread each, with progress, and stop when browsers cease to request their progress.
 """
 
 from __future__ import annotations
@@ -46,35 +41,35 @@ if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
 
 
-PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser is closed [s].
+PATIENCE: Final = 15.0  #: Time without a request after which a job is stopped, since its browser has been closed [s].
 
-MOST: Final = 4  #: Largest number of jobs at the same time.
+MOST: Final = 4  #: Largest number of jobs that run at the same time.
 
 
 class _StoppedError(Exception):
-    """Error that ends a job whose result nobody waits for."""
+    """Error that ends a job when nobody waits for its result."""
 
 
 @dataclass
 class AnalysisJob:
-    """One analysis: its progress, and its result or the text of its error."""
+    """Analysis in progress: numbers of steps, and finally its result or the text of its error."""
 
     done: int = 0
     total: int = 1
     result: JsonObject | None = None
     error: str | None = None
-    asked: float = field(default_factory=time.monotonic)
+    requested: float = field(default_factory=time.monotonic)
     finished: threading.Event = field(default_factory=threading.Event)
 
     def progress(self, done: int, total: int) -> None:
         """Record the progress; raise where nobody waits for the result."""
         self.done, self.total = done, max(total, 1)
-        if time.monotonic() - self.asked > PATIENCE:
+        if time.monotonic() - self.requested > PATIENCE:
             raise _StoppedError
 
 
 class Jobs:
-    """Running jobs and the last finished ones."""
+    """Running jobs, and the latest finished jobs."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -87,11 +82,12 @@ class Jobs:
         Raises
         ------
         DataError
-            Too many run already.
+            Too many jobs run already.
         """
         with self._lock:
             if sum(not job.finished.is_set() for job in self._jobs.values()) >= MOST:
                 raise DataError(f"{MOST} analyses run already; wait for one of them")
+            # Finished jobs are discarded from the oldest on; at most MOST run, so that one of 4 MOST is always finished.
             while len(self._jobs) >= 4 * MOST:
                 self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
             number, job = next(self._numbers), AnalysisJob()
@@ -104,6 +100,7 @@ class Jobs:
                 job.error = "stopped: nobody waited for it"
             except SeaglintError as error:
                 job.error = str(error)
+            # The page reports the defect, and the thread's traceback is printed.
             except Exception as error:
                 job.error = f"failed: {type(error).__name__}: {error}"
                 raise
@@ -119,12 +116,12 @@ class Jobs:
         Raises
         ------
         DataError
-            No such job.
+            The number is not the number of a job.
         """
         job = self._jobs.get(number)
         if job is None:
             raise DataError(f"analysis {number}: is not known any more; start it again")
-        job.asked = time.monotonic()
+        job.requested = time.monotonic()
         return job
 
 
@@ -134,7 +131,7 @@ def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject
     Raises
     ------
     DataError
-        A pixel outside the image, or a frame that is not there.
+        The pixel lies outside the image, or the frame does not exist.
     """
     opened = source.opened
     require_pixel(source, row, column)
@@ -180,7 +177,7 @@ def trace(source: ViewerSource, row: int, column: int, around: int, layer: str |
     Raises
     ------
     DataError
-        A pixel outside the image, or a layer that does not exist.
+        The pixel lies outside the image, or the layer does not exist.
     """
     require_pixel(source, row, column)
     opened, chosen = source.opened, source.layer(layer)
@@ -206,12 +203,12 @@ TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif":
 
 
 def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:
-    """Return one frame as a file: PNG as shown, one pixel a pixel; NumPy or TIFF with the values and their unit.
+    """Return one frame as a file: PNG as displayed, one pixel for each pixel; NumPy or TIFF with the values and their unit.
 
     Raises
     ------
     DataError
-        An unknown ending.
+        The ending is not known.
     """
     image = show.image(index)
     out = io.BytesIO()
@@ -241,7 +238,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
     Raises
     ------
     DataError
-        No such frames, or more than fit into memory.
+        The frames do not exist, or do not fit into memory.
     BackendError
         PyAV is not installed.
     """
@@ -251,20 +248,22 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
     done = show.source.done()
     frames = done[(done >= first) & (done <= last)]
     if not frames.size:
-        raise DataError(f"clip of frames {first} to {last}: none of them is there; choose others")
+        raise DataError(f"clip of frames {first} to {last}: none of these frames exists; choose others")
+    # Frames are in single precision: 4 bytes a pixel.
     most = max(MOST_CLIP // (4 * opened.rows * opened.columns), 1)
     if frames.size > most:
         raise DataError(f"clip of {frames.size} frames: at most {most} of this size; choose fewer, or use 'seaglint export'")
     scaling = scales.of(show, int(frames[0]))
+    # A frame of equal values needs a scale of some width.
     low, high = scaling.low, scaling.high if scaling.high > scaling.low else scaling.low + 1.0
     block = np.stack([show.image(int(index)).astype(np.float32) for index in frames])
     times = frames / (opened.frame_rate or 25.0) if opened.times is None else opened.times[frames]
     name = chosen.name
     dataset = xr.Dataset({name: (("time", "y", "x"), block, {"units": chosen.unit})}, coords={"time": times})
     with tempfile.TemporaryDirectory(prefix="seaglint-clip-") as folder:
-        made = Path(folder) / "clip.mp4"
-        write_video(dataset, made, variable=name, colours=colours, limits=(low, high), rate=opened.frame_rate)
-        return made.read_bytes()
+        video = Path(folder) / "clip.mp4"
+        write_video(dataset, video, variable=name, colours=colours, limits=(low, high), rate=opened.frame_rate)
+        return video.read_bytes()
 
 
 def table(result: JsonObject) -> str:
@@ -288,6 +287,7 @@ _FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.su
 _MEDIA: Final = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
 _COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
 _TICKS: Final = 5
+# Browsers may store answers, but must check whether they are still valid: a sequence may be growing.
 _FRESH: Final = {"cache-control": "no-cache"}
 
 Answer = Callable[[Request], Response]
@@ -300,7 +300,7 @@ class Query:
         self._given = request.query_params
 
     def word(self, name: str) -> str | None:
-        """Return the text, or None where there is none."""
+        """Return the text of a parameter, or None if it is empty."""
         return self._given.get(name) or None
 
     def integer(self, name: str, default: int | None = None) -> int:
@@ -321,14 +321,16 @@ class Query:
             value = float(text)
         except ValueError:
             value = math.nan
+        # Larger numbers would overflow in single precision.
         if not math.isfinite(value) or abs(value) > 1e30:
             raise DataError(f"{name} = {text[:40]!r}: give a finite number")
         return value
 
     def rectangle(self) -> Rectangle | None:
-        """Return a region, or None where none is given."""
+        """Return a region, or None if the request has none."""
         if self.word("width") is None:
             return None
+        # Bounded: a region may reach beyond the image, but not beyond what array indices hold.
         return Rectangle(*(min(max(self.integer(name), -(10**9)), 10**9) for name in ("left", "top", "width", "height")))
 
     def colours(self) -> Colours:
@@ -341,7 +343,7 @@ class Query:
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
-    """Return the routes of the page and of all its requests; ``links`` are other pages of the viewer."""
+    """Return the routes of the page and all its requests; ``links`` are the other pages of the viewer."""
     return _Pages(library, links).routes()
 
 
@@ -352,9 +354,9 @@ def _refusals_as_json(answer: Answer) -> Answer:
         try:
             return answer(request)
         except GoneError as error:
-            return JSONResponse({"error": str(error), "gone": True}, status_code=410, headers=_FRESH)
+            return _json({"error": str(error), "gone": True}, 410)
         except SeaglintError as error:
-            return JSONResponse({"error": str(error)}, status_code=409, headers=_FRESH)
+            return _json({"error": str(error)}, 409)
 
     return answered
 
@@ -395,12 +397,12 @@ class _Pages:
         query = Query(request)
         minus, low = query.word("minus"), query.word("low")
         return Show(
-            self._of(request),
-            query.word("layer"),
-            None if minus is None else self._library.source(query.integer("minus")),
-            query.word("scaling") or KINDS[1],
-            query.word("fixed") != "0",
-            None if low is None else (query.real("low"), query.real("high")),
+            source=self._of(request),
+            layer=query.word("layer"),
+            minus=None if minus is None else self._library.source(query.integer("minus")),
+            kind=query.word("scaling") or KINDS[1],
+            fixed=query.word("fixed") != "0",
+            limits=None if low is None else (query.real("low"), query.real("high")),
         )
 
     def page(self, request: Request) -> Response:
@@ -414,7 +416,7 @@ class _Pages:
         return self._file(str(request.path_params["name"]))
 
     def icon(self, request: Request) -> Response:
-        """Return the icon, which browsers ask for by this name where a page names none."""
+        """Return the icon, which browsers request by this name if a page names no icon."""
         return self._file("icon.svg")
 
     def _file(self, name: str) -> Response:
@@ -436,15 +438,16 @@ class _Pages:
             "filters": NAMES,
             "video": video_available(),
         }
-        return JSONResponse(answer, headers=_FRESH)
+        return _json(answer)
 
     def source(self, request: Request) -> Response:
         """Return the description of a source."""
         source = self._of(request)
         opened, done = source.opened, source.done()
+        # Axes with angles only where these hold for all frames.
         directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
-        return JSONResponse(
+        return _json(
             {
                 "name": Path(source.path).name,
                 "title": opened.title,
@@ -461,15 +464,16 @@ class _Pages:
                 "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
                 "truth": opened.boxes is not None,
                 "notes": list(opened.notes),
-            },
-            headers=_FRESH,
+            }
         )
 
     def frame(self, request: Request) -> Response:
         """Return the levels of a frame, one byte a pixel, with their scale in the header ``Seaglint-Scale``."""
-        show, index = self._show(request), int(request.path_params["index"])
+        show, index = self._show(request), _index(request)
         scaling = self._scales.of(show, index)
+        # A browser that shows a frame again sends its tag, and pixels are transferred only if they changed.
         etag = tag(show, index, scaling)
+        # Numbers for the colour bar: the page does not know the form of the scale.
         shares = np.linspace(0.0, 1.0, _TICKS)
         scale = {"shares": shares.tolist(), "values": scaling.value(shares).tolist(), "unit": show.source.layer(show.layer).unit}
         headers = {**_FRESH, "etag": etag, "seaglint-scale": json.dumps(scale)}
@@ -480,34 +484,34 @@ class _Pages:
     def probe(self, request: Request) -> Response:
         """Return the values under the pointer."""
         query = Query(request)
-        index = int(request.path_params["index"])
-        return JSONResponse(probe(self._of(request), index, query.integer("row"), query.integer("column")), headers=_FRESH)
+        index = _index(request)
+        return _json(probe(self._of(request), index, query.integer("row"), query.integer("column")))
 
     def trace(self, request: Request) -> Response:
         """Return the values of a pixel over time."""
         query = Query(request)
-        index = int(request.path_params["index"])
+        index = _index(request)
         place = query.integer("row"), query.integer("column")
         course = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
-        return JSONResponse(course, headers=_FRESH)
+        return _json(course)
 
     def truth(self, request: Request) -> Response:
         """Return the boxes of objects."""
-        boxes = self._of(request).boxes(int(request.path_params["index"]))
+        boxes = self._of(request).boxes(_index(request))
         listed = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
-        return JSONResponse({"boxes": listed}, headers=_FRESH)
+        return _json({"boxes": listed})
 
     def region(self, request: Request) -> Response:
         """Return histogram, moments and fits of a region of one frame."""
         query = Query(request)
-        statistics = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
-        return JSONResponse(statistics, headers=_FRESH)
+        statistics = quick(self._of(request), _index(request), self._rectangle(query), query.word("layer"))
+        return _json(statistics)
 
     @staticmethod
     def _rectangle(query: Query) -> Rectangle:
         rectangle = query.rectangle()
         if rectangle is None:
-            raise DataError("no region is told; drag one on the picture")
+            raise DataError("no region is given; drag one on the picture")
         return rectangle
 
     def exceedances(self, request: Request) -> Response:
@@ -515,22 +519,22 @@ class _Pages:
         query = Query(request)
         result, above = exceedances(
             self._of(request),
-            int(request.path_params["index"]),
+            _index(request),
             query.real("sigma"),
             query.word("filter") or NAMES[0],
             query.word("layer"),
             query.rectangle(),
         )
         bits = base64.b64encode(np.packbits(above).tobytes()).decode()
-        return JSONResponse({**result, "mask": bits}, headers=_FRESH)
+        return _json({**result, "mask": bits})
 
     def analyse(self, request: Request) -> Response:
         """Start the whole analysis of a region."""
         query, source = Query(request), self._of(request)
         where, layer = self._rectangle(query), query.word("layer")
-        only = None if query.word("all") == "1" else int(request.path_params["index"])
+        only = None if query.word("all") == "1" else _index(request)
         number = self._jobs.start(lambda progress: whole(source, where, layer, only, progress))
-        return JSONResponse({"job": number}, status_code=202, headers=_FRESH)
+        return _json({"job": number}, 202)
 
     def analysis(self, request: Request) -> Response:
         """Return the progress of an analysis, and its result as JSON or CSV once it exists."""
@@ -539,17 +543,17 @@ class _Pages:
         if job.error is not None:
             raise DataError(job.error)
         if job.result is None:
-            return JSONResponse({"done": job.done, "total": job.total, "result": None}, headers=_FRESH)
+            return _json({"done": job.done, "total": job.total, "result": None})
         save = query.word("save")
         if save == "csv":
             return _download(table(job.result).encode(), "region.csv", "text/csv")
         if save == "json":
             return _download(json.dumps(job.result, indent=2, ensure_ascii=False).encode(), "region.json", "application/json")
-        return JSONResponse({"done": job.total, "total": job.total, "result": job.result}, headers=_FRESH)
+        return _json({"done": job.total, "total": job.total, "result": job.result})
 
     def export_frame(self, request: Request) -> Response:
         """Return one frame as a file."""
-        show, index = self._show(request), int(request.path_params["index"])
+        show, index = self._show(request), _index(request)
         ending = "." + str(request.path_params["kind"])
         if ending not in TYPES:
             raise DataError(f"{ending[:20]}: a frame is saved as {', '.join(TYPES)}; choose one of them")
@@ -557,14 +561,23 @@ class _Pages:
         return _download(body, f"{_stem(show.source)}-{show.source.layer(show.layer).name}-{index:05d}{ending}", TYPES[ending])
 
     def export_clip(self, request: Request) -> Response:
-        """Return frames as a film."""
+        """Return frames as a video."""
         show, query = self._show(request), Query(request)
         first, last = query.integer("first"), query.integer("last")
         return _download(clip(show, first, last, self._scales, query.colours()), f"{_stem(show.source)}-{first}-{last}.mp4", "video/mp4")
 
 
+def _index(request: Request) -> int:
+    """Return the frame of a request."""
+    return int(request.path_params["index"])
+
+
+def _json(content: Any, status: int = 200) -> Response:
+    return JSONResponse(content, status_code=status, headers=_FRESH)
+
+
 def _stem(source: ViewerSource) -> str:
-    """Return a name for a download: letters, digits, hyphens and the like."""
+    """Return a name for a download, of letters, digits, hyphens and underscores."""
     stem = Path(source.path).name.removesuffix(".partial").split(".")[0]
     return "".join(c if (c.isascii() and c.isalnum()) or c in "-_" else "_" for c in stem)[:60] or "frame"
 

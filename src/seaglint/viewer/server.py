@@ -1,10 +1,8 @@
-"""Access control of the viewer and limits of requests: the outermost layer of the server.
+"""Server of the viewer: pages, access control and limits of requests. No data leave the machine.
 
-A page of another site that a user has open can send requests to this machine, and a name that its owner points here (DNS rebinding)
-makes the browser believe that both are one site. Requests are therefore refused unless ``Host`` is a name that the server was started
-with, and ``Origin``, where a browser sends one, is that same host. Beyond the own machine a token is asked for as well.
-
-Server of the viewer: an address and its pages; no data leave the machine.
+A page of another site in the user's browser can send requests to this machine. With a host name that its owner directs to this machine (DNS
+rebinding), the browser even treats both as one site. The outermost layer of the server therefore refuses requests unless ``Host`` is a name
+with which the server was started, and ``Origin``, if a browser sends one, is the same host. Other machines need a token as well.
 """
 
 from __future__ import annotations
@@ -41,14 +39,15 @@ Receive = Callable[[], Awaitable[Message]]
 Send = Callable[[Message], Awaitable[None]]
 Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1"})  #: Names of the local machine.
+LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1"})  #: Names of the local machine that every browser knows.
 
 MOST_BODY: Final = 1_000_000  #: Largest size of a request's body or of a websocket's message [bytes].
 
 MOST_ADDRESS: Final = 4096  #: Largest size of a request's path and query [bytes].
 
-# Scripts of NiceGUI's pages are written into them. Nothing may be asked for from elsewhere, whatever a page holds.
+# NiceGUI's pages contain their scripts, and build functions from text. Nothing may be loaded from other hosts, whatever a page contains.
 _POLICY: Final = "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; frame-ancestors 'none'; form-action 'self'"
+# The viewer's own pages load their scripts from files: text that gets into a page cannot run.
 _STRICT: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; connect-src 'self'; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -90,18 +89,19 @@ class Guard:
     host : str
         Address that the server is bound to.
     token : str or None
-        Word that the first request must have in its query (``?token=``) and later ones in a cookie; none on the own machine.
+        Secret that the first request must have in its query (``?token=``) and later requests in a cookie; None for the local machine.
     """
 
     def __init__(self, app: Application, *, host: str = "127.0.0.1", token: str | None = None) -> None:
         self.app, self.token = app, token
         self._everywhere = host in ("0.0.0.0", "::", "")
         self._names = {*LOOPBACK, host.lower()}
+        # Other machines use the names of this machine; a server at the loopback device is reached by LOOPBACK alone.
         if self._everywhere or not is_loopback(host):
             self._names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer a request, or pass it on."""
+        """Refuse a request, or pass it to the application."""
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
             return
@@ -118,14 +118,16 @@ class Guard:
             await self._answer(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
-        """Return status and reason of a request that is refused."""
+        """Return status and reason of a refusal; None for an allowed request."""
         headers = _headers(scope)
         host = headers.get("host", "")
         if not self._is_ours(host):
             return 403, "this host name is not the viewer's; open the address that 'seaglint view' printed"
+        # Browsers state the origin of requests that a script or a form sends; programs may omit it.
         origin = headers.get("origin")
         if origin is not None and not _same_place(origin, host):
             return 403, "requests of other sites are refused"
+        # A link on another site may open the viewer; its scripts, images and forms must not send requests.
         if headers.get("sec-fetch-site") in ("cross-site", "same-site") and headers.get("sec-fetch-mode") != "navigate":
             return 403, "requests of other sites are refused"
         if len(scope.get("raw_path") or b"") + len(scope.get("query_string") or b"") > MOST_ADDRESS:
@@ -133,6 +135,7 @@ class Guard:
         length = headers.get("content-length", "0")
         if not (length.isascii() and length.isdigit()):
             return 400, "Content-Length is no number"
+        # Cut before the conversion: Python refuses texts of very many digits.
         if int(length[:20]) > MOST_BODY:
             return 413, f"the message is larger than {MOST_BODY} bytes"
         return None
@@ -147,7 +150,7 @@ class Guard:
         if not self._everywhere:
             return False
         try:
-            ip_address(name)  # a number cannot be rebound
+            ip_address(name)  # an address is not a name that its owner could direct elsewhere
         except ValueError:
             return False
         return True
@@ -161,10 +164,11 @@ class Guard:
             cookie = SimpleCookie(_headers(scope).get("cookie", "")).get(self._cookie(scope))
         except CookieError:
             return False
+        # Compared in constant time, so that answering times do not reveal how much of the token is right.
         return cookie is not None and hmac.compare_digest(cookie.value.encode(), (self.token or "").encode())
 
     async def _greet(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Move the token from the address into a cookie, so that it is in no history and no link."""
+        """Move the token from the address into a cookie, so that neither history nor links contain it."""
         query = parse_qs(bytes(scope.get("query_string") or b"").decode("ascii", "replace"))
         given = query.get("token", [""])[-1]
         if scope["type"] != "http" or not hmac.compare_digest(given.encode(), (self.token or "").encode()):
@@ -181,6 +185,7 @@ class Guard:
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on with a bounded body, and with headers that keep the answer within this site."""
         path = str(scope["path"])
+        # All other paths are NiceGUI's, which does not work under the strict policy.
         own = path in ("/", "/favicon.ico") or path.startswith(("/static/", "/api/"))
         policy = (b"content-security-policy", (_STRICT if own else _POLICY).encode())
 
@@ -197,7 +202,7 @@ def _headers(scope: Scope) -> dict[str, str]:
 
 
 def _same_place(origin: str, host: str) -> bool:
-    """Return true where an ``Origin`` has the host of the request."""
+    """Return true where an ``Origin`` header names the host of the request."""
     try:
         parts = urlsplit(origin)
     except ValueError:
@@ -223,6 +228,7 @@ def _bounded_body(receive: Receive) -> Receive:
     async def bounded() -> Message:
         nonlocal taken
         message = await receive()
+        # A chunked body states no length: it is counted while it arrives.
         taken += len(message.get("body") or b"")
         return {"type": "http.disconnect"} if taken > MOST_BODY else message
 
@@ -230,7 +236,7 @@ def _bounded_body(receive: Receive) -> Receive:
 
 
 def _bounded_messages(receive: Receive, send: Send) -> Receive:
-    """Return a receiver that ends a websocket whose message is too large."""
+    """Return a receiver that ends a websocket when a message is too large."""
 
     async def bounded() -> Message:
         message = await receive()
@@ -244,7 +250,7 @@ def _bounded_messages(receive: Receive, send: Send) -> Receive:
 
 PORT: Final = 8420  #: First port that the viewer tries.
 
-_TRIED: Final = 50  # ports after it
+_TRIED: Final = 50  #: Number of ports that are tried.
 
 
 @dataclass(frozen=True)
@@ -254,7 +260,7 @@ class Page:
     path: str  #: Path of the page: ``"/workbench"``.
     title: str  #: Title of the browser's tab, and of the link to it.
     build: Callable[[], None]  #: Fills the page; called for every browser that opens it.
-    routes: tuple[Any, ...] = ()  #: Starlette routes that the page needs beside it, under ``/api/``.
+    routes: tuple[Any, ...] = ()  #: Further Starlette routes of the page, under ``/api/``.
 
 
 def workbench(scenario: str | Path | None = None) -> Page:
@@ -270,7 +276,7 @@ def require_installed() -> None:
     Raises
     ------
     BackendError
-        NiceGUI or what it stands on is not installed.
+        NiceGUI, or a library on which it depends, is not installed.
     """
     from importlib.util import find_spec
 
@@ -307,7 +313,7 @@ def _with_pages(addresses: list[Any], pages: Sequence[Page]) -> Any:
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """Return a socket that listens at ``port``, or at the first free one from :data:`PORT` on where none is given.
+    """Return a socket that listens at ``port``, or at the first free one from :data:`PORT` on by default.
 
     Raises
     ------
@@ -317,19 +323,22 @@ def bind(host: str, port: int | None) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     candidates = range(PORT, PORT + _TRIED) if port is None else (port,)
     for number in candidates:
-        made = socket.socket(family, socket.SOCK_STREAM)
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening = socket.socket(family, socket.SOCK_STREAM)
+        # A viewer that is started again gets its port at once, without waiting for old connections to expire.
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            made.bind((host, number))
-            made.listen(128)
+            listening.bind((host, number))
+            listening.listen(128)
         except OSError as error:
-            made.close()
+            listening.close()
+            # Only a port that is taken is worth trying the next one.
             if error.errno == errno.EADDRINUSE:
                 continue
             if error.errno in (errno.EACCES, errno.EPERM):
                 raise DataError(f"port = {number}: may not be used by this account; give one above 1023") from None
             raise DataError(f"host = {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
-        return made
+        return listening
+    # Port 0 lets the system choose a free one, which the error names.
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.bind((host, 0))
         free = probe.getsockname()[1]
@@ -350,11 +359,11 @@ def serve(
     Parameters
     ----------
     library : Library
-        Files that may be looked at.
+        Files that may be displayed.
     pages : sequence of Page
-        Other pages; the first one opens where the library is empty.
+        Other pages; the first page opens where the library is empty.
     host, port : str, int
-        Address to listen at; beyond the own machine a token becomes part of it.
+        Address to listen at; for other machines than this one a token becomes part of the address.
     browser : bool
         Open the address in a browser, where there is a display.
     announce : callable
@@ -387,11 +396,11 @@ def serve(
             failure: OSError | None = None
 
             async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-                # Only here does the server hear Ctrl-C: before, Python may lose it in a callback of an import.
+                # Ctrl-C reaches the server only from here on: earlier, Python may lose it in a callback of an import.
                 await super().startup(sockets=sockets)
                 if not self.started or self.should_exit:
                     return
-                # The program puts off the search for unused circles of objects until many are made; a viewer leaves some with each answer.
+                # The program postpones the search for unused cycles of objects until many exist; a viewer leaves some with every answer.
                 gc.collect()
                 try:
                     announce(where)
@@ -406,18 +415,19 @@ def serve(
         try:
             server.run(sockets=[listening])
         except KeyboardInterrupt:
-            return  # the ordinary end
+            return  # the usual end
         if server.failure is not None:
             raise server.failure
 
 
 def address(host: str, port: int, token: str | None, path: str = "") -> str:
-    """Return the address to open, with the token where there is one.
+    """Return the address to open, with the token if one is required.
 
     >>> address("0.0.0.0", 8420, None).startswith("http://0.0.0.0")
     False
     """
     name = host
+    # These listen at all addresses, but a browser cannot open them.
     if host in ("0.0.0.0", "::", ""):
         name = socket.gethostname()
     if ":" in name:

@@ -1,10 +1,7 @@
-"""Messages of the commands: lines for the user on stderr, results for a program on stdout, errors in the words of the command line.
+"""Lines that the commands print: messages and errors on stderr, results on stdout.
 
-Log messages of the package, printed as plain lines on stderr.
-
-Numbers as they are typed and told by ``seaglint detect``.
-
-Plain text tables of results.
+Errors are written in the words of the command line (options instead of parameters), log records of the package as plain lines. Below them
+are the tables of results in plain text, and the numbers that ``seaglint detect`` reads and prints.
 """
 
 from __future__ import annotations
@@ -28,13 +25,13 @@ if TYPE_CHECKING:
     from seaglint.studies.article.headline import ArticleRow
 
 
-LONGEST_WORD: Final = 500  #: Characters from which a word is cut: longer than the path of any file that a user gives a name.
+LONGEST_WORD: Final = 500  #: Number of characters from which a word is cut: longer than the path of any file that a user names.
 
-KEPT_OF_WORD: Final = 80  #: Characters that are kept of such a word.
+KEPT_OF_WORD: Final = 80  #: Number of characters at the beginning of such a word that are printed.
 
-LONGEST_LINE: Final = 4000  #: Characters after which a line is cut.
+LONGEST_LINE: Final = 4000  #: Number of characters after which a line is cut.
 
-#: Classes of characters that a terminal does not show but obeys, or that are none.
+#: Unicode categories of characters that steer a terminal instead of being shown, and of codes without a character.
 _STEERING: Final = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
 
 
@@ -60,9 +57,9 @@ def option_names(group: Any, words: Sequence[str]) -> dict[str, str]:
 def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool = False) -> str:
     """Return an error's text with parameters spelled as the options that set them.
 
-    Errors speak of parameters, which a user of the command line never sees: ``name = value`` and ``name=True`` anywhere, and a name alone
-    that stands in backticks, or whose underscore tells it from a word. Keys of a scenario file, which have a dot before them, stay. In the
-    error of a file (``of_file``), which has keys without a dot too, ``name=value`` without spaces is a parameter and ``name = value`` none.
+    Errors name parameters, which a user of the command line never sees. Replaced are ``name = value`` and ``name=True`` anywhere, names in
+    backticks, and names with an underscore, which no English word has. Keys of a scenario file, which follow a dot, stay. A scenario file
+    also has keys without a dot: in its errors (``of_file``) ``name=value`` without spaces is a parameter, and ``name = value`` is a key.
 
     Examples
     --------
@@ -72,9 +69,11 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
     >>> spelled_as_options("out.json exists already; give overwrite=True, or another frame_rate", names)
     'out.json exists already; give --overwrite, or another --frame-rate'
     """
-    if not options or text.startswith("--"):  # the command line itself speaks, of what it read in an option
+    if not options or text.startswith("--"):  # an error about the text of an option
         return text
+    # Not within a word, a path, a key or quoted text.
     alone = r"(?<![\w.\-/\[\"'`])"
+    # Longest first: an alternative that is the beginning of another would hide it.
     names = "|".join(sorted(map(re.escape, options), key=len, reverse=True))
     text = re.sub(r"`(\w+)`", lambda match: options.get(match[1], match[0]), text)
     equals = "=" if of_file else "(?: = |=)"
@@ -87,10 +86,10 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
 
 
 def printable(text: str) -> str:
-    r"""Return a text that a terminal shows as it is: what would steer it stands as an escape, what fills the screen is cut.
+    r"""Return a text without characters that steer a terminal: they become escapes, and very long words and lines are cut.
 
-    Values and names of files come from anywhere: control characters, those that reverse the direction of writing, and separators of
-    lines are written as Python writes them; words of more than :data:`LONGEST_WORD` characters keep their beginning.
+    Values and names of files may contain anything. Control characters, characters that reverse the direction of writing, and separators of
+    lines are written as Python escapes; words of more than :data:`LONGEST_WORD` characters keep their beginning.
 
     Examples
     --------
@@ -112,32 +111,33 @@ def log(text: str) -> None:
 
 
 def log_notes(path: object, recording: Recording) -> None:
-    """Print the notes of a recording, a line each: what was masked, scaled, turned or left out when it was opened."""
+    """Print the notes of a recording, one per line: masked, scaled, rotated or omitted data when it was opened."""
     for note in recording.notes:
         log(f"{path}: {note}")
 
 
 def say_air(scenarios: Scenario | Sequence[Scenario], ranges: Sequence[float] | None = None) -> None:
-    """Print how warm the air is over the water and what it leaves of a contrast, where a scenario does not state both temperatures.
+    """Print the temperature of the air over the water and its effect on contrasts, where a scenario does not state both temperatures.
 
-    Of several scenarios each line is printed once.
+    For several scenarios each different line is printed once.
     """
     from seaglint.studies.mean.air_contrast import air_line
 
     several = scenarios if isinstance(scenarios, Sequence) else [scenarios]
+    # A dictionary removes repetitions and keeps the order.
     for line in dict.fromkeys(air_line(one, ranges) for one in several):
         if line is not None:
             log(line)
 
 
 def tell(lines: Iterable[str]) -> None:
-    """Print lines of a result for people, on stdout."""
+    """Print the lines of a result on stdout, for people."""
     typer.echo(printable("\n".join(lines)))
 
 
 @contextmanager
 def naming_file(path: Path, scenario: Scenario) -> Iterator[None]:
-    """Give what only physics refuses the file's name, and the key that sets the number: physics knows neither."""
+    """Add the file's name, and the key that sets the number, to errors of the physics, which knows neither."""
     try:
         yield
     except ScenarioError as error:
@@ -152,7 +152,7 @@ def naming_file(path: Path, scenario: Scenario) -> Iterator[None]:
 
 
 def files_read(path: Path, scenario: Scenario) -> list[Path]:
-    """The scenario file and the files that it names: what no output may replace."""
+    """Return the scenario file and the files that it names, none of which an output may replace."""
 
     def named(value: Any) -> Iterator[Path]:
         if isinstance(value, Path):
@@ -168,32 +168,32 @@ def files_read(path: Path, scenario: Scenario) -> list[Path]:
 
 
 def print_json(value: Any) -> None:
-    """A result for a program, on stdout."""
+    """Print a result as JSON on stdout, for programs."""
     import json
 
     typer.echo(json.dumps(value, indent=2, ensure_ascii=False))
 
 
 class _Stderr(logging.Handler):
-    """The standard error of the moment: tests and notebooks exchange it. A warning is printed once a command."""
+    """Handler that writes to the present standard error, which tests and notebooks replace. Each warning is printed once per command."""
 
     def __init__(self) -> None:
         super().__init__()
         self.warned: set[str] = set()
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write one line."""
+        """Write a record as one line."""
         text = record.getMessage()
         if record.levelno >= logging.WARNING:
-            fact = str(getattr(record, "fact", text))  # what stays the same where numbers in the text follow a scene
+            fact = str(getattr(record, "fact", text))  # the part of a warning that is equal for all scenes
             if fact in self.warned:
-                return  # a study prepares the same air for every height, hour and scene
+                return  # a study prepares the same air for each height, hour and scene
             self.warned.add(fact)
         log(text)
 
 
 def begin_logs() -> None:
-    """Print the warnings of a command that begins, each once."""
+    """Begin a new command: print warnings only, and each of them once more."""
     show_logs(quiet=True)
     for handler in logging.getLogger("seaglint").handlers:
         if isinstance(handler, _Stderr):
@@ -201,7 +201,7 @@ def begin_logs() -> None:
 
 
 def show_logs(*, quiet: bool = False) -> None:
-    """Print progress and warnings of the package's loggers; ``quiet`` leaves the warnings."""
+    """Print progress and warnings of the package's loggers; with ``quiet`` only warnings."""
     logger = logging.getLogger("seaglint")
     if not any(isinstance(handler, _Stderr) for handler in logger.handlers):
         logger.addHandler(_Stderr())
@@ -210,16 +210,16 @@ def show_logs(*, quiet: bool = False) -> None:
     logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # fonts that are missing change no number
 
 
-MOST_CONTRASTS = 200
+MOST_CONTRASTS = 200  #: Largest number of numbers in one option.
 
 
 def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
-    """Numbers of an option: one, several, or a range of them.
+    """Return the numbers of an option: one, several with commas, or a range FIRST:LAST:STEP.
 
     Raises
     ------
     DataError
-        What is no such thing, or too many.
+        The text has another form, or gives too many numbers.
     """
     import numpy as np
 
@@ -231,7 +231,9 @@ def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
             contrasts = tuple(float(part) for part in text.split(","))
         else:
             first, last, step = (float(part) for part in text.split(":"))
+            # 1e-9 includes the last number in spite of rounding. The number of steps is tested first: a tiny step would fill the memory.
             count = int((last - first) / step + 1.0 + 1e-9) if step and (last - first) / step < MOST_CONTRASTS else 0
+            # 12 decimals remove the rounding of repeated steps: 0.3, not 0.30000000000000004.
             contrasts = tuple(float(v) for v in np.round(first + step * np.arange(max(count, 0)), 12))
     except ValueError:
         raise wrong from None
@@ -241,7 +243,7 @@ def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
 
 
 def between(ends: list[float] | None) -> str:
-    """An interval in brackets."""
+    """Return an interval as text in brackets."""
     return " (no interval)" if ends is None else f" ({ends[0]:.3g} to {ends[1]:.3g})"
 
 
@@ -254,7 +256,7 @@ def _number(value: Any) -> str:
 
 
 def table(rows: Mapping[str, ArticleRow]) -> list[str]:
-    """Lines of a table: what, the numbers that all rows have, unit; the settings of each row under it."""
+    """Return the lines of a table: name, the numbers that all rows have, unit; below each row its settings."""
     width = max((len(key) for key in rows), default=4)
     heads = next((list(row.numbers) for row in rows.values()), ["article", "ours"])
     out = ["  ".join([f"{'what':{width}}", *(f"{head:>12}" for head in heads), "unit"])]

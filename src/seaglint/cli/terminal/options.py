@@ -1,13 +1,12 @@
-"""Options that several commands have.
+"""Options that several commands share: output, progress, overwriting, the scale of previews, and numbers of frames.
 
-The option ``--scale`` of previews, and what a preview may replace.
-
-The frames asked for on the command line: ``37``, ``37:38``, ``10:``, ``:20``, of a stored run also ``0:100:2``.
+Frames are written ``37``, ``37:38``, ``10:`` or ``:20``; of a stored run also with a step, ``0:100:2``.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +18,7 @@ from seaglint.cli.terminal.progress import ProgressMode
 
 
 class PreviewScale(StrEnum):
-    """Brightness of pictures."""
+    """Brightness scales of pictures."""
 
     AUTO = "auto"
     LINEAR = "linear"
@@ -27,16 +26,18 @@ class PreviewScale(StrEnum):
 
 
 def place_given(text: str) -> Path | str:
-    """A store's name: a URL as it stands, else a path without a slash at its end, which would put what lies beside the store elsewhere."""
+    """Return the name of a store: a URL unchanged, a path without a final slash, so that files beside the store get the right folder."""
     bare = text.rstrip("/\\") or text
     return bare if "://" in text else Path(bare)
 
 
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
+AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
+ScenarioArgument = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")]
+Preview = Annotated[bool, typer.Option("--preview", help="write a picture beside the file")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace an existing output")]
 StoreOption = Annotated[str, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")]
 ShardOption = Annotated[
-    str | None,
-    typer.Option("--shard", metavar="I/N", help="make share K of N, from 0:N to N-1:N; 'render --finish' joins them"),
+    str | None, typer.Option("--shard", metavar="I/N", help="make share K of N, from 0:N to N-1:N; 'render --finish' joins them")
 ]
 ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
 LateProgressOption = Annotated[
@@ -50,7 +51,7 @@ ScaleOption = Annotated[
 
 
 def refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
-    """Refuse to write a preview over what may be somebody's, and say why a name is taken that was not given."""
+    """Refuse to replace a file by a preview; the error explains why this file would be written."""
     from seaglint.store.outputs import refuse_existing
 
     if path.exists() and not replace:
@@ -61,11 +62,24 @@ def refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
     refuse_existing(path, overwrite=replace, inputs=inputs)
 
 
-def parse_frames(text: str | range | None, held: int | range, *, steps: bool = False) -> range:
-    """Frame numbers from 0, the end not included, as in Python.
+def two_numbers(separator: str, hint: str) -> Callable[[str, str], tuple[float, float]]:
+    """Return a reader of options with two numbers: it takes the text and the option, and raises ``hint`` for other texts."""
 
-    ``held`` are the frames there are: those of a run, or how many a scenario has; ``steps`` allows every other one. ``text`` is that of a
-    request's frames, of which it is not known before how many there are.
+    def read(text: str, option: str) -> tuple[float, float]:
+        try:
+            first, second = (float(part) for part in text.split(separator))
+        except ValueError:
+            raise DataError(f"{option} {text}: give {hint}") from None
+        return first, second
+
+    return read
+
+
+def parse_frames(text: str | range | None, held: int | range, *, steps: bool = False) -> range:
+    """Return the frame numbers of an option, from 0 and without the end, as in Python.
+
+    ``held`` are the existing frames of a run, or the number of frames of a scenario; ``steps`` allows steps larger than 1. ``text`` is the
+    field of a request, which is read only here, where the number of frames is known.
 
     >>> parse_frames("37:38", 100), parse_frames("90:", 100), parse_frames(None, 3)
     (range(37, 38), range(90, 100), range(0, 3))
@@ -80,6 +94,7 @@ def parse_frames(text: str | range | None, held: int | range, *, steps: bool = F
         more = ", :20 or 0:100:2 (every other)" if steps else " or :20"
         raise ScenarioError(f"--frames {text}: is not a range of frames; write 37, 37:38 (the end not included), 10:{more}")
     first = int(match[1] or frames.start)
+    # A number without a colon is one frame; a colon without an end runs to the last.
     end = int(match[3]) if match[3] else frames.stop if match[2] else first + 1
     step = int(match[5] or 1)
     if step == 0:

@@ -1,15 +1,15 @@
-"""A quick start of the program: what its libraries do at the start for the sake of others is put off.
+"""Start and help of the program: a quick start, completion in the shell, lists of formats, and examples.
 
-Completion of commands and options in the user's shell.
+Quick start: searches of imported libraries for other packages are prevented, and garbage collection is postponed.
 
-Typer's own options take no shell: they look for the one that started them, and find another from within make, tmux or a script.
+Completion: Typer's options for it detect the shell that started the program, which fails within make, tmux and scripts. The options here
+take the name of the shell.
 
-Help texts that list the library's formats, which are looked up when the help page is printed and not before.
+Lists of formats in help texts are looked up when a help page is printed, so that no reader of files is imported at the start.
 
-The example at the end of each command's help: lines that work in an empty folder, and in one where others were typed before.
-
-Examples that need a scenario or a recording begin with the same lines. These work again: the scenario is replaced by the same, and
-``--resume`` takes a finished recording as it is. All else that an example writes has a name of its own.
+Examples: each command's help ends with lines that work in an empty folder, and also in a folder where other examples were typed before.
+Examples that need a scenario or a recording begin with the same two lines, which can be repeated: the scenario is replaced by an equal one,
+and ``--resume`` accepts a finished recording. Every other file that an example writes has a different name.
 """
 
 from __future__ import annotations
@@ -27,17 +27,18 @@ from typer._completion_classes import completion_init
 from typer.completion import install_callback, show_callback
 from typer.core import TyperCommand, TyperOption
 
-#: Containers made before memory is first searched for circles: a command's imports make 250,000 to 450,000, nearly all of which stay.
+#: Number of new containers before the first search for unused cycles: the imports of a command make 250,000 to 450,000, nearly all of which
+#: stay.
 OBJECTS: Final = 600_000
 
 
 def collect_later() -> None:
-    """Let Python search for unused circles of objects after the imports and not hundreds of times during them, a tenth of their time.
+    """Postpone the search for unused cycles of objects until after the imports, where hundreds of searches take a tenth of the time.
 
-    The first search puts back what was set before. At the end of the program none is made.
+    The first search restores the previous setting. At the end of the program none is made.
     """
     before = gc.get_threshold()
-    if before[0] == OBJECTS:  # put off already
+    if before[0] == OBJECTS:  # postponed already
         return
 
     def restore(*_: object) -> None:
@@ -46,17 +47,19 @@ def collect_later() -> None:
 
     gc.callbacks.append(restore)
     gc.set_threshold(OBJECTS, *before[1:])
+    # Frozen objects are not searched at the end, where the system takes the memory back anyway.
     atexit.register(gc.freeze)
 
 
 def only_numpy() -> None:
-    """Tell xarray that arrays are NumPy's: to find that out it would import Dask and pint where they are installed, 0.4 s.
+    """Declare to xarray that all arrays are NumPy's; to find out, it would import Dask and pint where they are installed, 0.4 s.
 
     The names are xarray's private ones; a version without them imports as before.
     """
     with suppress(ImportError, AttributeError, TypeError):
         from xarray.namedarray import pycompat
 
+        # Modules that are imported already cost nothing, and their arrays have to be recognised.
         names: Any = {"dask", "pint", "sparse", "cupy"} - set(sys.modules)
         for name in names:
             absent = pycompat.DuckArrayModule("seaglint.absent")  # type: ignore[arg-type]
@@ -64,7 +67,7 @@ def only_numpy() -> None:
 
 
 class Shell(StrEnum):
-    """Shells that complete."""
+    """Shells for which words are completed."""
 
     BASH = "bash"
     ZSH = "zsh"
@@ -94,12 +97,12 @@ ShowCompletion = Annotated[
     typer.Option("--show-completion", metavar="SHELL", callback=_show, is_eager=True, help="print what that would add, and leave"),
 ]
 
-# Answers what the shells ask on a press of the tab key, in Typer's form.
+# Registers the answers to requests that shells send when the tab key is pressed, in Typer's form.
 completion_init()
 
 
 def derived_help(**texts: Callable[[], str]) -> type[TyperCommand]:
-    """Return a class of commands whose options may have ``{NAME}`` in their help, for which ``texts[NAME]()`` is printed.
+    """Return a class of commands that replace ``{NAME}`` in the help of options by ``texts[NAME]()`` when it is printed.
 
     Command modules are imported to complete words, where no library may be loaded.
     """
@@ -169,7 +172,7 @@ _SHIP = (
     "    --map cloud_cover=clouds:oktas -o weather.csv",
 )
 
-#: Lines by command; of a group of commands, and of the program itself under no name, those of what one begins with.
+#: Example lines by command. A group of commands has the lines of its first use; the program itself has the empty name.
 EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "": ("seaglint init my.toml", "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
     "init": (
@@ -188,10 +191,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "reproduce fig5": ("seaglint reproduce fig5 -o article",),
     "reproduce fig10": ("seaglint reproduce fig10 -o article",),
     "reproduce fig12": ("seaglint reproduce fig12 --frames 60:80 --pixels 128 -o article",),
-    "compare": (
-        *_RADIOMETER,
-        "seaglint compare sky.csv radiometer.toml --zenith-deg 30 -o sky.png --overwrite",
-    ),
+    "compare": (*_RADIOMETER, "seaglint compare sky.csv radiometer.toml --zenith-deg 30 -o sky.png --overwrite"),
     "reproduce measured": ("seaglint reproduce measured -o measured --overwrite",),
     "reproduce table1": ("seaglint reproduce table1 -o article",),
     "mean": (_SCENE, "seaglint mean example.toml -o mean.nc --preview"),
@@ -260,9 +260,9 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
 
 
 def epilog(command: str) -> str | None:
-    """Return the example at the end of a command's help; nothing where it has none."""
+    """Return the example at the end of a command's help; None for a command without example."""
     lines = EXAMPLES.get(command)
-    # \b keeps the lines as they are
+    # Click does not wrap a paragraph that begins with \b.
     return None if lines is None else "\b\n" + "\n".join(["Example:", *(f"  {line}" for line in lines)])
 
 

@@ -1,4 +1,4 @@
-"""Progress with rate and time left: a bar on a terminal, plain lines elsewhere, nothing on request; always on stderr."""
+"""Progress with rate and remaining time: a bar on a terminal, plain lines elsewhere, nothing on request; always on stderr."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class ProgressMode(StrEnum):
-    """How progress is shown."""
+    """Ways to show progress."""
 
     AUTO = "auto"
     BAR = "bar"
@@ -27,7 +27,7 @@ class ProgressMode(StrEnum):
 class Pace:
     """Pace of a piece of work, by the clock [s].
 
-    The first piece counts for nothing: kernels are compiled and tables prepared in it. Before there is a second one there is no rate.
+    The first piece is left out, since kernels are compiled and tables prepared in it: the rate is known from the second piece on.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -40,10 +40,11 @@ class Pace:
         self._latest = self.began
 
     def report(self, done: int, total: int) -> None:
-        """Note how much is done; the first time that is the work of an earlier run."""
+        """Record the number of finished pieces; the number of the first call is the work of an earlier run."""
         now = self._clock()
         if self.before is None:
             self.before = done
+        # Only calls with new pieces move the clock: workers may report the same number again.
         if done > self.done or self.done == 0:
             self._latest = now
         if self._first is None and done > self.before:
@@ -52,31 +53,33 @@ class Pace:
 
     @property
     def elapsed(self) -> float:
-        """Seconds since the work began."""
+        """Time since the work began [s]."""
         return self._clock() - self.began
 
     @property
     def rate(self) -> float | None:
-        """Pieces per second after the first one; None while that is not known."""
+        """Number of pieces per second after the first one; None while it is not known."""
         if self._first is None or self.done <= self._first[1] or self._latest <= self._first[0]:
             return None
         return (self.done - self._first[1]) / (self._latest - self._first[0])
 
     @property
     def left(self) -> float | None:
-        """Seconds that the rest takes at this rate; None while that is not known."""
+        """Time that the remaining pieces take at this rate [s]; None while it is not known."""
         rate = self.rate
+        # Time since the latest piece has passed already; a slow piece must not make the rest negative.
         return None if rate is None else max((self.total - self.done) / rate - (self._clock() - self._latest), 0.0)
 
 
-LOG_INTERVAL = 10.0  #: Seconds between two lines of a log: a batch job of hours stays readable.
+LOG_INTERVAL = 10.0  #: Least time between two lines of a log [s]: the log of a batch job of hours stays readable.
 
 
 @contextmanager
 def progress(mode: ProgressMode, what: str, pace: Pace | None = None, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
-    """Function to call with (done, total): once at the start, then after each piece of work.
+    """Provide a function to call with (done, total): once at the start, then after each piece of work.
 
-    ``pace`` is that of work that had begun before the first call; without it, what is done then counts as done by an earlier run.
+    ``pace`` is the pace of work that began before the first call. Without it, pieces that are finished at the first call count as the work
+    of an earlier run.
     """
     if mode is ProgressMode.AUTO:
         mode = ProgressMode.BAR if sys.stderr.isatty() else ProgressMode.LOG
@@ -89,17 +92,18 @@ def progress(mode: ProgressMode, what: str, pace: Pace | None = None, clock: Cal
         yield lambda done, total: None
 
 
-PATIENCE = 2.0  #: Seconds that work may take before its progress is shown where most runs are short.
+PATIENCE = 2.0  #: Time before progress is shown where most runs are short [s].
 
 
 @contextmanager
 def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
-    """:func:`progress` that appears only when the work has lasted :data:`PATIENCE` seconds."""
+    """Provide a function as :func:`progress` does; it shows nothing before the work has lasted :data:`PATIENCE` seconds."""
     pace = Pace(clock)
     shown: list[Progress] = []
     with ExitStack() as stack:
 
         def report(done: int, total: int) -> None:
+            # Nothing is shown for the last piece alone: it would appear and vanish.
             if not shown and pace.before is not None and pace.elapsed >= PATIENCE and done < total:
                 shown.append(stack.enter_context(progress(mode, what, pace, clock)))
             if shown:
@@ -111,7 +115,7 @@ def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] =
 
 
 def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, pace: Pace | None = None) -> Progress:
-    """Report that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
+    """Return a function that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
     from seaglint.base.representation import duration
 
     known = pace or Pace(clock)
@@ -131,8 +135,9 @@ def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float
             left, rate = known.left, known.rate
             write(f"{what}: {done}/{total}" + ("" if left is None or rate is None else f", {rate:.3g} per s, {duration(left)} left"))
         else:
-            made = (done - (known.before or 0)) / max(known.elapsed, 1e-9)
-            write(f"{what}: {done}/{total} in {duration(known.elapsed)}, {made:.3g} per s")
+            # At the end the mean over the whole run, the first piece included.
+            mean_rate = (done - (known.before or 0)) / max(known.elapsed, 1e-9)
+            write(f"{what}: {done}/{total} in {duration(known.elapsed)}, {mean_rate:.3g} per s")
 
     return report
 
@@ -147,15 +152,16 @@ def _bar(what: str, pace: Pace) -> Iterator[Progress]:
     from seaglint.base.representation import duration
 
     class Rate(ProgressColumn):
-        """Pieces per second after the first one, and the time left; nothing while they are not known."""
+        """Column with pieces per second and remaining time; empty while they are not known."""
 
         def render(self, task: Task) -> Text:
-            """Rate as text."""
+            """Return rate and remaining time as text."""
             rate, left = pace.rate, pace.left
             return Text("" if rate is None or left is None or task.finished else f"{rate:.3g}/s, {duration(left)} left")
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), Rate())
     with Bar(*columns, console=Console(stderr=True)) as shown:
+        # A bar without a total moves until the first report.
         task = shown.add_task(what, total=None)
 
         def report(done: int, total: int) -> None:

@@ -1,12 +1,8 @@
-"""Values of options that are small files or layouts of files: weights, masks, raw layouts.
+"""Options of a command, derived from the records that it takes: requests of the studies, results and workers.
 
-Options of a command from the records that it takes: requests of the studies, and what commands share.
-
-Workers that options ask for: processes on this machine, or a Dask cluster.
-
-Options of where results go and of how work is run, as records that commands share.
-
-The end of a work that was cut into shares: the message after a share, and the check of the whole.
+Each field of a record becomes one option with the help text of the field. Some options name small files (weights, masks) or layouts of raw
+files; these are read here. The records ``ResultOptions`` and ``RunOptions`` are shared by commands: destinations of results, and workers.
+The functions at the end finish a store, and report a share of the work.
 """
 
 from __future__ import annotations
@@ -26,7 +22,7 @@ from typer.core import TyperCommand
 from seaglint.base.errors import DataError
 from seaglint.base.parameters import GROUPS, Parameter, described
 from seaglint.cli.terminal.messages import contrasts_of, log
-from seaglint.cli.terminal.options import place_given
+from seaglint.cli.terminal.options import place_given, two_numbers
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.studies.study_requests import WorkRequest
 
@@ -41,15 +37,15 @@ RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
 
 
 def weights(path: Path) -> NDArray[np.float64]:
-    """Numbers of a small CSV or NumPy file."""
+    """Return the numbers of a small CSV or NumPy file."""
     import numpy as np
 
-    from seaglint.base.errors import DataError
     from seaglint.store.outputs import read_text
 
     try:
         if path.suffix == ".npy":
             return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
+        # Semicolons, commas and blanks all separate numbers.
         text = read_text(path, "give a CSV or .npy file").replace(";", " ").replace(",", " ")
         return np.loadtxt(text.splitlines(), dtype=np.float64, ndmin=2)
     except (OSError, ValueError) as error:
@@ -57,10 +53,9 @@ def weights(path: Path) -> NDArray[np.float64]:
 
 
 def read_mask(path: Path) -> NDArray[np.bool_]:
-    """Mask from an image or a NumPy file: true where it is not zero."""
+    """Return a mask from an image or a NumPy file: true where it is not zero."""
     import numpy as np
 
-    from seaglint.base.errors import DataError
     from seaglint.formats.recording import open_recording
 
     opened = open_recording(path, channel=None)
@@ -70,10 +65,9 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
 
 
 def raw_layout(text: str | None) -> Any:
-    """Layout of a raw file from ``name=value`` pairs; None where nothing is said."""
+    """Return the layout of a raw file from ``name=value`` pairs; None without a text."""
     if text is None:
         return None
-    from seaglint.base.errors import DataError
     from seaglint.formats.recording import RawLayout
 
     table: dict[str, Any] = {}
@@ -86,7 +80,7 @@ def raw_layout(text: str | None) -> Any:
 
 
 def _typed(value: str) -> int | float | str:
-    """A whole number, a number, or text."""
+    """Return a text as a whole number or as a number, otherwise unchanged."""
     for kind in (int, float):
         try:
             return kind(value)
@@ -96,13 +90,13 @@ def _typed(value: str) -> int | float | str:
 
 
 class Without(NamedTuple):
-    """Fields of a record that a command has no options for; they keep their defaults."""
+    """Fields of a record for which a command has no options; they keep their defaults."""
 
     names: tuple[str, ...]
 
 
 class RecordCommand(TyperCommand):
-    """Command whose help page has its options in groups."""
+    """Command with its options in groups on the help page."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the arguments, then the options under their headings."""
@@ -148,6 +142,7 @@ def _with_options(command: Callable[..., None], first: Sequence[str]) -> Callabl
         record = get_args(hint)[0] if get_origin(hint) is Annotated else hint
         if not is_dataclass(record):
             default = inspect.signature(command).parameters[name].default
+            # Where a field of an earlier record has the same name, its option stays.
             parameters.setdefault(name, inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint))
             continue
         records[name] = record  # type: ignore[assignment]
@@ -169,18 +164,21 @@ def _with_options(command: Callable[..., None], first: Sequence[str]) -> Callabl
         }
         command(**built, **{name: read[name] for name in hints if name not in records})
 
+    # The names in ``order`` come first; the others keep the order of the records.
     listed = {name: parameters[name] for name in first} | parameters
     called.__annotations__ = {name: parameter.annotation for name, parameter in listed.items()} | {"return": None}
+    # Stable: a signature must have parameters without default first, and otherwise keeps its order.
     ordered = sorted(listed.values(), key=lambda parameter: parameter.default is not inspect.Parameter.empty)
     called.__signature__ = inspect.Signature(ordered, return_annotation=None)  # type: ignore[attr-defined]
+    # Errors name parameters; the program replaces them by these options.
     called.renamed = renamed  # type: ignore[attr-defined]
     return called
 
 
 def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspect.Parameter, Callable[[Any], Any]]:
-    """Return the parameter of a command for a field of a record, and what reads its text."""
+    """Return the parameter of a command for a field of a record, and the function that reads its text."""
     default: Any = inspect.Parameter.empty if field.default is MISSING else field.default
-    if text is None:  # an option as Typer has it
+    if text is None:  # the field is declared as an option of Typer
         return inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint), lambda value: value
     kind = get_args(hint)[0]
     option = text.option or option_of(field.name)
@@ -198,10 +196,12 @@ def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspe
         kind = str
     elif get_origin(kind) is tuple and get_args(kind)[1:] == (...,) and text.form in ("", "names"):
         item: Any = str if text.form else get_args(kind)[0]
+        # Typer repeats the option of a list; without one the value is None, which becomes an empty tuple.
         several: Any = list[item] | None
         parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[several, info])
         return parameter, lambda value: tuple(value or ())
     elif text.form:
+        # All other forms are texts, which their reader turns into numbers.
         kind = Path | None if text.form in ("weights", "mask") else str | None
         default = None if default is None else WRITTEN.get(text.form, _commas)(default)
     parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
@@ -213,23 +213,21 @@ def _commas(values: Sequence[float]) -> str:
 
 
 def _weights(path: Path, option: str) -> Any:
-    """Return the numbers of a small CSV or NumPy file, with its place."""
+    """Return the numbers of a small CSV or NumPy file, with its path."""
     from seaglint.studies.study_requests import WeightsFile
 
     return WeightsFile(path, weights(path))
 
 
 def _mask(path: Path, option: str) -> Any:
-    """Return the mask of an image or a NumPy file, with its place."""
+    """Return the mask of an image or a NumPy file, with its path."""
     from seaglint.studies.study_requests import WeightsFile
 
     return WeightsFile(path, partial(read_mask, path))
 
 
 def _shares(text: str, option: str) -> tuple[float, float]:
-    """Return the ends of a part of the height, of FIRST:LAST."""
-    from seaglint.base.errors import DataError
-
+    """Return the ends of a part of the height from FIRST:LAST [1]."""
     first, colon, last = text.partition(":")
     try:
         if not colon:
@@ -239,54 +237,26 @@ def _shares(text: str, option: str) -> tuple[float, float]:
         raise DataError(f"{option} {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
 
 
-def _raw(text: str, option: str) -> Any:
-
-    return raw_layout(text)
-
-
-def _pair(text: str, option: str) -> tuple[float, float]:
-    """Return pixels to the right and down, of X,Y."""
-    from seaglint.base.errors import DataError
-
-    try:
-        right, down = (float(part) for part in text.split(","))
-    except ValueError:
-        raise DataError(f"{option} {text}: give X,Y in pixels a frame, to the right and down, e.g. 0.5,0") from None
-    return right, down
-
-
 def _size(text: str, option: str) -> tuple[int, int]:
-    """Return columns and rows of COLUMNSxROWS."""
-    from seaglint.base.errors import DataError
-
+    """Return columns and rows from COLUMNSxROWS."""
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):
         raise DataError(f"{option} {text}: give columns and rows above 0 as COLUMNSxROWS, e.g. 512x512")
     return int(parts[0]), int(parts[1])
 
 
-def _limits(text: str, option: str) -> tuple[float, float]:
-    from seaglint.base.errors import DataError
-
-    try:
-        near, far = (float(part) for part in text.split(":"))
-    except ValueError:
-        raise DataError(f"{option} {text}: give NEAR:FAR in metres, e.g. 500:40000") from None
-    return near, far
-
-
 SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never": False}  #: Values of the words of a switch.
 
-#: Readers of texts by the form of a parameter; each takes text and option. Frames are read where it is known how many there are.
+#: Readers of texts by the form of a parameter; each takes text and option. Frames are read later, where their number is known.
 READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "numbers": contrasts_of,
-    "pair": _pair,
+    "pair": two_numbers(",", "X,Y in pixels a frame, to the right and down, e.g. 0.5,0"),
     "size": _size,
-    "limits": _limits,
+    "limits": two_numbers(":", "NEAR:FAR in metres, e.g. 500:40000"),
     "shares": _shares,
     "weights": _weights,
     "mask": _mask,
-    "raw": _raw,
+    "raw": lambda text, _: raw_layout(text),
     "switch": lambda text, _: SWITCH[text],
 }
 
@@ -297,34 +267,24 @@ SPELLED: Final[Mapping[str, str]] = {
     "shares": ", as shares from the top: 0.45: or 0.2:0.8",
 }
 
-#: Texts of defaults by the form of a parameter; numbers with commas between them for other forms.
+#: Texts of defaults by the form of a parameter; other forms are numbers with commas between them.
 WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {
     "shares": lambda ends: ":" if ends == (0.0, 1.0) else f"{ends[0]:g}:{ends[1]:g}",
     "size": lambda sides: f"{sides[0]}x{sides[1]}",
 }
 
 
-def done_here(workers: int | None, dask: str | None, dask_slurm: Path | None, what: str) -> None:
-    """Say that nobody shares a piece of work that cannot be parted."""
-    from seaglint.cli.terminal.messages import log
-
-    if workers is not None or dask is not None or dask_slurm is not None:
-        log(f"{what} in one piece, by this process alone")
-
-
 @contextmanager
 def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None) -> Iterator[Workers | None]:
-    """Whoever was asked for; None where the work is this process's own. ``threads`` is for each local process.
+    """Provide the requested workers; None where this process works alone. ``threads`` is the number for each local process.
 
     Raises
     ------
     DataError
-        More than one was asked for, or threads of Dask workers.
+        More than one kind of workers is requested, or threads for Dask workers.
     SeaglintError
-        What :mod:`seaglint.cluster.dask` refuses.
+        :mod:`seaglint.cluster.dask` refuses the cluster.
     """
-    from seaglint.base.errors import DataError
-
     given = [name for name, value in (("--workers", workers), ("--dask", dask), ("--dask-slurm", dask_slurm)) if value is not None]
     if len(given) > 1:
         raise DataError(f"{' and '.join(given)}: work is shared out in one way; give one of them")
@@ -336,13 +296,11 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
         with LocalProcesses(workers, threads=threads) as processes:
             yield processes
     elif dask is not None:
-        from seaglint.cli.terminal.messages import log
         from seaglint.cluster.dask import connected
 
         with connected(dask, log) as cluster:
             yield cluster
     elif dask_slurm is not None:
-        from seaglint.cli.terminal.messages import log
         from seaglint.cluster.dask import queued
 
         with queued(dask_slurm, log) as cluster:
@@ -353,7 +311,7 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
 
 @dataclass(frozen=True)
 class ResultOptions:
-    """Where results go: text or JSON on stdout, files beside each other, a report."""
+    """Destinations of results: text or JSON on stdout, files with one stem, a report."""
 
     as_json: Annotated[bool, typer.Option("--json", help="print JSON", rich_help_panel="Results")] = False
     output: Annotated[
@@ -373,7 +331,7 @@ class ResultOptions:
 
 @dataclass(frozen=True)
 class RunOptions(WorkRequest):
-    """How work is run: by whom, over what is there, and how its progress is shown."""
+    """Settings of a run: workers, continuation, and progress."""
 
     dask: Annotated[
         str | None,
@@ -384,43 +342,43 @@ class RunOptions(WorkRequest):
         typer.Option(
             "--dask-slurm",
             metavar="CLUSTER.toml",
-            help="batch queue that workers are asked of, with the settings in this file",
+            help="batch queue that provides workers, with the settings in this file",
             rich_help_panel="Run",
         ),
     ] = None
-    resume: Annotated[bool, Parameter("go on with what is kept beside RESULT", "Run")] = False
+    resume: Annotated[bool, Parameter("continue with the parts stored beside RESULT", "Run")] = False
     show: Annotated[
-        ProgressMode,
-        typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing", rich_help_panel="Run"),
+        ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing", rich_help_panel="Run")
     ] = ProgressMode.AUTO
 
     def chosen(self) -> AbstractContextManager[Workers | None]:
-        """Return the workers asked for; see :func:`seaglint.cli.terminal.record_options.chosen`."""
+        """Provide the requested workers; see :func:`seaglint.cli.terminal.record_options.chosen`."""
         return chosen(self.workers, self.dask, self.dask_slurm, threads=self.threads)
 
     def done_here(self, what: str) -> None:
-        """Say that nobody shares a piece of work that cannot be parted."""
-        done_here(self.workers, self.dask, self.dask_slurm, what)
+        """Report that requested workers are not used, since the work cannot be divided."""
+        if self.workers is not None or self.dask is not None or self.dask_slurm is not None:
+            log(f"{what} in one piece, by this process alone")
 
 
-ALONE = ("workers", "dask", "dask_slurm")  #: Fields of :class:`RunOptions` for work that several share.
+ALONE = ("workers", "dask", "dask_slurm")  #: Fields of :class:`RunOptions` that share work; left out by commands that work alone.
 
 
 def require_one_way(*, shard: str | None, overwrite: bool) -> None:
-    """Refuse ``--finish`` with what makes or replaces frames.
+    """Refuse ``--finish`` together with options that make or replace frames.
 
     Raises
     ------
     DataError
-        Another option does that.
+        One of these options is given.
     """
     for name, given in (("--shard", shard is not None), ("--overwrite", overwrite)):
         if given:
-            raise DataError(f"--finish checks and names what is there, and {name} makes frames; give one of the two")
+            raise DataError(f"--finish checks and names an existing store, and {name} makes frames; give one of the two")
 
 
 def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path | str:
-    """Check a store and name it; where no output is given, ``scenario`` is the store. Returns where it is.
+    """Check a store, give it its final name and return its place; without an output, ``scenario`` is the store.
 
     Raises
     ------
@@ -438,12 +396,12 @@ def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path 
         log(f"{store}: is finished already")
         return store
     with open_sequence(store) as dataset:
-        log(f"{store}: {dataset.sizes['time']} frames, all there and as their checksums say")
+        log(f"{store}: {dataset.sizes['time']} frames, all complete and with correct checksums")
     return store
 
 
 def tell_share(store: Path | str, share: object) -> None:
-    """Say how far the whole is when a share of it is done."""
+    """Report the progress of the whole sequence when a share of it is done."""
     from seaglint.store.location import place_of
     from seaglint.store.sequence_store import open_sequence
 

@@ -1,8 +1,6 @@
-"""Style of the workbench: the colours of the viewer's other pages.
+"""Page of the workbench: the form on the left, pictures of its scenario on the right, in the style of the viewer's pages.
 
-Redrawing of pictures a little after the last change; a newer change replaces a picture in progress.
-
-Page of the workbench: the form at the left, pictures of its scenario at the right.
+Pictures are drawn again shortly after the last change; a newer change replaces a picture in progress.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS
 from seaglint.scenario.text.display import compass
-from seaglint.viewer.workbench.scenario_draft import Draft, Keys
+from seaglint.viewer.workbench.scenario_draft import Draft, Keys, mistakes_of
 from seaglint.viewer.workbench.scenario_form import Form
 from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, PreviewPicture
 from seaglint.viewer.workbench.sun_card import Daylight
@@ -84,19 +82,19 @@ body.bench { background: var(--ground); color: var(--text); font: 14px/1.4 syste
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
-#: Callback that takes a picture, the reason why there is none, or None where one is begun.
+#: Callback with the name of a picture and the picture, the text of an error, or None when drawing begins.
 Show = Callable[[Job, "PreviewPicture | str | None"], None]
 
 
 class Redraw:
-    """Pictures of one page.
+    """Requests for the pictures of one page; a newer request replaces older ones.
 
     Parameters
     ----------
     painter : Painter
-        Shared by all pages.
+        Process that draws; all pages share it.
     show : callable
-        Called with the name of a picture and what came of it.
+        Called with the name of a picture and its result, see ``Show``.
     start : callable
         Starts a coroutine in the background.
     """
@@ -132,6 +130,7 @@ class Redraw:
         try:
             while self._requested is not None:
                 scenario, self._requested = self._requested, None
+                # A newer request ends the round: the next pictures would be of the old scenario.
                 for job in JOBS:
                     if not await self._draw(job, scenario):
                         break
@@ -143,14 +142,15 @@ class Redraw:
         self._order = order = Order(job, scenario)
         self._show(job, None)
         try:
-            found: PreviewPicture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
+            result: PreviewPicture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
         except Overtaken:
             return False
         except SeaglintError as error:
-            found = str(error)
+            result = str(error)
+        # A picture that was finished in spite of a newer request is not shown.
         if order.dropped.is_set():
             return False
-        self._show(job, found)
+        self._show(job, result)
         return True
 
 
@@ -162,9 +162,9 @@ _TITLES: Final[dict[Job, str]] = {"mean": "Mean map", "frame": "First frame"}
 @cache
 def painter() -> Painter:
     """Return the process that computes the pictures of all pages."""
-    made = Painter()
-    app.on_shutdown(made.stop)
-    return made
+    process = Painter()
+    app.on_shutdown(process.stop)
+    return process
 
 
 def fill(path: str | Path | None = None) -> None:
@@ -204,7 +204,7 @@ def _begin(whole: ui.column, path: str | Path | None, preset: str = "glint") -> 
 
 
 class Bench:
-    """One page's draft and its pictures."""
+    """Draft and pictures of one page."""
 
     status: ui.label
 
@@ -288,7 +288,7 @@ class Bench:
                     )
 
     def changed(self) -> None:
-        """React to a change: the scenario is read a little later."""
+        """React to a change: the scenario is read :data:`DEBOUNCE` seconds after the last one."""
         self._dirty = True
         if not self._reads and not self._closed:
             self._reads = True
@@ -306,7 +306,7 @@ class Bench:
         return self._closed
 
     def close(self) -> None:
-        """Stop drawing, since the browser has left."""
+        """Stop drawing, since the browser has closed the page."""
         self._closed = True
         self._redraw.close()
 
@@ -314,6 +314,7 @@ class Bench:
         try:
             while self._dirty and not self._closed:
                 self._dirty = False
+                # Every change during the sleep sets the flag again and restarts the wait.
                 await asyncio.sleep(DEBOUNCE)
                 if not self._dirty:
                     await self._follow(self._draft.snapshot())
@@ -322,11 +323,12 @@ class Bench:
 
     async def _follow(self, draft: Draft) -> None:
         """Check the draft, and draw it if it is valid."""
+        # In a thread: checking reads files and builds models, while the page has to answer.
         scenario, mistakes = await asyncio.to_thread(draft.check)
         if self._closed:
             return
         self._scenario = scenario
-        self._tell(mistakes, draft.raw)
+        self._show_mistakes(mistakes, draft.raw)
         if scenario is None:
             self._redraw.drop()
             return
@@ -334,16 +336,15 @@ class Bench:
         self._text = await asyncio.to_thread(draft.toml, scenario)
         self._toml.content = f"<pre>{escape(self._text)}</pre>"
         try:
-            found = await asyncio.to_thread(plan, scenario)
-        except ScenarioError as error:
-            self._redraw.drop()
-            self._tell(error.mistakes or (Mistake("", None, None, str(error)),), draft.raw)
-            found = None
+            view = await asyncio.to_thread(plan, scenario)
         except SeaglintError as error:
-            self._tell((Mistake("", None, None, str(error)),), draft.raw)
-            found = None
-        if found is not None and not self._gone():
-            self._lay_out(scenario, found)
+            # A scenario that is not valid after all is not drawn; other errors concern the plan alone.
+            if isinstance(error, ScenarioError):
+                self._redraw.drop()
+            self._show_mistakes(mistakes_of(error), draft.raw)
+            return
+        if not self._gone():
+            self._lay_out(scenario, view)
 
     def _lay_out(self, scenario: Scenario, view: PlanView) -> None:
         self._plan = view
@@ -387,8 +388,8 @@ class Bench:
             picture.classes(remove="old")
             picture.content = map_svg(result, self._quantity, _TITLES[job])
 
-    def _tell(self, mistakes: tuple[Mistake, ...], raw: TomlTables) -> None:
-        self._form.tell(mistakes, raw)
+    def _show_mistakes(self, mistakes: tuple[Mistake, ...], raw: TomlTables) -> None:
+        self._form.show_mistakes(mistakes, raw)
         self._problems.clear()
         self._problems.set_visibility(bool(mistakes))
         with self._problems:
@@ -399,7 +400,7 @@ class Bench:
         self.status.set_text(f"{len(mistakes)} to correct" if mistakes else "valid")
 
     async def _ask(self) -> None:
-        """Ask for confirmation before the file is replaced."""
+        """Require a confirmation before the file is replaced."""
         scenario = self._scenario
         if scenario is None:
             ui.notify("the scenario is not valid yet; correct it first", type="negative")

@@ -1,7 +1,4 @@
-"""Form of a scenario, derived from its JSON Schema: groups by table, fields by key.
-
-Draft of a scenario: its values as typed, the scenario that they give, and its mistakes.
-"""
+"""Draft of a scenario: fields from the JSON Schema, values as typed, the scenario that they define, and their mistakes."""
 
 from __future__ import annotations
 
@@ -15,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from seaglint.base.errors import DataError, Mistake, ScenarioError
+from seaglint.base.errors import DataError, Mistake, ScenarioError, SeaglintError
 from seaglint.base.free_form import JsonObject, TomlTables
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
@@ -27,25 +24,25 @@ from seaglint.store.outputs import moved_when_whole
 Kind = Literal["number", "text", "list", "tables", "switch", "choice", "file"]
 
 # A comment and no docstring: Sphinx cannot draw up a signature of an alias.
-Keys = tuple[str | int, ...]  # where a key stands in the file: names of tables and keys, places in lists
+Keys = tuple[str | int, ...]  # place of a key in the file: names of tables and keys, indices in lists
 
 
 @dataclass(frozen=True)
 class Field:
-    """Field of one key."""
+    """Input field of one key of a scenario file."""
 
     name: str
     #: ``number`` (with a unit as text), ``text``, ``file``, ``list`` and ``tables`` (of numbers, of tables, written as in the file),
     #: ``switch`` or ``choice``.
     kind: Kind
     hint: str = ""
-    default: Any = None  #: Value where none is given; None without a default.
+    default: Any = None  #: Default value; None without a default.
     choices: tuple[Any, ...] = ()  #: Values of a choice; for a list, the allowed items.
     required: bool = False
 
     @property
     def placeholder(self) -> str:
-        """Return the default as one would type it."""
+        """Return the default as text to type."""
         if self.default is None:
             return "required" if self.required else "not given"
         return self.default if self.kind in ("text", "file") else toml_value(self.default)
@@ -53,23 +50,23 @@ class Field:
 
 @dataclass(frozen=True)
 class Group:
-    """Group of one table, or of a list of tables."""
+    """Group of fields for one table, or for a list of tables."""
 
     name: str
     hint: str
     variants: Mapping[str, tuple[Field | Group, ...]]
-    tag: str = ""  #: Key that chooses between ``variants``; empty where there is one variant only, by the name ``""``.
+    tag: str = ""  #: Key that chooses between ``variants``; empty for a single variant, which has the name ``""``.
     default_tag: str = ""
-    optional: bool = False  #: Flag: the whole table may be omitted and is by default.
+    optional: bool = False  #: Flag: the whole table may be omitted, and is omitted by default.
     many: bool = False  #: Flag: the file has a list of such tables.
     hints: Mapping[str, str] = field(default_factory=dict)
 
     def entries(self, tag: str = "") -> tuple[Field | Group, ...]:
-        """Return keys and tables of a variant; of the first one for an unknown tag."""
+        """Return keys and tables of a variant; for an unknown tag, of the first variant."""
         return self.variants.get(tag or self.default_tag, next(iter(self.variants.values())))
 
 
-_DEEPEST: Final = 4  #: Depth of nested tables that become groups; deeper ones are typed as in the file.
+_DEEPEST: Final = 4  #: Depth to which nested tables become groups; deeper tables are typed as in the file.
 
 
 @cache
@@ -82,7 +79,7 @@ def form() -> Group:
 def _entries(record: Mapping[str, Any], defs: Mapping[str, Any], depth: int) -> Iterator[Field | Group]:
     required, known = record.get("required", ()), record.get("default") or {}
     for name, own in record.get("properties", {}).items():
-        # the table's own default knows more than its keys': the edges of the band
+        # The default of the table is more specific than the defaults of its keys: it has the edges of the band.
         schema = own if known.get(name) is None else {**own, "default": known[name]}
         if "const" not in schema:  # the tag of a union: its group has it
             yield _entry(name, schema, defs, depth, name in required)
@@ -136,12 +133,13 @@ def _field(name: str, schema: Mapping[str, Any], ways: list[JsonObject], hint: s
             return Field(name, "list", hint, default, tuple(way.get("items", {}).get("enum", ())), required)
         if way.get("format") in ("path", "file-path"):
             return Field(name, "file", hint, default, required=required)
+    # Truth values first: a key may be either a truth value or a number.
     kind: Kind = "switch" if "boolean" in kinds else "number" if kinds & {"number", "integer"} else "text"
     return Field(name, kind, hint, default, required=required)
 
 
 def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> JsonObject:
-    """Return the schema behind a reference, with the attributes beside it."""
+    """Return the schema behind a reference, with the attributes next to it."""
     if "$ref" not in schema:
         return dict(schema)
     rest = {key: value for key, value in schema.items() if key != "$ref"}
@@ -180,12 +178,12 @@ class Draft:
     source : path, optional
         Scenario file to begin with.
     preset : str
-        Preset to begin with where there is no file.
+        Preset to begin with, without a file.
 
     Raises
     ------
     ScenarioError
-        A file that is missing or no TOML.
+        The file is missing, or is no TOML.
     """
 
     def __init__(self, source: str | Path | None = None, preset: str = "glint") -> None:
@@ -199,7 +197,7 @@ class Draft:
             try:
                 load_scenario(self.source)
             except ScenarioError as error:
-                if not error.mistakes:  # no scenario file at all; mistakes of keys are shown beside their fields
+                if not error.mistakes:  # not a scenario file at all; mistakes of keys are shown at their fields
                     raise
             self._read = self.source.read_bytes()
             self.raw = tomllib.loads(self._read.decode("utf-8-sig"))
@@ -208,10 +206,10 @@ class Draft:
 
     def snapshot(self) -> Draft:
         """Return a copy of the values; later changes do not reach it."""
-        made = copy.copy(self)
-        made.raw = copy.deepcopy(self.raw)
-        made._unread = dict(self._unread)
-        return made
+        copied = copy.copy(self)
+        copied.raw = copy.deepcopy(self.raw)
+        copied._unread = dict(self._unread)
+        return copied
 
     @property
     def name(self) -> str:
@@ -224,39 +222,39 @@ class Draft:
         return None if self.source is None else self.source.parent
 
     def get(self, keys: Keys) -> Any:
-        """Return the value at a place; None where there is none."""
-        here: Any = self.raw
+        """Return the value at a place; None if the place is empty."""
+        table: Any = self.raw
         for key in keys:
-            if isinstance(here, Mapping):
-                here = here.get(key)
-            elif isinstance(here, list) and isinstance(key, int) and key < len(here):
-                here = here[key]
+            if isinstance(table, Mapping):
+                table = table.get(key)
+            elif isinstance(table, list) and isinstance(key, int) and key < len(table):
+                table = table[key]
             else:
                 return None
-        return here
+        return table
 
     def put(self, keys: Keys, value: Any) -> None:
-        """Set the value at a place, or remove it (None); tables on the way are made, and an empty default one is removed."""
-        here: Any = self.raw
+        """Set the value at a place, or remove it (None); missing tables on the way are created."""
+        table: Any = self.raw
         for key in keys[:-1]:
-            if isinstance(here, list):
-                here = here[int(key)]
+            if isinstance(table, list):
+                table = table[int(key)]
                 continue
-            if not isinstance(here.get(key), dict | list):
+            if not isinstance(table.get(key), dict | list):
                 if value is None:
                     return
-                here[key] = {}
-            here = here[key]
+                table[key] = {}
+            table = table[key]
         last = keys[-1]
         if value is not None:
-            here[last] = value
-        elif isinstance(here, list):
-            del here[int(last)]
+            table[last] = value
+        elif isinstance(table, list):
+            del table[int(last)]
         else:
-            here.pop(last, None)
+            table.pop(last, None)
 
     def take(self, entry: Field, keys: Keys, text: str) -> None:
-        """Set a value from a field's text; text that cannot be read is a mistake until corrected, and the value before it stays."""
+        """Set a value from a field's text; unreadable text is a mistake until it is corrected, and the previous value stays."""
         try:
             value = value_of(entry, text)
         except ScenarioError as error:
@@ -266,21 +264,22 @@ class Draft:
         self.put(keys, value)
 
     def forget(self, keys: Keys) -> None:
-        """Discard unreadable texts at a place and below, since fields there are made again with the values."""
+        """Discard unreadable texts at a place and below, since the fields there are rebuilt with the values."""
         self._unread = {known: text for known, text in self._unread.items() if known[: len(keys)] != keys}
 
     def check(self) -> tuple[Scenario | None, tuple[Mistake, ...]]:
-        """Return the scenario, or its mistakes in the words of the program."""
+        """Return the scenario, or None and its mistakes, with the texts of the program."""
+        # Checked before the scenario is read: reading would open the files.
         refused = (*(Mistake(dotted(keys), None, None, text) for keys, text in self._unread.items()), *self._outside())
         if refused:
             return None, refused
         try:
             return parse_scenario(self.raw, base=self.folder), ()
         except ScenarioError as error:
-            return None, error.mistakes or (Mistake("", None, None, str(error)),)
+            return None, mistakes_of(error)
 
     def _outside(self) -> Iterator[Mistake]:
-        """Yield a mistake for each file that the page may not name: allowed are those beside the scenario or named by the file itself."""
+        """Yield a mistake for each file that the page may not name: neither in the scenario's folder nor in the opened file."""
         for key, value in _files(self.raw, ()):
             if value in _WORDS or value in self._own:
                 continue
@@ -298,6 +297,7 @@ class Draft:
         tables = differing(scenario)
         typed = _with_units(tables, self.raw)
         try:
+            # Typed units are written only where they give the same scenario after defaults and rounding.
             same = parse_scenario(typed, base=self.folder) == scenario
         except ScenarioError:
             same = False
@@ -317,9 +317,9 @@ class Draft:
         Raises
         ------
         DataError
-            There was none.
+            No file was opened.
         StorageError
-            It cannot be written.
+            The file cannot be written.
         """
         if self.source is None:
             raise DataError("no scenario file was opened; download the text instead, or begin with 'seaglint init'")
@@ -336,8 +336,14 @@ class Draft:
         return [f"seaglint render {name} -o {run} --preview", f"seaglint mean {name} -o {mean} --preview"]
 
 
+def mistakes_of(error: SeaglintError) -> tuple[Mistake, ...]:
+    """Return the mistakes of an error; the whole text is one where the error names no keys."""
+    known = error.mistakes if isinstance(error, ScenarioError) else ()
+    return known or (Mistake("", None, None, str(error)),)
+
+
 def dotted(keys: Keys) -> str:
-    """Return a place as the file's errors write it.
+    """Return a place in the notation of errors.
 
     >>> dotted(("objects", 0, "east_m"))
     'objects[0].east_m'
@@ -351,7 +357,7 @@ def value_of(entry: Field, text: str) -> Any:
     Raises
     ------
     ScenarioError
-        A list or a list of tables that is no TOML.
+        The text of a list or of a list of tables is no TOML.
 
     Examples
     --------
@@ -364,6 +370,7 @@ def value_of(entry: Field, text: str) -> Any:
         return None
     if entry.kind in ("text", "file"):
         return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
+    # Brackets may be omitted too.
     if entry.kind in ("list", "tables") and not text.startswith("["):
         text = f"[{text}]"
     try:
@@ -383,19 +390,19 @@ def _word(text: str) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """Return the text of a value in a field, as one would type it."""
+    """Return the text of a value in a field."""
     if value is None:
         return ""
     return value if isinstance(value, str) else toml_value(value)
 
 
 def _with_units(value: Any, typed: Any) -> Any:
-    """Return a value in which numbers that were typed as text with a unit are that text."""
+    """Return a value in which numbers that were typed with a unit are replaced by the typed text."""
     match value, typed:
         case dict(), dict():
             return {key: _with_units(inner, typed.get(key)) for key, inner in value.items()}
         case (list() | tuple(), list()) if len(value) == len(typed):
-            return [_with_units(inner, beside) for inner, beside in zip(value, typed, strict=True)]
+            return [_with_units(inner, typed_inner) for inner, typed_inner in zip(value, typed, strict=True)]
         case float(), str():
             return typed
         case _:
@@ -428,6 +435,7 @@ _PLACE = re.compile(r"^(?P<name>[^\[]+)(?P<places>(\[\d+\])*)$")
 def keys_of(mistake: Mistake, raw: Mapping[str, Any]) -> Keys:
     """Return the place of a mistake: keys and indices in lists; objects are identified by their name."""
     text = mistake.key
+    # Errors name an object where possible; its index is looked up.
     named = re.match(r"^objects \('(?P<name>.*)'\)", text, re.DOTALL)
     if named is not None:
         objects = raw.get("objects")

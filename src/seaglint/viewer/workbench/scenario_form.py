@@ -15,7 +15,7 @@ _OPEN = ("sun", "sensor", "wind")  #: Groups that are open at first.
 
 
 class Form:
-    """Fields of a draft.
+    """Form with the fields of a draft.
 
     Parameters
     ----------
@@ -62,14 +62,14 @@ class Form:
         fill()
 
     def _group(self, group: Group, keys: Keys, *, named: bool = True) -> None:
-        """Build a table's fields, again when its kind changes."""
+        """Build the fields of a table, which are rebuilt when its kind changes."""
         with ui.column().classes("table" if named else "fields") as box:
             self._fill(group, keys, box, named)
 
     def _fill(self, group: Group, keys: Keys, box: ui.column, named: bool) -> None:
         def again() -> None:
             box.clear()
-            # what was typed is of fields that are gone; places in lists may have moved
+            # Typed texts belong to fields that no longer exist; positions in lists may have changed.
             self._typed = {known: text for known, text in self._typed.items() if known[: len(keys)] != keys}
             self._draft.forget(keys)
             with box:
@@ -89,7 +89,8 @@ class Form:
         self._entries(group, keys, again)
 
     def _toggle(self, group: Group, keys: Keys, again: Callable[[], None]) -> bool:
-        """Build a switch for an optional table; return true where the table exists."""
+        """Build the switch of an optional table; return true where its fields are shown."""
+        # Without time and place the Sun needs its angles: a switch would only make the scenario invalid.
         needless = group.name == "sun" and self._draft.get(("time",)) is None and self._draft.get(("place",)) is None
         there = self._draft.get(keys) is not None
 
@@ -106,10 +107,10 @@ class Form:
         if group.tag:
 
             def choose(word: str) -> None:
-                said = self._draft.get(keys)
-                previous = said if isinstance(said, dict) else {}
+                table = self._draft.get(keys)
+                previous = table if isinstance(table, dict) else {}
                 names = {entry.name for entry in group.entries(word)}
-                # what both kinds know stays
+                # Keys that both kinds have keep their values.
                 self._draft.put(keys, {group.tag: word} | {key: value for key, value in previous.items() if key in names})
                 again()
 
@@ -125,7 +126,7 @@ class Form:
                 self._field(entry, (*keys, entry.name))
 
     def _items(self, group: Group, keys: Keys, again: Callable[[], None]) -> None:
-        """Build a list of tables: each with its fields, to add and to remove."""
+        """Build a list of tables, each with its fields, and buttons that add and remove tables."""
         items = self._draft.get(keys)
         items = items if isinstance(items, list) else []
         for place, item in enumerate(items):
@@ -149,8 +150,10 @@ class Form:
             again()
 
         def add() -> None:
-            made = {"name": f"object {len(items) + 1}", "preset": "buoy", "east_m": 0, "north_m": -1000} if group.name == "objects" else {}
-            self._draft.put(keys, [*items, made])
+            new_table = (
+                {"name": f"object {len(items) + 1}", "preset": "buoy", "east_m": 0, "north_m": -1000} if group.name == "objects" else {}
+            )
+            self._draft.put(keys, [*items, new_table])
             again()
 
         ui.button("add", icon="add", on_click=add).props(f'flat dense no-caps data-add="{dotted(keys)}"')
@@ -164,6 +167,7 @@ class Form:
 
         def picked(chosen: Any) -> None:
             if not self._quiet:
+                # A value equal to the default is not written to the file.
                 self._draft.put(keys, None if chosen == entry.default else chosen)
                 self._changed()
 
@@ -201,7 +205,7 @@ class Form:
         label.set_visibility(bool(hint))
         self._notes[keys] = (label, hint)
 
-    def _say(self, keys: Keys, text: str) -> None:
+    def _show_mistake(self, keys: Keys, text: str) -> None:
         label, _ = self._notes[keys]
         label.set_text(text)
         label.classes(add="wrong")
@@ -214,13 +218,14 @@ class Form:
         if widget is None or widget.is_deleted:
             return
         self._typed.pop(keys, None)
+        # Setting a widget triggers its handler, which must not take the value as typed.
         self._quiet = True
         try:
             widget.set_value(text_of(self._draft.get(keys)))
         finally:
             self._quiet = False
 
-    def tell(self, mistakes: Iterable[Mistake], raw: TomlTables) -> None:
+    def show_mistakes(self, mistakes: Iterable[Mistake], raw: TomlTables) -> None:
         """Show mistakes below their fields, or below the table that holds them, and remove the old texts."""
         for keys in self._marked:
             label, hint = self._notes[keys]
@@ -234,11 +239,12 @@ class Form:
             keys = keys_of(mistake, raw)
             head = str(keys[0]) if len(keys) > 1 or (keys and keys[0] in counts) else "general"
             counts[head if head in counts else "general"] += 1
+            # The deepest place that has a field at present; groups that were never opened have none.
             place = next(
                 (keys[:n] for n in range(len(keys), 0, -1) if keys[:n] in self._notes and not self._notes[keys[:n]][0].is_deleted), None
             )
             if place is not None:
-                self._say(place, mistake.text)
+                self._show_mistake(place, mistake.text)
         for name, badge in self._heads.items():
             badge.set_text(str(counts[name]))
             badge.set_visibility(counts[name] > 0)

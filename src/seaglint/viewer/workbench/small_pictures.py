@@ -1,4 +1,4 @@
-"""Small pictures of a scenario, computed in a process of their own so that the page stays responsive."""
+"""Small pictures of a scenario, computed in a separate process so that the page responds meanwhile."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ from seaglint.scenario.model import Scenario
 
 Job = Literal["mean", "frame"]
 
-MOST_PIXELS: Final = 160 * 80  #: Largest number of pixels of a small picture; most of the time goes into tables that do not depend on it.
+MOST_PIXELS: Final = (
+    160 * 80
+)  #: Largest number of pixels of a small picture; most of the time is spent on tables, which do not depend on it.
 
 _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "apparent_temperature": False}
 
@@ -32,12 +34,12 @@ class PreviewPicture:
 
     radiance: NDArray[np.float32]
     temperature: NDArray[np.float32]
-    #: ``azimuth``, ``elevation``: Edges of the picture [deg] where it is a grid of them; None for others, which count pixels.
+    #: ``azimuth``, ``elevation``: Edges of the picture [deg] where it is a grid of angles; None for other pictures, which count pixels.
     azimuth: tuple[float, float] | None
     elevation: tuple[float, float] | None
     pixels: tuple[int, int]  #: Width and height of the whole picture.
     seconds: float  #: Time of the computation [s].
-    #: Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to that of the picture.
+    #: Angle of the pixels below the sea's horizon [deg], of a shape that broadcasts to the shape of the picture.
     depression: NDArray[np.float64] | None = None
 
 
@@ -53,6 +55,7 @@ def reduced(scenario: Scenario, most: int = MOST_PIXELS) -> Scenario:
     """
     columns, rows = scenario.sensor.pixels
     share = min(1.0, math.sqrt(most / (columns * rows)))
+    # Both sides shrink alike, but a scanned line keeps at least one pixel and no side exceeds the whole.
     pixels = (max(1, min(most, round(columns * share))), max(1, min(most, round(rows * share))))
     bare = {"optics": None, "detector": None, "scan": None, "noise": None}
     sensor = scenario.sensor.model_copy(update={"pixels": pixels, "frames": 1, "pixel_shape": "any", **bare})
@@ -66,7 +69,7 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     Raises
     ------
     SeaglintError
-        What the models do not cover.
+        The models do not cover the scenario.
     """
     from seaglint.store.provenance import stored_band
     from seaglint.store.stored_images import below_horizon, to_temperature
@@ -83,7 +86,15 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
         temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
     edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
     below = below_horizon(dataset)
-    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, time.perf_counter() - begin, below)
+    return PreviewPicture(
+        radiance=radiance,
+        temperature=temperature,
+        azimuth=edges[0],
+        elevation=edges[1],
+        pixels=scenario.sensor.pixels,
+        seconds=time.perf_counter() - begin,
+        depression=below,
+    )
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:
@@ -96,7 +107,7 @@ class Overtaken(Exception):  # noqa: N818 - no error: a newer change made the pi
 
 
 class Order:
-    """Request of one picture; :meth:`drop` it when a newer one is requested."""
+    """Request for one picture; :meth:`drop` cancels it when a newer picture is requested."""
 
     def __init__(self, job: Job, scenario: Scenario) -> None:
         self.job: Job = job
@@ -109,10 +120,10 @@ class Order:
 
 
 class Painter:
-    """Process that computes pictures one after the other; started with the first, and again where it died.
+    """Process that computes pictures one after the other; started with the first picture, and again if it died.
 
-    A picture that is not wanted any more is not begun. One that is under way is finished, which takes a second: its tables are kept for the
-    next. After :attr:`patience` seconds its process is ended.
+    A cancelled picture is not begun. A picture in progress is finished, which takes a second and leaves tables for the next one; after
+    :attr:`patience` seconds its process is ended instead.
     """
 
     patience = 8.0
@@ -133,9 +144,9 @@ class Painter:
         Raises
         ------
         Overtaken
-            It was dropped.
+            The request was cancelled.
         SeaglintError
-            What the models do not cover, or the process died.
+            The models do not cover the scenario, or the process died.
         """
         if order.dropped.is_set():
             raise Overtaken

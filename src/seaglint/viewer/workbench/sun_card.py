@@ -1,7 +1,4 @@
-"""Course of the Sun over a day at a place, and its position at a time of day.
-
-Card of the Sun: its angles, or its course over a day at a place with a slider.
-"""
+"""Card of the Sun: its angles, or its course over a day at a place with a slider for the time."""
 
 from __future__ import annotations
 
@@ -36,12 +33,14 @@ class Day:
         """Return elevation and azimuth [deg] at a minute of the day."""
         times = STEP * np.arange(self.elevation.size)
         elevation = float(np.interp(minutes, times, self.elevation))
+        # The azimuth is unwrapped: between 359 and 1 degrees it must not pass through 180.
         return elevation, float(np.interp(minutes, times, np.degrees(np.unwrap(np.radians(self.azimuth))))) % 360.0
 
     def risings(self) -> tuple[list[int], list[int]]:
         """Return the minutes of the day at which the Sun's centre rises and sets."""
         up = self.elevation > 0.0
         turns = np.flatnonzero(up[1:] != up[:-1])
+        # Straight line between two points: the elevation is 0 at this share of the step.
         share = self.elevation[turns] / (self.elevation[turns] - self.elevation[turns + 1])
         minutes = np.round(STEP * (turns + share)).astype(int)
         return [int(m) for m, t in zip(minutes, turns, strict=True) if up[t + 1]], [
@@ -50,7 +49,7 @@ class Day:
 
 
 def day_of(day: date, latitude_deg: float, longitude_deg: float) -> Day:
-    """Return the Sun's course; the same algorithm as :func:`seaglint.scenario.sun.sun_position`.
+    """Return the Sun's course over a day, by the algorithm of :func:`seaglint.scenario.sun.sun_position`.
 
     Examples
     --------
@@ -79,6 +78,7 @@ def clock(minutes: float) -> str:
 def day_svg(day: Day, minutes: float) -> str:
     """Return a graph of the elevation over the day with the Sun's position, as SVG."""
     inside = _WIDTH - _LEFT - 12, _HEIGHT - _TOP - 34
+    # At least 20 degrees either side, so that the horizon is in the graph on polar days and nights too.
     low, high = min(-20.0, float(day.elevation.min())), max(20.0, float(day.elevation.max()))
 
     def place(minute: float, elevation: float) -> tuple[float, float]:
@@ -111,7 +111,7 @@ def day_svg(day: Day, minutes: float) -> str:
     )
 
 
-#: Place and time at which the slider begins: off the coast of Virginia, in the season of the article.
+#: Initial time and place of the slider: off the coast of Virginia, in the season of the article.
 _BEGIN = ("2026-06-21T17:30:00Z", 36.8, -75.9)
 
 
@@ -189,14 +189,14 @@ class Daylight:
         background_tasks.create(self._follow(moment))
 
     async def _follow(self, moment: datetime) -> None:
-        """Compute the day again where it is another one."""
+        """Compute the day again if date or place have changed, and draw it."""
         from seaglint.scenario.records.view_tables import Place
 
         place = Place.model_validate(self._draft.get(("place",)))
-        wanted = (moment.date(), place.latitude_deg, place.longitude_deg)
-        if wanted != self._known:
-            self._day = await asyncio.to_thread(day_of, *wanted)
-            self._known = wanted
+        requested = (moment.date(), place.latitude_deg, place.longitude_deg)
+        if requested != self._known:
+            self._day = await asyncio.to_thread(day_of, *requested)
+            self._known = requested
         self._draw(moment.hour * 60 + moment.minute)
 
     def _draw(self, minutes: int) -> None:

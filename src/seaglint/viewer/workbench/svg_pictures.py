@@ -1,6 +1,6 @@
-"""Small picture as SVG: pixels, axes and colour bar.
+"""Pictures of the workbench as SVG: pixels with axes and colour bar, and the plan of a scenario from above.
 
-Plan of a scenario from above: the sensor's view, range rings, horizon, objects and their ways.
+The plan shows the sensor's view, range rings, horizon, objects and their tracks.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from seaglint.viewer.workbench.small_pictures import PreviewPicture
 Quantity = Literal["radiance", "apparent_temperature"]
 
 _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 620.0, 52.0, 92.0, 8.0, 40.0
-_LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
+_LOW, _HIGH = 120.0, 420.0  # least and greatest height of the image in the picture
 
 
 def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
@@ -45,6 +45,7 @@ def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str
     x, y, names = _axes(picture)
     shape = abs((y[1] - y[0]) / (x[1] - x[0]))
     height = min(max(width * shape, _LOW), _HIGH)
+    # High pictures become narrower, so that pixels stay square; extreme shapes are stretched.
     if height == _HIGH and 0.2 < shape < 5.0:
         width = height / shape
     middle, below = _TOP + height / 2, _TOP + height
@@ -84,7 +85,9 @@ def even(low: float, high: float, most: int = 7) -> list[float]:
     if not high > low:
         return [low]
     size = 10.0 ** math.floor(math.log10((high - low) / most))
+    # The decade below the exact step, times the first round factor that gives few enough numbers.
     step = next(size * part for part in (1.0, 2.0, 2.5, 5.0, 10.0, 20.0) if (high - low) / (size * part) <= most)
+    # 1e-9 of a step keeps ends that are multiples of the step but for rounding.
     return [round(n * step, 10) for n in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
 
 
@@ -129,7 +132,7 @@ def _colours(quantity: Quantity) -> NDArray[np.uint8]:
 
 
 def _png(share: NDArray[Any], colours: NDArray[np.uint8]) -> str:
-    """Return a data address of pixels of this brightness; those without a number are green."""
+    """Return a data URL of pixels with a brightness from 0 to 1; pixels without a value are green."""
     from PIL import Image
 
     known = np.isfinite(share)
@@ -140,7 +143,7 @@ def _png(share: NDArray[Any], colours: NDArray[np.uint8]) -> str:
     return "data:image/png;base64," + base64.b64encode(out.getvalue()).decode("ascii")
 
 
-_TIMES: Final = 41  #: Number of points along a way.
+_TIMES: Final = 41  #: Number of points along a track.
 
 _SIZE, _RADIUS = 420.0, 186.0
 
@@ -149,12 +152,12 @@ _COLOURS: Final = ("#e4572e", "#a06cd5", "#2e9e9e", "#d1495b", "#7a9e3f", "#c77d
 
 @dataclass(frozen=True, eq=False)
 class PlanView:
-    """Places east and north of the sensor's start [m] and directions [deg]."""
+    """Plan of a scenario: positions east and north of the sensor's start [m], and directions [deg]."""
 
-    ways: dict[str, FloatArray]  #: Ways of the objects, by name, over the time of the frames. Shape (times, 2).
-    own: FloatArray  #: The sensor's way. Shape (times, 2).
+    ways: dict[str, FloatArray]  #: Tracks of the objects by name, over the time of the frames; shape (times, 2).
+    own: FloatArray  #: Track of the sensor; shape (times, 2).
     horizon: float  #: Range of the horizon [m].
-    nearest: float  #: Range of the nearest sea in view [m]; NaN where no sea is.
+    nearest: float  #: Range of the nearest sea in view [m]; NaN where no sea is in view.
     azimuth: float  #: Azimuth of the view's centre at the start [deg].
     width: float
     sun: SunPosition
@@ -166,10 +169,10 @@ def plan(scenario: Scenario) -> PlanView:
     Raises
     ------
     ScenarioError
-        Ways and objects that cannot be.
+        The tracks or the objects are not valid.
     """
     calm = scenario
-    if scenario.platform is not None and scenario.platform.floats:  # it only rocks about its place
+    if scenario.platform is not None and scenario.platform.floats:  # a floating sensor only rocks about its position
         still = None if scenario.platform.track is None and scenario.platform.keyframes is None else scenario.platform
         calm = scenario.model_copy(update={"platform": still and still.model_copy(update={"floats": False})})
     times = np.linspace(0.0, (scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz, _TIMES)
@@ -178,13 +181,23 @@ def plan(scenario: Scenario) -> PlanView:
     own = np.array([(pose.east, pose.north) for pose in poses])
     ways = {body.name: np.array([body.motion.at(float(time)).position[:2] for time in times]) - own[0] for body in bodies(calm)}
     height, azimuth = poses[0].height, math.degrees(poses[0].attitude.azimuth)
+    # Lower edge of the view, below the horizontal.
     steepest = math.radians(-scenario.sensor.elevation_deg + 0.5 * scenario.sensor.fov_deg[1])
     nearest = float(surface_range(height, min(steepest, 0.5 * math.pi)))
-    return PlanView(ways, own - own[0], horizon_range(height), nearest, azimuth, scenario.sensor.fov_deg[0], sun_position(scenario))
+    return PlanView(
+        ways=ways,
+        own=own - own[0],
+        horizon=horizon_range(height),
+        nearest=nearest,
+        azimuth=azimuth,
+        width=scenario.sensor.fov_deg[0],
+        sun=sun_position(scenario),
+    )
 
 
 def reach(view: PlanView, whole: bool) -> float:
     """Return the displayed range [m]: up to the farthest object, or the horizon where ``whole`` or there is no object."""
+    # A margin of 12 % around the farthest object; at least 20 m, for objects at the sensor itself.
     far = max((float(np.hypot(way[:, 0], way[:, 1]).max()) for way in view.ways.values()), default=0.0)
     return view.horizon * 1.05 if whole or not view.ways else max(far * 1.12, 20.0)
 
@@ -249,7 +262,7 @@ def _pieces(view: PlanView, far: float) -> Iterator[str]:
         yield f'<circle cx="{x}" cy="{y}" r="6" fill="{SUN}"><title>towards the Sun</title></circle>'
     yield from _line(view.own, "sensor", "currentColor", far)
     used: list[tuple[float, float]] = []
-    # names from the top down, so that those moved down keep their order
+    # Names from the top down, so that names that are moved down keep their order.
     for number, (name, way) in enumerate(sorted(view.ways.items(), key=lambda item: -float(item[1][0, 1]))):
         colour = _COLOURS[number % len(_COLOURS)]
         yield from _line(way, name, colour, far)
@@ -258,6 +271,7 @@ def _pieces(view: PlanView, far: float) -> Iterator[str]:
 
 def _wedge(view: PlanView, far: float) -> str:
     """Return the sea in view: from the nearest point to the horizon."""
+    # A full circle as one arc would begin and end at the same point, and SVG draws nothing.
     half, top = 0.5 * min(view.width, 359.9), _RADIUS * min(view.horizon, far) / far
     bottom = min(_RADIUS * view.nearest / far, top) if math.isfinite(view.nearest) else top
     left, right = view.azimuth - half, view.azimuth + half
@@ -268,7 +282,7 @@ def _wedge(view: PlanView, far: float) -> str:
 
 
 def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
-    """Yield a way: a dot at its beginning, an arrowhead at its end."""
+    """Yield the drawing of a track: a dot at its beginning, an arrowhead at its end."""
     points = [_point(float(east), float(north), far) for east, north in way]
     (x, y), (u, v) = points[0], points[-1]
     text = escape(name)
@@ -281,7 +295,7 @@ def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
 
 
 def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[float, float]]) -> str:
-    """Return a name beside its place, moved down where another one is, with a line to its place."""
+    """Return a name beside its position, moved down where another name is, with a line to the position."""
     x, y = place[0] + 26.0, place[1]
     while any(abs(y - other[1]) < 12.0 and abs(x - other[0]) < 90.0 for other in used):
         y += 3.0
