@@ -1,25 +1,21 @@
-"""Reader of CDIP's NetCDF of buoys (``067p1_rt.nc``, ``067p1_historic.nc``, ``067p1_d01.nc``), and of files with its names.
+"""Readers of the wave spectra of CDIP, Datawell, Sofar Spotter and TRIAXYS buoys; NDBC's are read in another file.
 
-Moments a1, b1, a2, b2 are the cosine and sine parts about the direction waves come FROM, clockwise from true north, divided by the energy:
-``waveMeanDirection = atan2(b1, a1)``. Where the file has mean directions, spreads or heights as well, they must agree with moments and
-energies. Records whose primary flag is questionable, bad or missing are not used.
+- CDIP: NetCDF (``067p1_rt.nc``, ``067p1_historic.nc``, ``067p1_d01.nc``), and files with its names. Moments a1, b1, a2, b2 are the cosine
+  and sine parts about the direction waves come FROM, clockwise from true north, divided by the energy:
+  ``waveMeanDirection = atan2(b1, a1)``. Where the file has mean directions, spreads or heights as well, they must agree with moments and
+  energies. Records whose primary flag is questionable, bad or missing are not used.
+- Datawell Waverider: ``.spt`` files of one record, whose name gives place and time (``buoy}2024-09-09T01h15Z.spt``). Bands have energy
+  relative to the largest, mean direction waves come FROM and width of the directions [deg].
+- Sofar Spotter: JSON of the programming interface, CSV of the dashboard. Both give the moments of every band, a1, b1, a2, b2, about the
+  direction waves travel TO, counter-clockwise from east: ``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would
+  rebuild them from mean direction and width alone, and uses the times of the wave heights, which differ from the times of the spectra by
+  an hour in older files.
+- TRIAXYS: text. Directions are where waves come FROM, 0 and 360 degrees both listed.
 
 References
 ----------
 CDIP, "CDIP Wave Observations in NetCDF", cdip.ucsd.edu; UNESCO/IOC 2013, Manuals and Guides 54(3): flags 1 good, 2 not evaluated,
 3 questionable, 4 bad, 9 missing.
-
-Reader of Datawell Waverider ``.spt`` files of one record, whose name gives place and time (``buoy}2024-09-09T01h15Z.spt``).
-
-Bands have energy relative to the largest, mean direction waves come FROM and width of the directions [deg].
-
-Reader of Sofar Spotter data: JSON of the programming interface, CSV of the dashboard.
-
-Both give the moments of every band, a1, b1, a2, b2, about the direction waves travel TO, counter-clockwise from east:
-``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would rebuild them from mean direction and width alone, and
-takes the times of the wave heights for those of the spectra, which lie an hour apart in older files.
-
-Reader of TRIAXYS buoys' spectra as text. Directions are where waves come FROM, 0 and 360 degrees both listed.
 """
 
 from __future__ import annotations
@@ -192,6 +188,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
     name = "waveFrequency" if "waveFrequency" in data.variables else str(dims[0])
     frequency, energy = frequency_of(data, name, path), energy_of(data, CDIP_DENSITY, path)
     good = np.isin(_flags(data, "waveFrequencyFlagPrimary", frequency.size), _USED)
+    # Bands of CDIP have different widths: sums of energy need the width of each.
     width = numbers_of(data, "waveBandwidth") if "waveBandwidth" in data.variables else np.gradient(frequency)
     variance = np.where(np.isfinite(energy), energy, 0.0) * width
     if variance[~good].sum() > LOST_SHARE * variance.sum():
@@ -237,6 +234,7 @@ def _filled(
         raise DataError(
             f"{path}: lacks directions for {100 * lost:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time"
         )
+    # Directions are interpolated as unit vectors, so that 359 and 1 deg have 0 deg between them.
     source = order[known[order]]
     vectors, sizes = (np.interp(frequency, frequency[source], values[source]) for values in (np.exp(1j * np.radians(come_from)), widths))
     return np.degrees(np.angle(vectors)) % 360.0, np.clip(sizes, _NARROWEST, _WIDEST_CDIP)
@@ -348,7 +346,7 @@ def _spotter_bands(path: Path, record: Record) -> Bands:
         raise DataError(
             f"{path}: the record of {record['timestamp']} lacks one of {', '.join(_COLUMNS)} in some bands; ask for all of them"
         )
-    # From counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
+    # The Spotter's angles theta: from counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
     return DirectionalMoments(frequency, energy, 1j * np.conj(a1 + 1j * b1), -np.conj(a2 + 1j * b2))
 
 
@@ -375,7 +373,7 @@ def read_triaxys(path: Path) -> Held:
         if values.ndim == 1:
             return Plain(frequency, values)
         directions = np.asarray(data["dir"].values, dtype=np.float64)
-        once = directions < 360.0 - 1e-6
+        once = directions < 360.0 - 1e-6  # 0 and 360 are both in the file: one of them is left out
         return Bins(frequency, directions[once], values[:, once])
 
     return Held(bands, np.asarray(data["time"].values).astype("datetime64[ns]"))

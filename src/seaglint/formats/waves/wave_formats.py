@@ -1,28 +1,19 @@
-"""Reader of ERA5 two-dimensional wave spectra (NetCDF, parameter 251.140, d2fd), before and after the new layout of September 2024.
+"""Reader of wave spectra from a file: its format, the record nearest to a time and place, and its spectrum.
 
-Files hold the decimal logarithm of the density in m² s rad⁻¹, directions that waves travel TO, clockwise from north, by number only, and
-nothing where there is land or next to no energy.
+Formats of wave models and of wavespectra are read here, formats of buoys in two other files:
 
-References
-----------
-ECMWF, "2D wave spectra": first direction half a step, first frequency 0.03453 Hz, each 1.1 times the one before.
-
-Reader of Octopus forecast files: variance per band of frequency and direction, directions waves come FROM.
-
-Reader of SWAN's standard spectral files and NetCDF.
-
-In text files nautical directions (``NDIR``) are where waves come FROM, Cartesian ones (``CDIR``) where they travel TO, counter-clockwise
-from the x axis; wavespectra turns these. In NetCDF directions are in radians, and an attribute says which of the two they are;
-wavespectra takes them for nautical always.
-
-Reader of wavespectra's own NetCDF: ``efth(..., freq, dir)`` in m² s deg⁻¹, directions FROM; without ``dir`` in m² s.
-
-Reader of WAVEWATCH III: NetCDF of the point output and text files of stations.
-
-Both have directions waves travel TO, clockwise from north; wavespectra turns them to where they come FROM, also for NetCDF whose attribute
-says that they do so already. Text rounds directions to three digits of a radian: they are put back on their even grid.
-
-Reader of wave spectra from a file: its format, the record nearest to a time and place, and its spectrum.
+- ERA5: two-dimensional spectra in NetCDF (parameter 251.140, d2fd), before and after the new layout of September 2024. Files hold the
+  decimal logarithm of the density in m² s rad⁻¹, directions that waves travel TO, clockwise from north, by number only, and no value on
+  land or at negligible energy. The first direction is half a step, the first frequency 0.03453 Hz, each 1.1 times the one before (ECMWF,
+  "2D wave spectra").
+- Octopus: forecasts of the variance per band of frequency and direction, directions waves come FROM.
+- SWAN: standard spectral files and NetCDF. In text files nautical directions (``NDIR``) are where waves come FROM, Cartesian ones
+  (``CDIR``) where they travel TO, counter-clockwise from the x axis; wavespectra turns these. In NetCDF directions are in radians, nautical or
+  Cartesian by an attribute; wavespectra always reads them as nautical.
+- wavespectra: NetCDF ``efth(..., freq, dir)`` in m² s deg⁻¹, directions FROM; without ``dir`` in m² s.
+- WAVEWATCH III: NetCDF of the point output and text files of stations. Both have directions waves travel TO, clockwise from north;
+  wavespectra turns them to where waves come FROM, even in NetCDF whose attribute states that waves come FROM them already. Text rounds
+  directions to three digits of a radian: they are put back on their even grid.
 """
 
 from __future__ import annotations
@@ -59,7 +50,7 @@ def read_era5_waves(path: Path) -> Held:
         for name in ("expver", "number"):
             if name in data["d2fd"].dims:
                 data = _one_of(data, name, path)
-        # wavespectra wants the numbers of frequencies and directions as coordinates; some files have bare dimensions.
+        # wavespectra needs the numbers of frequencies and directions as coordinates; some files have bare dimensions.
         data = data.assign_coords({name: np.arange(data.sizes[name]) for name in data["d2fd"].dims if name not in data.variables})
         if not np.any(np.isfinite(data["d2fd"].values)):
             raise DataError(f"{path}: has no spectrum there at that time (land, or outside); give a place at sea")
@@ -108,7 +99,7 @@ def read_swan_text(path: Path) -> Held:
     read = reader("read_swan")
     # As sites always: for a grid wavespectra sorts the coordinates but not the spectra.
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rows that cannot be read are warned of and left as NaN: refused when they are wanted
+        warnings.simplefilter("ignore")  # rows that cannot be read are warned of and left as NaN: refused when they are requested
         data = parsed(path, "a SWAN spectral file", lambda: read(str(path), as_site=True))
     spherical = "LONLAT" in header
 
@@ -197,6 +188,7 @@ def read_ww3_text(path: Path) -> Held:
 def _even(directions: FloatArray, path: Path) -> FloatArray:
     """Return exact directions of a whole turn that were rounded when printed [deg]."""
     step = 360.0 / directions.size
+    # The median of the steps has the sense of rotation even where one step crosses north.
     turn = np.sign(np.median((np.diff(directions) + 180.0) % 360.0 - 180.0)) * step
     away = (directions - turn * np.arange(directions.size) + 180.0 - directions[0]) % 360.0 - 180.0
     if np.ptp(away) > 2.0 * _ROUNDED:
@@ -248,7 +240,7 @@ class WavesFromFile:
     """Spectrum and its source."""
 
     spectrum: MeasuredSpectrum  #: The sea.
-    report: JsonObject  #: For the provenance: file, format, time, site, place, and how far they are from those wanted.
+    report: JsonObject  #: For the provenance: file, format, time, site, place, and their distances from the requested ones.
 
 
 def read_waves(
@@ -261,11 +253,11 @@ def read_waves(
     path : path
         The file; of a buoy's five NDBC files any one, or the name without its ending.
     choice : WaveChoice, optional
-        Time and place wanted, tolerances, and directions for files that have none.
+        Requested time and place, tolerances, and directions for files without directions.
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
     format : str, optional
-        One of :data:`FORMATS`; recognised from the file where nothing is said.
+        One of :data:`FORMATS`; by default recognised from the file.
 
     Returns
     -------
@@ -276,7 +268,7 @@ def read_waves(
     DataError
         A file that is missing, cut, of no known format or without a record near enough; impossible values.
     DomainError
-        A choice that is missing or does not go with the file; ``name`` says which.
+        A choice that is missing or does not fit the file; ``name`` is its key.
     BackendError
         If wavespectra is not installed and needed.
     """
@@ -323,7 +315,7 @@ def recognised(path: Path) -> Format:
     Raises
     ------
     DataError
-        A file that is missing or begins as none of them.
+        A file that is missing or of another format.
     """
     if not path.is_file():
         if ndbc.is_common_part(path):

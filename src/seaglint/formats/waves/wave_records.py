@@ -1,13 +1,9 @@
-"""Choice of a file's record, and tolerances of its time and place.
+"""Records of a wave file: times, places, the bands of each record in the kinds that files have, and their conversion to a spectrum.
 
-Wave data of one place and time in the kinds that files have, and their conversion to a spectrum.
+A :class:`WaveChoice` selects a record by time and place. Records of NetCDF files are found under various names of time and place.
 
 Directions here are where waves come FROM, in degrees clockwise from north, as CF and wavespectra have them; they are turned to where
 waves travel TO in one place, :func:`spectrum_of`. Only moments are complex numbers about the azimuth TO.
-
-Content of a wave file: times, places, and the bands of each record, read on request.
-
-NetCDF files of spectra: times, places and one record of many, under various names.
 """
 
 from __future__ import annotations
@@ -37,13 +33,13 @@ _LISTED = 8  # sites that an error lists by name
 class WaveChoice:
     """Requested time and place, and directions for a file that lacks them."""
 
-    time: str | datetime | np.datetime64 | None = None  #: Time wanted, UTC where no zone is said; None where the file has one record.
-    #: ``latitude_deg``, ``longitude_deg``: Place wanted, both or none [deg].
+    time: str | datetime | np.datetime64 | None = None  #: Requested time, UTC without a zone; None where the file has one record.
+    #: ``latitude_deg``, ``longitude_deg``: Requested place, both or none [deg].
     latitude_deg: float | None = None
     longitude_deg: float | None = None
     site: str | None = None  #: Name of a site, as the file calls it, or its number from 1.
-    time_tolerance: float = 3600.0  #: Farthest the record may be from the time wanted [s].
-    distance_tolerance_km: float = 50.0  #: Farthest it may be from the place wanted [km].
+    time_tolerance: float = 3600.0  #: Largest difference of the record from the requested time [s].
+    distance_tolerance_km: float = 50.0  #: Largest distance of the record from the requested place [km].
     #: ``from_deg``, ``spreading_deg``: Mean direction FROM and circular width, for files that have energy over frequency alone [deg].
     from_deg: float | None = None
     spreading_deg: float | None = None
@@ -56,7 +52,7 @@ class WaveChoice:
 
     def nearest_time(self, times: NDArray[np.datetime64], what: str) -> tuple[int, float | None]:
         """Return the index of the record nearest in time, and its difference from the requested time [s]."""
-        dated = np.flatnonzero(~np.isnat(times))  # what has no time is the nearest to NumPy
+        dated = np.flatnonzero(~np.isnat(times))  # argmin takes NaT for the smallest difference
         if dated.size == 0:
             raise DataError(f"{what} holds no record" + (" with a time" if times.size else ""))
         if self.time is None and dated.size == 1:
@@ -127,9 +123,9 @@ def distance_km(latitude: float, longitude: float, latitudes: FloatArray, longit
     >>> distance_km(0.0, 359.5, np.array([0.0]), np.array([0.5])).round(1)
     array([111.2])
     """
-    here, there = np.radians(latitude), np.radians(latitudes)
+    start, end = np.radians(latitude), np.radians(latitudes)
     turn = np.radians(np.asarray(longitudes) - longitude)
-    h = np.sin(0.5 * (there - here)) ** 2 + np.cos(here) * np.cos(there) * np.sin(0.5 * turn) ** 2
+    h = np.sin(0.5 * (end - start)) ** 2 + np.cos(start) * np.cos(end) * np.sin(0.5 * turn) ** 2
     return np.asarray(2.0 * _EARTH_RADIUS_KM * np.arcsin(np.sqrt(np.clip(h, 0.0, 1.0))))
 
 
@@ -197,7 +193,7 @@ def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: 
     try:
         match bands:
             case Bins():
-                degree = np.pi / 180.0
+                degree = np.pi / 180.0  # densities per degree become densities per radian
                 spectrum: MeasuredSpectrum = of_bins(
                     bands.frequency_hz, (bands.from_deg + 180.0) * degree, bands.density / degree, wind_to_azimuth
                 )
@@ -266,7 +262,7 @@ class Held:
     bands: Callable[[int, int], Bands]  #: ``bands(time, site)`` by index.
     times: NDArray[np.datetime64] | None = None  #: Time of every record, UTC; None where the file has none.
     sites: tuple[str, ...] = ("1",)  #: Names of the sites.
-    #: ``latitude_deg``, ``longitude_deg``: Place of every record and site [deg, (times, sites)]; None where the file does not say.
+    #: ``latitude_deg``, ``longitude_deg``: Place of every record and site [deg, (times, sites)]; None without a place in the file.
     latitude_deg: FloatArray | None = None
     longitude_deg: FloatArray | None = None
     note: str | None = field(default=None, kw_only=True)  #: Sentence on the record that the user should know.
@@ -287,7 +283,7 @@ def reader(name: str) -> Callable[..., Any]:
 def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
     """Return the result of a parser; its exceptions, which are of any type, become an error of one line.
 
-    Libraries' warnings of what their own libraries will change are theirs to act on, and not shown.
+    Warnings of libraries about future changes of other libraries are not shown.
     """
     try:
         with warnings.catch_warnings():
