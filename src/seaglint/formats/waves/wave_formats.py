@@ -8,8 +8,8 @@ Formats of wave models and of wavespectra are read here, formats of buoys in two
   "2D wave spectra").
 - Octopus: forecasts of the variance per band of frequency and direction, directions waves come FROM.
 - SWAN: standard spectral files and NetCDF. In text files nautical directions (``NDIR``) are where waves come FROM, Cartesian ones
-  (``CDIR``) where they travel TO, counter-clockwise from the x axis; wavespectra turns these. In NetCDF directions are in radians, nautical or
-  Cartesian by an attribute; wavespectra always reads them as nautical.
+  (``CDIR``) where they travel TO, counter-clockwise from the x axis; wavespectra turns these. In NetCDF directions are in radians,
+  nautical or Cartesian by an attribute; wavespectra always reads them as nautical.
 - wavespectra: NetCDF ``efth(..., freq, dir)`` in m² s deg⁻¹, directions FROM; without ``dir`` in m² s.
 - WAVEWATCH III: NetCDF of the point output and text files of stations. Both have directions waves travel TO, clockwise from north;
   wavespectra turns them to where waves come FROM, even in NetCDF whose attribute states that waves come FROM them already. Text rounds

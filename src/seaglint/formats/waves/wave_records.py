@@ -24,6 +24,7 @@ from seaglint.base.optional import optional
 from seaglint.sea.spectra.binned import of_bins, of_cosine
 from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 from seaglint.store.netcdf import drop_quietly, open_netcdf
+from seaglint.store.outputs import reason_of
 
 _EARTH_RADIUS_KM = 6371.0
 _LISTED = 8  # sites that an error lists by name
@@ -293,7 +294,7 @@ def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
     except SeaglintError:
         raise
     except Exception as error:
-        text = " ".join(str(error).split())[:200] or type(error).__name__
+        text = reason_of(error)
         drop_quietly(error)
         raise DataError(f"{path} cannot be read as {kind} ({text}); it may be cut or of another kind: see sea.spectrum.format") from error
 

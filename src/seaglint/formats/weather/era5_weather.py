@@ -26,6 +26,7 @@ from seaglint.climate.weather_columns import relative_humidity, west_east, wind_
 from seaglint.climate.weather_selection import Selection, covered
 from seaglint.formats.weather.weather_cells import WeatherSource, order_of
 from seaglint.store.netcdf import drop_quietly
+from seaglint.store.outputs import reason_of
 
 #: Variables that are read, and the spellings allowed of the unit of each.
 UNITS: Final = {
@@ -140,7 +141,7 @@ def _opened(path: Path) -> Any:
     except SeaglintError:
         raise
     except Exception as error:  # xarray, h5py and eccodes raise nearly anything
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = reason_of(error)
         drop_quietly(error)
         raise DataError(f"{path}: cannot be read as ERA5 ({reason}); is it whole?") from None
 
