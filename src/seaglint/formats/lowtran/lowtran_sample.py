@@ -1,6 +1,6 @@
-"""Data behind LOWTRAN7's transmittances and scattering, from a run: profiles, band laws, aerosol, phase functions.
+"""Atmosphere sampled from LOWTRAN7 runs at about 150 nodes, cached on disk, and the data behind its transmittances and scattering.
 
-Atmosphere sampled from LOWTRAN7 runs at nodes: about 150 of them, cached on disk.
+These data, profiles, band laws, aerosol and phase functions, are recorded in one run.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -58,16 +58,7 @@ HUMID: Final[dict[Haze, int]] = {
 class Dump:
     """Output file of a run, as read."""
 
-    earth_radius: float  #: [km].
-    #: ``tops``, ``humidity``, ``height``, ``pressure``, ``temperature``, ``refractivity``: Profiles as in
-    #: :class:`~seaglint.air.scattering.scattering_laws.AirLevels`.
-    tops: FloatArray
-    humidity: FloatArray
-    height: FloatArray
-    pressure: FloatArray
-    temperature: FloatArray
-    refractivity: FloatArray
-    density: FloatArray  #: All of LOWTRAN7's columns [(63, levels)].
+    air: AirLevels  #: Profiles, with the densities of all of LOWTRAN7's columns [(63, levels)].
     #: ``node_um``, ``node_extinction``, ``node_absorption``: Boundary-layer aerosol at LOWTRAN7's wavelengths [um], [1], [1]; (47,).
     node_um: FloatArray
     node_extinction: FloatArray
@@ -95,32 +86,23 @@ class Dump:
         radius, tops, humidity, height, pressure, kelvin, n, density, um, extinction, absorption, which, functions = np.split(
             raw[: edges[-1]], edges[:-1]
         )
-        levels = int(np.argmax(height)) + 1
+        levels = int(np.argmax(height)) + 1  # the heights behind the last level are zero
         number = which.reshape(_MODELS, PHASE_WAVELENGTHS_UM.size).astype(np.int64) - 1
         channels = raw[edges[-1] :].reshape(-1, 66)
         v, abb, log, power, column, ext, absorbed, asymmetry = np.split(channels, np.cumsum([1, 17, 11, 11, 11, 5, 5]), axis=1)
-        return cls(
+        profiles = {"height": height, "pressure": pressure, "temperature": kelvin, "refractivity": n, "humidity": humidity}
+        air = AirLevels(
             float(radius[0]),
-            tops,
-            humidity[:levels],
-            height[:levels],
-            pressure[:levels],
-            kelvin[:levels],
-            n[:levels],
-            density.reshape(_LEVELS, _COLUMNS).T[:, :levels],
-            um,
-            extinction,
-            absorption,
-            functions.reshape(_FUNCTIONS, -1)[number],
-            v[:, 0],
-            abb,
-            log,
-            power,
-            column.astype(np.int64),
-            ext,
-            absorbed,
-            asymmetry,
+            **{name: values[:levels] for name, values in profiles.items()},
+            tops=tops,
+            density=density.reshape(_LEVELS, _COLUMNS).T[:, :levels],
         )
+        return cls(
+            air=air, node_um=um, node_extinction=extinction, node_absorption=absorption,
+            phase=functions.reshape(_FUNCTIONS, -1)[number], wavenumber_cm=v[:, 0],
+            abb=abb, log_coefficient=log, power=power, column=column.astype(np.int64),
+            extinction=ext, absorption=absorbed, asymmetry=asymmetry,
+        )  # fmt: skip
 
     def spectral(self) -> SpectralLaws:
         """Return continua and bands."""
@@ -137,16 +119,7 @@ class Dump:
 
     def levels(self, columns: list[int]) -> AirLevels:
         """Return the atmosphere with some of LOWTRAN7's columns."""
-        return AirLevels(
-            self.earth_radius,
-            self.height,
-            self.pressure,
-            self.temperature,
-            self.refractivity,
-            self.humidity,
-            self.tops,
-            self.density[[c - 1 for c in columns]],
-        )
+        return replace(self.air, density=self.air.density[[c - 1 for c in columns]])
 
     def log_phase(self, haze: Haze) -> FloatArray:
         """Return the logarithm of the phase functions on the channels [(KINDS - 1, n, angles)]; linear in wavelength, as in LOWTRAN7."""
@@ -162,7 +135,7 @@ class Dump:
 
     def aerosol(self, haze: Haze) -> AerosolLaws:
         """Return the aerosols on the channels."""
-        regions = len(self.tops)
+        regions = len(self.air.tops)
         return AerosolLaws(
             self.extinction[:, :regions].T, self.absorption[:, :regions].T, np.radians(PHASE_ANGLES_DEG), self.log_phase(haze)
         )
@@ -183,7 +156,7 @@ def dump(program: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOU
 
     Notes
     -----
-    Hazes whose extinction follows the mean humidity of the path take that of the way straight up.
+    For hazes whose extinction follows the mean humidity of the path, the path straight up is used.
     """
     case = LowtranCase(air, "sky", 0.0, 0.0)
     key = engine.key_of(program.identity, "laws", case.deck())
@@ -228,7 +201,7 @@ class _Group:
 
     arc: FloatArray
     transmittance: FloatArray
-    emitted: FloatArray  #: Return the thermal radiance, or the irradiance for the Sun.
+    emitted: FloatArray  #: Thermal radiance, or irradiance for the Sun.
     refraction: RefractingAir
     source: FloatArray
 
@@ -263,7 +236,7 @@ def lowtran_atmosphere(
     timeout : float
         Seconds for one run.
     report : callable, optional
-        Hears (done, total) during the runs.
+        Called with (done, total) during the runs.
 
     Raises
     ------
@@ -337,7 +310,7 @@ class _Lines:
     def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return transmittance and thermal radiance, both (cases, n)."""
         arc = range_m.copy()
-        # LOWTRAN7 stops its search for the ray within 1 % of the arc: asked for what is missing, it comes within 0.02 %.
+        # LOWTRAN7 stops its search for the ray within 1 % of the arc: with the arc corrected by that error it comes within 0.02 %.
         got = self.results(self._cases(arc, target_height)).arc
         sought = range_m > UPRIGHT
         arc[sought] *= range_m[sought] / got[sought]
@@ -366,8 +339,9 @@ def _path_depressions(air: RefractingAir, height: float) -> FloatArray:
 
 
 def _sky_elevations(air: RefractingAir, height: float) -> tuple[FloatArray, tuple[float, ...]]:
-    """Return elevations of the sky seen from a height, with every ray that grazes a level as a node, and those rays [rad]."""
+    """Return elevations of the sky from a height, with every ray that grazes a level as a node, and those rays [rad]."""
     dip = air.dip(height)
+    # Slightly above the horizon: LOWTRAN7 refuses rays that touch the sea.
     lowest = -dip * (1.0 - 2e-3)
     edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
     share = grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[:-1]

@@ -1,20 +1,18 @@
-"""Reader of MODTRAN 6's CSV output (``CSVPRNT``): a line of column names, then numbers, case after case.
+"""Readers of the output of MODTRAN 4 to 6 and of LOWTRAN7: CSV, JSON and tape7, with all cases of a file.
 
-Names are those of its spectral library (``total transmittance``, ``path emission``, ...), of its JSON (``TOT_TRANS``, ``THRML_EM``, ...)
-or of tape7; see :mod:`seaglint.formats.modtran.modtran_spectrum` for the source of either. Lines that frame a case (``case index 0 = {``,
+CSV of MODTRAN 6 (``CSVPRNT``): a line of column names, then numbers, case after case. Names are taken from its spectral library
+(``total transmittance``, ``path emission``, ...), its JSON (``TOT_TRANS``, ``THRML_EM``, ...) or tape7; see
+:mod:`seaglint.formats.modtran.modtran_spectrum` for the source of either. Lines that frame a case (``case index 0 = {``,
 ``num freq, 101``, ``}``) and lines of units are passed over: MODTRAN 6 writes them around its tables of flux.
 
-Reader of MODTRAN 6's JSON output (``JSONPRNT``, ``JSONOPT`` with ``WRT_OUTPUT``).
-
-Layout: ``MODTRAN[i].MODTRANOUTPUT.SPECTRA.RADIANCE`` (``IRRADIANCE``, ``TRANSMITTANCE``) holds one list a column, named ``TOT_TRANS``,
-``THRML_EM``, ``THRML_SCT``, ``SURF_EMIS``, ``MULT_SCAT``, ``SING_SCAT``, ``GRND_RFLT``, ``DRCT_RFLT``, ``TOTAL_RAD``, ``REF_SOL``,
+JSON of MODTRAN 6 (``JSONPRNT``, ``JSONOPT`` with ``WRT_OUTPUT``): ``MODTRAN[i].MODTRANOUTPUT.SPECTRA.RADIANCE`` (``IRRADIANCE``,
+``TRANSMITTANCE``) holds one list a column, named ``TOT_TRANS``, ``THRML_EM``, ``THRML_SCT``, ``SURF_EMIS``, ``MULT_SCAT``,
+``SING_SCAT``, ``GRND_RFLT``, ``DRCT_RFLT``, ``TOTAL_RAD``, ``REF_SOL``,
 ``SOL_AT_OBS``, ``DEPTH``, ... (github.com/brianschubert/pymod6, ``tests/test_io.py`` and ``input/schema.py``); with ``WRT_INPUT`` the
-case's ``MODTRANINPUT`` stands beside it and tells its geometry and spectral grid.
+case's ``MODTRANINPUT`` is beside it, with its geometry and spectral grid.
 
-Readers of tape7 (``.tp7``, ``.7sc``, ``tape7.scn``) of MODTRAN 4 and 5 and of LOWTRAN7's tape7.
-
-Layouts, as the programs write them (LOWTRAN7: FORMATs 907-937 of ``lowtran7.f``; MODTRAN: subroutine TRANS and T7HEAD, in public
-copies of its source):
+Tape7 (``.tp7``, ``.7sc``, ``tape7.scn``) of MODTRAN 4 and 5 and LOWTRAN7's tape7. Layouts, as the programs write them
+(LOWTRAN7: FORMATs 907-937 of ``lowtran7.f``; MODTRAN: subroutine TRANS and T7HEAD, in public copies of its source):
 
 =============  ====  ==========================================================================
 program        mode  Fortran format of a row
@@ -28,9 +26,9 @@ MODTRAN 4, 5   3     ``F8.2,F8.4,1P,2E9.2,T96,E10.3``
 MODTRAN 5      2     the same and ``DIR_EM``, ``TOA_SUN``, ``BBODY_T[K]``
 =============  ====  ==========================================================================
 
-Columns touch, some are blank, and Fortran drops the E of exponents of three digits (``6.53-144``). So numbers are told by Fortran's
-grammar, and each belongs to the column whose name ends nearest to where it ends. Several cases stand one after the other, each with
-the cards of its deck before it and ``-9999.`` behind it.
+Columns touch, some are blank, and Fortran drops the E of exponents of three digits (``6.53-144``). So numbers are recognised by Fortran's
+grammar, and each belongs to the column whose name ends nearest to its end. Several cases follow one after the other, each with the cards
+of its deck before it and ``-9999.`` behind it.
 """
 
 from __future__ import annotations
@@ -100,14 +98,14 @@ def _csv_table(path: Path, number: int, header: int, labels: list[str], rows: li
     columns: dict[Column, list[float]] = {}
     places = {column: k for k, label in reversed(list(enumerate(labels))) if (column := column_of(label)) is not None}
     for line, *cells in rows:
-        if len([*cells]) < len(labels):
+        if len(cells) < len(labels):
             raise DataError(f"{where}: line {line}: has {len(cells)} cells for {len(labels)} columns; the file is cut, give the whole one")
         for column, k in places.items():
             try:
                 columns.setdefault(column, []).append(float(cells[k]))
             except ValueError:
-                told_cell = " ".join(cells[k].split())[:40]
-                raise DataError(f"{where}: line {line}: {labels[k]} = '{told_cell}' is not a number; run the case again") from None
+                shown = " ".join(cells[k].split())[:40]
+                raise DataError(f"{where}: line {line}: {labels[k]} = '{shown}' is not a number; run the case again") from None
     first = int(rows[0][0])
     return Table(path, f"case {number}", {name: np.array(values) for name, values in columns.items()}, tuple(labels), None, first)
 
@@ -308,19 +306,14 @@ def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], car
         for name, (value, _) in row.items():
             columns[name].append(value)
     return Table(
-        path,
-        case,
-        {name: np.array(values) for name, values in columns.items()},
-        names,
-        _sight(cards),
-        first + 1,
-        labels[-1].end == UNNAMED_DEPTH,
-    )
+        path=path, case=case, columns={name: np.array(values) for name, values in columns.items()}, labels=names, sight=_sight(cards),
+        line=first + 1, fine_depth=labels[-1].end == UNNAMED_DEPTH,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Fields:
-    """Columns in which the numbers of a line stood: most lines have theirs in the same places."""
+    """Columns of the numbers of a line, which are the same in most lines: these need no parsing by Fortran's grammar."""
 
     length: int = -1
     ends: tuple[tuple[int, Column | None], ...] = ()
