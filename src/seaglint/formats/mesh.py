@@ -101,13 +101,7 @@ def ply_bytes(rows: int, columns: int) -> int:
 
 
 def write_ply(
-    output: str | Path,
-    x: FloatArray,
-    y: FloatArray,
-    surface: NDArray[np.float32],
-    *,
-    comments: Sequence[str] = (),
-    overwrite: bool = False,
+    output: str | Path, x: FloatArray, y: FloatArray, surface: NDArray[np.float32], *, comments: Sequence[str] = (), overwrite: bool = False
 ) -> Path:
     """Write a mesh of two triangles per cell, counter-clockwise seen from above, row by row.
 

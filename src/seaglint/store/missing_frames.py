@@ -97,8 +97,8 @@ def open_group(place: Place) -> Any:
 
 
 @dataclass
-class Filling:
-    """Units of a store that are to be made: by ``here`` or ``elsewhere``, then checked by ``require_all``.
+class MissingUnits:
+    """Units of a store that are to be made: by ``make_here`` or ``make_by_workers``, then checked by ``require_all``.
 
     Raises
     ------
@@ -125,7 +125,7 @@ class Filling:
         """Return the units with missing frames."""
         return sorted({index // self.shards.frames_per_unit for index in self._missing(self.units)})
 
-    def here(self, frame: Frame, attempts: int) -> None:
+    def make_here(self, frame: Frame, attempts: int) -> None:
         """Make the units one after the other.
 
         Parameters
@@ -157,7 +157,7 @@ class Filling:
             if stopped and self.count < self.total:
                 raise self._interrupted()
 
-    def elsewhere(self, spread: Spread, note: Callable[[str], None]) -> None:
+    def make_by_workers(self, spread: Spread, note: Callable[[str], None]) -> None:
         """Have the units made by workers; ``note`` is called with the types of processors that made them."""
         left, processors = self.left, set[str]()
         if not left:

@@ -24,7 +24,7 @@ from seaglint.base.free_form import Attributes
 from seaglint.base.machine import processor
 from seaglint.store.layout import FORMAT, UNFINISHED, Layout
 from seaglint.store.location import PATIENCE, Place, attributes, is_ours, partial_path, place_of
-from seaglint.store.missing_frames import Filling, Interrupted, Spread, open_group
+from seaglint.store.missing_frames import Interrupted, MissingUnits, Spread, open_group
 from seaglint.store.outputs import ELSEWHERE, FILE_ENDINGS, storage_errors
 from seaglint.store.provenance import PROCESSORS_MIXED, differences
 from seaglint.store.shards import CHECKSUM, DONE, Frame, Shards, forget_damaged, listed
@@ -45,16 +45,7 @@ def consolidate(store: Path | str) -> None:
         zarr.consolidate_metadata(store, zarr_format=3)
 
 
-__all__ = [
-    "Frame",
-    "Interrupted",
-    "check_output",
-    "finish_sequence",
-    "is_sequence",
-    "open_sequence",
-    "partial_path",
-    "write_sequence",
-]
+__all__ = ["Frame", "Interrupted", "check_output", "finish_sequence", "is_sequence", "open_sequence", "partial_path", "write_sequence"]
 
 log = logging.getLogger(__name__)
 
@@ -120,9 +111,9 @@ def write_sequence(
         return "nothing was written; make room or choose another place"
 
     if not _stands(place, layout, resume=continued, overwrite=overwrite):
-        with ExitStack() as held:
+        with ExitStack() as claims:
             with storage_errors(place.work, remedy):
-                claim = held.enter_context(place.claim(share))
+                claim = claims.enter_context(place.claim(share))
             # Another process may have finished between the first look and the claim.
             if not _stands(place, layout, resume=continued, overwrite=overwrite):
                 _require_free(place, resume=continued, overwrite=overwrite)
@@ -133,12 +124,12 @@ def write_sequence(
                     with storage_errors(place.work, remedy):
                         _settle(place, kind)
 
-                filling = Filling(place, shards, units, claim, layout.frames, remedy, progress)
+                missing = MissingUnits(place, shards, units, claim, layout.frames, remedy, progress)
                 if spread is None:
-                    filling.here(frame, attempts)
+                    missing.make_here(frame, attempts)
                 else:
-                    filling.elsewhere(spread, note)
-                filling.require_all()
+                    missing.make_by_workers(spread, note)
+                missing.require_all()
                 if share is None:
                     with storage_errors(place.output, remedy):
                         _finish(place, claim)
@@ -197,12 +188,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
 
 
 def check_output(
-    output: str | Path,
-    *,
-    resume: bool = False,
-    overwrite: bool = False,
-    inputs: Iterable[str | Path] = (),
-    share: Share | None = None,
+    output: str | Path, *, resume: bool = False, overwrite: bool = False, inputs: Iterable[str | Path] = (), share: Share | None = None
 ) -> Path | str:
     """Return the path of a sequence to be written; what its layout does not decide is checked before anything is computed.
 

@@ -20,16 +20,7 @@ MODELS = {
 }
 
 Haze = Literal[
-    "none",
-    "rural-23km",
-    "rural-5km",
-    "navy-maritime",
-    "maritime-23km",
-    "urban",
-    "tropospheric",
-    "advective-fog",
-    "radiative-fog",
-    "desert",
+    "none", "rural-23km", "rural-5km", "navy-maritime", "maritime-23km", "urban", "tropospheric", "advective-fog", "radiative-fog", "desert"
 ]
 
 #: Boundary-layer aerosols and their numbers on card 2 (IHAZE); 7 is LOWTRAN7's user-defined one.

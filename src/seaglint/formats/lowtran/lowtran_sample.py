@@ -281,10 +281,7 @@ def lowtran_atmosphere(
         height=height,
         path=PathSamples(path.arc[order], path.transmittance[order], path.emitted[order], beyond=True),
         sun=SunSamples(0.5 * np.pi - above[::-1], sun.emitted[::-1], sun.source),
-        skies=[
-            SkySamples(0.0, above, sea_sky.emitted),
-            SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
-        ],
+        skies=[SkySamples(0.0, above, sea_sky.emitted), SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks)],
         line=_Lines(air, height, results, air_bends.earth_radius),
         scattering=lambda: live_air(program, air, sun.source, timeout),
         name=name or f"LOWTRAN7 ({model})",

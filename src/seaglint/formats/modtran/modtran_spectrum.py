@@ -64,7 +64,8 @@ class ModtranSight:
     """Line of sight as a file states it; NaN where it does not.
 
     Heights in km and angles in degrees as MODTRAN has them: ``zenith_deg`` is the zenith angle of the line at H1 (ANGLE, OBSZEN), 180
-    straight down. ``mode`` is IEMSCT (0 transmittance, 1 thermal, 2 thermal and solar, 3 sunlight), ``kind`` ITYPE (2 between heights, 3 to space).
+    straight down. ``mode`` is IEMSCT (0 transmittance, 1 thermal, 2 thermal and solar, 3 sunlight), ``kind`` ITYPE (2 between heights,
+    3 to space).
     """
 
     mode: int

@@ -9,6 +9,7 @@ PNG specification, third edition: IHDR, PLTE, tRNS, gAMA, pCAL (in the extension
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -364,17 +365,10 @@ def _netpbm(path: Path) -> tuple[int | None, list[str]]:
     at = 0
     # Bitmaps (P1, P4) have no largest number: three words, not four.
     needed = 3 if head[:2] in (b"P1", b"P4") else 4
-    while len(words) < needed and at < len(head):
-        if head[at : at + 1] == b"#":
-            at = head.find(b"\n", at) + 1 or len(head)
-        elif head[at : at + 1].isspace():
-            at += 1
-        else:
-            end = at
-            while end < len(head) and not head[end : end + 1].isspace():
-                end += 1
-            words.append(head[at:end])
-            at = end
+    for match in re.finditer(rb"#[^\n]*|\S+", head):
+        if len(words) < needed and not match[0].startswith(b"#"):
+            words.append(match[0])
+            at = match.end()
     if len(words) < needed or not words[1].isdigit() or not words[2].isdigit():
         return None, []
     columns, rows = int(words[1]), int(words[2])

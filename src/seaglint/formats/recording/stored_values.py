@@ -252,10 +252,7 @@ def of_attributes(attributes: Mapping[Any, Any], dtype: np.dtype[Any], source: s
             return numbers
         return [int(n) + int(np.iinfo(kind).max) + 1 if float(n) < 0.0 and float(n) >= np.iinfo(signed).min else n for n in numbers]
 
-    missing = in_type(
-        as_stored([*_numbers(attributes, "_FillValue", source), *_numbers(attributes, "missing_value", source)]),
-        kind,
-    )
+    missing = in_type(as_stored([*_numbers(attributes, "_FillValue", source), *_numbers(attributes, "missing_value", source)]), kind)
     scale, offset = _single(attributes, "scale_factor", 1.0, source), _single(attributes, "add_offset", 0.0, source)
     low, high = _valid_range(attributes, kind, scale, offset, source, as_stored)
     notes = _other_names(attributes, scale, offset, source)

@@ -40,9 +40,9 @@ from seaglint.formats.waves.wave_records import (
     Bins,
     Cosine,
     DirectionalMoments,
-    Held,
     Plain,
     WaveChoice,
+    WaveRecords,
     as_utc,
     open_dataset,
     parsed,
@@ -76,7 +76,7 @@ _AGREE_HEIGHT: Final = 0.25  # share of the height: another unit of energy is at
 _NARROWEST, _WIDEST_CDIP = 1.0, 80.0  # deg: the limits of the cosine to a power
 
 
-def read_cdip(path: Path, choice: WaveChoice) -> Held:
+def read_cdip(path: Path, choice: WaveChoice) -> WaveRecords:
     """Read the good record nearest to the requested time.
 
     Raises
@@ -105,7 +105,7 @@ def read_cdip(path: Path, choice: WaveChoice) -> Held:
             return _cdip_bands(record.load(), path)
 
     places = [None if value is None else np.full((1, 1), value) for value in place]
-    return Held(bands, None if time is None else times[index : index + 1], (site,), *places, note=note)
+    return WaveRecords(bands, None if time is None else times[index : index + 1], (site,), *places, note=note)
 
 
 def _times(data: Any, name: str, path: Path) -> NDArray[np.datetime64]:
@@ -280,7 +280,7 @@ _NAME: Final = re.compile(r"^(.*)\}(\d{4}-\d{2}-\d{2})T(\d{2})h(\d{2})Z?$")
 _WIDEST: Final = (80.0, 81.1)  # deg: the cosine's limit, and sqrt(2) rad, the width of bands without any direction
 
 
-def read_datawell(path: Path) -> Held:
+def read_datawell(path: Path) -> WaveRecords:
     """Read the only record of a file."""
     name = _NAME.match(path.stem)
     if name is None:
@@ -293,7 +293,7 @@ def read_datawell(path: Path) -> Held:
     limit, most = _WIDEST
     if np.any(width > most):
         raise DataError(f"{path}: a width of {width.max():g} deg is above {most:g} deg, that of no direction at all; is the file whole?")
-    return Held(
+    return WaveRecords(
         lambda *_: Cosine(frequency, energy, directions, np.minimum(width, limit)), np.array([moment], "datetime64[ns]"), (name[1],)
     )
 
@@ -305,13 +305,13 @@ _AGAIN: Final = "give a Spotter's file as its dashboard or programming interface
 Record = Mapping[str, Any]
 
 
-def read_spotter_json(path: Path) -> Held:
+def read_spotter_json(path: Path) -> WaveRecords:
     """Read the records of ``data.frequencyData``."""
     records = parsed(path, "a Spotter's JSON", lambda: outputs.read_json(path, _AGAIN)["data"]["frequencyData"])
-    return _held(path, "a Spotter's JSON", records)
+    return _records(path, "a Spotter's JSON", records)
 
 
-def read_spotter_csv(path: Path) -> Held:
+def read_spotter_csv(path: Path) -> WaveRecords:
     """Read the records of a table with a column for each band and quantity: ``f_0``, ``a1_0``, ``varianceDensity_0`` and so on."""
 
     def parse() -> list[Record]:
@@ -319,7 +319,7 @@ def read_spotter_csv(path: Path) -> Held:
         header = [name.split("(")[0].strip() for name in head.cells]
         return [_record(dict(zip(header, line.cells, strict=True))) for line in rest]
 
-    return _held(path, "a Spotter's CSV", parsed(path, "a Spotter's CSV", parse))
+    return _records(path, "a Spotter's CSV", parsed(path, "a Spotter's CSV", parse))
 
 
 def _record(row: Mapping[str, str]) -> Record:
@@ -330,14 +330,14 @@ def _record(row: Mapping[str, str]) -> Record:
     return record | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
 
 
-def _held(path: Path, kind: str, records: Sequence[Record]) -> Held:
-    def parse() -> Held:
+def _records(path: Path, kind: str, records: Sequence[Record]) -> WaveRecords:
+    def parse() -> WaveRecords:
         times = np.array([as_utc(record["timestamp"]) for record in records], dtype="datetime64[ns]")
         places = [np.array([[float(record[name])] for record in records]) for name in ("latitude", "longitude")]
-        return Held(lambda moment, _: _spotter_bands(path, records[moment]), times, ("1",), *places)
+        return WaveRecords(lambda moment, _: _spotter_bands(path, records[moment]), times, ("1",), *places)
 
-    held: Held = parsed(path, kind, parse)
-    return held
+    result: WaveRecords = parsed(path, kind, parse)
+    return result
 
 
 def _spotter_bands(path: Path, record: Record) -> Bands:
@@ -354,7 +354,7 @@ _TYPE = re.compile(r"^\s*TYPE\s*=\s*(.*?)\s*$", re.MULTILINE)
 _ZONE = re.compile(r"^\s*DATE\s*=.*\((.*?)\)", re.MULTILINE)
 
 
-def read_triaxys(path: Path) -> Held:
+def read_triaxys(path: Path) -> WaveRecords:
     """Read the only record of a file."""
     header = parsed(path, "a TRIAXYS file", lambda: path.read_text(encoding="utf-8")[:4096])
     kind, zone = _TYPE.search(header), _ZONE.search(header)
@@ -376,4 +376,4 @@ def read_triaxys(path: Path) -> Held:
         once = directions < 360.0 - 1e-6  # 0 and 360 are both in the file: one of them is left out
         return Bins(frequency, directions[once], values[:, once])
 
-    return Held(bands, np.asarray(data["time"].values).astype("datetime64[ns]"))
+    return WaveRecords(bands, np.asarray(data["time"].values).astype("datetime64[ns]"))

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.formats.tables.table_text import plain_number
-from seaglint.formats.waves.wave_records import Bands, DirectionalMoments, Held, Plain, WaveChoice, held_by, parsed
+from seaglint.formats.waves.wave_records import Bands, DirectionalMoments, Plain, WaveChoice, WaveRecords, netcdf_records, parsed
 
 _WHOLE: Final = re.compile(r"\d{1,4}")
 _PIVOT: Final = 70  # NDBC's first buoys are of the 1970s
@@ -396,7 +396,7 @@ _NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", 
 MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
 
 
-def read_text(path: Path, choice: WaveChoice) -> Held:
+def read_text(path: Path, choice: WaveChoice) -> WaveRecords:
     """Read the records of a buoy's text files, which have many times, so that one must be requested."""
     files = _five(path)
     moment = choice.require_time(str(path))
@@ -415,15 +415,15 @@ def read_text(path: Path, choice: WaveChoice) -> Held:
         alpha1, alpha2, r1, r2 = (_column(_read(file), moment, frequency) for file in files[1:])
         return moments_of(frequency, energy, (alpha1, alpha2, r1, r2), "unknown" if table.historical else "ones", f"{path} at {moment}")
 
-    return Held(bands, table.times[index : index + 1], (_station(files[0]),))
+    return WaveRecords(bands, table.times[index : index + 1], (_station(files[0]),))
 
 
-def read_netcdf(path: Path) -> Held:
+def read_netcdf(path: Path) -> WaveRecords:
     """Read the records of a buoy's NetCDF file."""
     return _read_netcdf(path, _NDBC)
 
 
-def read_mhkit(path: Path) -> Held:
+def read_mhkit(path: Path) -> WaveRecords:
     """Read the records of NetCDF with the names of MHKiT's ``wave.io.ndbc.request_directional_data``.
 
     MHKiT divides r1 and r2 by 100 and keeps NDBC's nines, so that a missing one is 9.99.
@@ -431,7 +431,7 @@ def read_mhkit(path: Path) -> Held:
     return _read_netcdf(path, MHKIT)
 
 
-def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> Held:
+def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> WaveRecords:
     """Read NetCDF whose five variables have the names of energy, alpha1, alpha2, r1 and r2."""
     density, alpha1, alpha2, r1, r2 = names
 
@@ -444,7 +444,7 @@ def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> Held:
         directions = from_degrees_of(data, alpha1, path).ravel(), degrees_of(data, alpha2, path).ravel()
         return moments_of(frequency, energy, (*directions, *lengths), unit, str(path))
 
-    return held_by(path, density, convert)
+    return netcdf_records(path, density, convert)
 
 
 def is_common_part(path: Path) -> bool:

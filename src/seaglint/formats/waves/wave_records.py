@@ -257,7 +257,7 @@ def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, Com
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class WaveRecords:
     """Records of one file, read on request."""
 
     bands: Callable[[int, int], Bands]  #: ``bands(time, site)`` by index.
@@ -311,7 +311,7 @@ def open_dataset(path: Path) -> Any:
     return parsed(path, "NetCDF", lambda: open_netcdf(path))
 
 
-def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
+def netcdf_records(path: Path, density: str, convert: Callable[[Any], Bands]) -> WaveRecords:
     """Return the records of a NetCDF file.
 
     Parameters
@@ -357,7 +357,7 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
                 require_one(data[density], str(time), np.flatnonzero(times == times[moment]), path)
             return convert(data.isel(chosen).load())
 
-    return Held(bands, None if times is None else times.astype("datetime64[ns]"), names, *places)
+    return WaveRecords(bands, None if times is None else times.astype("datetime64[ns]"), names, *places)
 
 
 def require_one(density: Any, time: str, indices: NDArray[np.intp], path: Path) -> None:

@@ -49,10 +49,7 @@ CALM: Final = 361.0  #: Code of the wind direction of a calm; 362 is a variable 
 OBSCURED: Final = 9.0  #: Total cloud of a sky that cannot be seen.
 
 #: Present weather (code 4677) of fog, rain and snow that hide an overcast sky.
-OBSCURING: Final = np.array(
-    [10, 11, 12, *range(40, 50), *range(50, 76), 77, 79, *range(80, 100)],
-    dtype=np.float64,
-)
+OBSCURING: Final = np.array([10, 11, 12, *range(40, 50), *range(50, 76), 77, 79, *range(80, 100)], dtype=np.float64)
 
 #: Lower border of each step of code 4377 [km]; 90 is anything below 0.05 km and counts as half of it.
 VISIBILITY_KM: Final = {90: 0.025, 91: 0.05, 92: 0.2, 93: 0.5, 94: 1.0, 95: 2.0, 96: 4.0, 97: 10.0, 98: 20.0, 99: 50.0}
