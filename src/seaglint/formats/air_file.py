@@ -101,6 +101,7 @@ def blocks_of_dataset(path: Path, dataset: Any, height: float) -> tuple[float | 
         kind, dimension = VARIABLES[name]
         values = _field(path, dataset, name, (dimension, AZIMUTH, "wavenumber_cm"))
         nodes, nu = (np.asarray(dataset[key], dtype=np.float64) for key in (dimension, "wavenumber_cm"))
+        # Files may have their axes in any order; interpolation needs them ascending.
         order = np.ix_(np.argsort(nodes), np.argsort(azimuth), np.argsort(nu))
         seen_from = 0.0 if kind == "sky" else height
         out.append(Block(kind.removeprefix("sensor_"), seen_from, np.sort(nodes), np.sort(azimuth), np.sort(nu), values[order]))
@@ -321,6 +322,7 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
         add("sky", height, "sensor_sky_zenith_deg", "sensor_sky_radiance", cells=",,{},")
     add("sun", "", "sun_zenith_deg", "sun_irradiance", cells=",,,{}")
     lines.extend(csv_lines(dataset, height))
+    # Wavenumbers and nodes are written in full, so that grids agree after reading.
     write_text("\n".join(lines) + "\n", output)
     return output
 
@@ -338,7 +340,9 @@ def _assembled(path: Path, content: _Content, sensor_height: float) -> SampledAt
         raise DataError(f"{path}: holds no sunlight; add lines of kind sun (irradiance 0 for a night)")
     if not any(kind == "sky" and h <= HEIGHT_SLACK for kind, h in blocks):
         raise DataError(f"{path}: holds no sky seen from the sea, which the water mirrors; add lines of kind sky at height_m = 0")
+    # The Sun is the same from all heights: its block is the only one of its kind.
     paths, sun = blocks["path", height], next(block for (kind, _), block in blocks.items() if kind == "sun")
+    # All products are formed at each wavenumber, so that all blocks need one grid.
     nu = paths.wavenumber_cm
     for (kind, h), block in blocks.items():
         if block.wavenumber_cm.size != nu.size or not np.allclose(block.wavenumber_cm, nu, rtol=1e-9, atol=0.0):
@@ -379,6 +383,7 @@ def _from_csv(path: Path) -> _Content:
             raise table.error(table.lines[row], f"kind = '{kind}' is not one of path, sky, sun, path-scattered, sky-scattered")
         table.require_columns(*NEEDS[kind])
         x = table.number(row, spectral, 1e-3)
+        # Files per wavelength are converted once, at reading: all further code works per wavenumber.
         per = 1.0 if spectral == "wavenumber_cm" else x * x * 1e-4  # per um -> per cm-1: |d lambda / d nu| = lambda^2 / 1e4
         nu = x if spectral == "wavenumber_cm" else 1e4 / x
         height = table.number(row, "height_m", 0.0, 1e5) if kind != "sun" else 0.0

@@ -79,6 +79,7 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
 
 def _property(mesh: Any, name: str, size: int) -> FloatArray | None:
     """Return a property of a PLY file's vertices by name."""
+    # trimesh keeps properties that it does not know in the raw content.
     raw = mesh.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
     if raw is None:
         return None

@@ -175,6 +175,7 @@ def _coco(labels: Labels) -> JsonObject:
     Images have no ``file_name``, as a store holds no pictures that one could open.
     """
     rows, columns = labels.shape
+    # COCO counts categories from 1.
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
     annotations: list[JsonObject] = []
     for label in labels:

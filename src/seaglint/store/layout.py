@@ -75,6 +75,7 @@ def unpacked(planes: NDArray[np.uint64], count: int) -> Iterator[NDArray[np.bool
     >>> bool((np.stack(list(unpacked(packed(masks), 2))) == masks).all())
     True
     """
+    # One bit of a plane for each object: a sequence of many objects stays small.
     for n in range(count):
         yield (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
 

@@ -219,6 +219,7 @@ class Local:
 
     def give_name(self) -> None:
         """Move the complete sequence to its final name; the old one is deleted last."""
+        # The old sequence exists until the new one has its name: an interruption loses neither.
         old = self.output.with_name(self.output.name + ".old")
         if self.output.exists():
             if old.exists():
@@ -346,6 +347,7 @@ def place_of(output: str | Path) -> Place:
     BackendError
         One whose package is not installed.
     """
+    # A path is always local; a text may be a URL.
     text = str(output)
     if isinstance(output, Path) or "://" not in text:
         return Local(Path(output))

@@ -138,6 +138,7 @@ class MissingUnits:
             for unit in self.left:
                 if stopped:
                     raise self._interrupted()
+                # Finished frames of an attempt stay: a further one makes the missing frames alone.
                 for tried in range(1, attempts + 1):
                     report = partial(self.report, self.count)
                     settings: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}

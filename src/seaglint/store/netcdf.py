@@ -44,6 +44,7 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     """
     import xarray as xr
 
+    # The first bytes decide on the engine: names do not tell the version.
     magic = b""
     try:
         with open(path, "rb") as file:

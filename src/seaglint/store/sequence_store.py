@@ -103,6 +103,7 @@ def write_sequence(
     """
     _require_joining(share, overwrite=overwrite)
     place = _checked_name(output, resume=resume, overwrite=overwrite)
+    # A share always joins an existing sequence.
     continued = resume or share is not None
 
     def remedy() -> str:
@@ -353,6 +354,7 @@ def _require_same(path: Path | str, layout: Layout) -> None:
     import zarr
 
     group: Any = zarr.open_group(path, mode="r", zarr_format=3)
+    # The same attributes make the same frames: what is stored can be continued only then.
     differ = differences(stored, layout.all_attributes)
     if [int(number) for number in group["frame"][:]] != list(layout.frames):
         differ.append("frames")

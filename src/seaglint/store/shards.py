@@ -46,6 +46,7 @@ def listed(numbers: Iterable[int], most: int = 8) -> str:
     """
     runs: list[list[int]] = []
     for number in map(int, numbers):
+        # A number that follows the last one extends its run.
         if runs and number == runs[-1][1] + 1:
             runs[-1][1] = number
         else:

@@ -109,6 +109,7 @@ def below_horizon(dataset: xr.Dataset, frame: int = 0) -> FloatArray | None:
     """
     try:
         if "sensor_height" in dataset.variables:
+            # A moving sensor has a height for each frame, a fixed one a single height.
             heights = np.atleast_1d(dataset["sensor_height"].to_numpy())
             height = float(heights[min(frame, heights.size - 1)])
         else:

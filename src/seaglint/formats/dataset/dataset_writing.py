@@ -102,6 +102,7 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
             rows=rows,
             parameters=dict(entry.parameters),
         )
+    # The record comes last: its presence marks the pictures of the scene as complete.
     part.write(folder)
     return part
 
@@ -149,6 +150,7 @@ def pieces(label: Label) -> list[Piece]:
         return []
     columns = mask.shape[1]
     left, width = label.values["bbox_left_px"], label.values["bbox_width_px"]
+    # A box that reaches beyond the last column of a panorama continues at column 0.
     cut = left + width > columns
     halves = [np.arange(columns) >= left, np.arange(columns) < left] if cut else [np.ones(columns, bool)]
     parts = [mask & half for half in halves]
@@ -176,6 +178,7 @@ def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered
     left, top, width, height = box_of(mask)
     where = (slice(max(top - SURROUND, 0), top + height + SURROUND), slice(max(left - SURROUND, 0), left + width + SURROUND))
     around = values[where][~covered[where]]
+    # Too few pixels give no standard deviation that is worth a ratio.
     spread = float(around.std()) if around.size >= LEAST_CLUTTER else 0.0
     if spread == 0.0:
         return None
@@ -214,6 +217,7 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
     rows = max(math.ceil(len(examples) / columns), 1)
     sizes = [(round(e.values.shape[1] * _zoom(e)), round(e.values.shape[0] * _zoom(e))) for e in examples] or [(WIDTH, WIDTH)]
     tall = max(height for _, height in sizes)
+    # Cells have the size of the largest example, so that titles are in lines.
     across, down = max(width for width, _ in sizes) + _GAP, tall + _TEXT + _GAP
     sheet = Image.new("RGB", (columns * across + _GAP, rows * down + _GAP), (24, 24, 28))
     pen = ImageDraw.Draw(sheet)
@@ -441,6 +445,7 @@ def problems(folder: Path) -> Iterator[str]:
     yield from (
         f"{name}: its checksum is another than in {SUMS}" for name in names if name in sums and _digest(folder / name) != sums[name]
     )
+    # Further checks would repeat the missing files in other words.
     if missing:
         return
     yield from _split_problems(folder, about)
@@ -550,6 +555,7 @@ def _write_tables(folder: Path, catalogue: Catalogue) -> None:
 def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) -> list[Example]:
     """Return one picture of each of some scenes, evenly among all: the first of the pictures with most objects."""
     parts = catalogue.parts
+    # A set: neighbouring places of a short list may round to one scene.
     chosen = [parts[i] for i in sorted({round(j) for j in np.linspace(0, len(parts) - 1, min(EXAMPLES, len(parts)))})]
     out = []
     for part in chosen:

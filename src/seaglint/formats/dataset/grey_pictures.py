@@ -51,6 +51,7 @@ class PictureLevels:
     @classmethod
     def of_radiance(cls, low: float, high: float, bits: Bits) -> PictureLevels:
         """Return the levels of radiance between ``low`` and ``high`` [W m-2 sr-1], which fill their range."""
+        # A scene of one value would have steps of 0.
         scale = (high - low) / ((1 << bits) - 1) or 1.0
         return cls(bits, scale, low, scale, low, False)
 
@@ -203,6 +204,7 @@ def decoded(text: str, shape: tuple[int, int]) -> NDArray[np.bool_]:
         raise DataError("its run lengths are cut") from error
     if min(runs, default=0) < 0 or sum(runs) != rows * columns:
         raise DataError(f"its run lengths are not those of {columns} x {rows} pixels")
+    # Runs alternate, the first one outside the mask.
     flat = np.repeat(np.arange(len(runs)) % 2 == 1, runs)
     return flat.reshape(columns, rows).T
 

@@ -223,6 +223,7 @@ def _sirst_box_problems(folder: Path) -> Iterator[str]:
             annotated.append((left, top, width, height))
     for path in sorted((folder / "masks").glob("*.png")):
         mask = read_picture(path) > 0
+        # Pixels that remain after all boxes are removed belong to no object.
         left_over = mask.copy()
         for left, top, width, height in boxes.get(path.stem, ()):
             # A box over the seam of a panorama continues at the left.
@@ -250,6 +251,7 @@ class Stores(DatasetFormat):
         stored = _store(folder, entry.name)
         if not stored.exists():
             stored.parent.mkdir(parents=True, exist_ok=True)
+            # Renamed when whole: a copy that was interrupted is begun again.
             fresh = stored.with_name(stored.name + ".partial")
             if fresh.exists():
                 shutil.rmtree(fresh)

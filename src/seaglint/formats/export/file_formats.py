@@ -147,6 +147,7 @@ def cards(stack: Stack, numbers: NumberFormat) -> list[Card]:
                 (f"CRVAL{number}", first, "of the centre of the first"),
                 (f"CDELT{number}", step, ""),
             ]
+    # One frame has no steps: its time is written with the interval of the frame rate.
     if time is not None and time.size == 1:
         out += [("CTYPE3", "TIME", ""), ("CUNIT3", "s", ""), ("CRPIX3", 1.0, ""), ("CRVAL3", float(time[0]), "")]
         out += [("CDELT3", 1.0 / stack.frame_rate, "")] if stack.frame_rate else []
@@ -179,6 +180,7 @@ def _linear(values: xr.DataArray) -> tuple[float, float] | None:
     numbers = values.to_numpy()
     if numbers.ndim != 1 or numbers.size < 2 or numbers.dtype.kind not in "uif":
         return None
+    # The step over the whole axis has the smallest rounding.
     step = float(numbers[-1] - numbers[0]) / (numbers.size - 1)
     even = float(numbers[0]) + step * np.arange(numbers.size)
     return (float(numbers[0]), step) if step and float(np.abs(numbers - even).max()) < _EVEN * abs(step) else None
@@ -376,6 +378,7 @@ def write_header(path: Path, stack: Stack, numbers: NumberFormat) -> None:
 
 
 def _write_plain(path: Path, numbers: NumberFormat, frames: Iterable[NDArray[Any]], shape: tuple[int, ...] | None) -> None:
+    # One byte order on all machines, as the header states.
     little = numbers.dtype.newbyteorder("<")
     with path.open("wb") as file:
         if shape is not None:

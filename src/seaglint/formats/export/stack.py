@@ -47,6 +47,7 @@ class Counts:
     @classmethod
     def over(cls, low: float, high: float) -> Counts:
         """Return counts 1 to 65535 from ``low`` to ``high``, which may be equal."""
+        # 65535 counts without 0, which marks missing values, have 65534 steps.
         scale = (high - low) / (MOST - 1) or 1.0
         return cls(scale, low - scale)
 

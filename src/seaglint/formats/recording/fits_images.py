@@ -157,6 +157,7 @@ def _image(hdu: Any, source: str, how: ArrayReading) -> Recording:
         frame_rate=rate, units=text_of(header.get("BUNIT")), decoding=decoding, saturation=full, notes=(*notes, *rate_notes),
     )  # fmt: skip
     array: Any = stored
+    # Without missing values integers stay integers; with them the result has NaN and is of floats.
     if unsigned and not missing:
         array, facts = _Shifted(stored, zero), replace(facts, decoding=Decoding())
     return of_array(array, source, how, facts)

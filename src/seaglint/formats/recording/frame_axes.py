@@ -130,6 +130,7 @@ def _of_names(names: Sequence[str], shape: Sequence[int]) -> str | None:
 def _usual(shape: tuple[int, ...], source: str, default: str) -> str:
     """Return the usual order of a shape: channels last if there are few, frames first."""
     count = len(shape)
+    # A last axis of one is a channel, not a column.
     if count == 3 and shape[2] == 1 and shape[0] > 1 and shape[1] > 1:
         return "yx1"
     letters = ["?"] * count
@@ -257,6 +258,7 @@ def rate_of_times(times: NDArray[Any], attributes: Mapping[Any, Any]) -> tuple[f
             if stated is None:
                 return None, "times have no units: they give no frame rate; give --frame-rate"
             return None, f"times are in {stated}, which is no unit of time that is read; give --frame-rate"
+        # Times may be packed as images are.
         unit = unit_seconds * float(np.ravel(attributes.get("scale_factor", 1.0))[0])
         seconds, whole = times.astype(np.float64), bool(np.all(times == np.round(times)))
     steps = unit * np.diff(seconds)

@@ -225,6 +225,7 @@ class _Reversed:
 
 def _turned(recording: Recording, origin: str | None, source: str) -> Recording:
     """Turn pictures whose first pixel is not the upper left one."""
+    # The upper left corner needs no turn; an unknown corner must not count as it.
     if origin is None or not _FLIPS.get(origin, ("?",)):
         return recording
     if origin not in _FLIPS:

@@ -48,6 +48,7 @@ class ForwardFrames:
         DataError
             The file ends before, or its frames differ in shape.
         """
+        # Decoders cannot go back: an earlier frame begins a new pass.
         if start < self._next or self._next == 0:
             self._next, self._frames = 0, self._decode()
         block: list[NDArray[Any]] = []
@@ -417,6 +418,7 @@ def open_video(path: Path, channel: str | None) -> Recording:
             # Packets are counted: headers of cut files state the length that was planned.
             packets = [(packet.pts, packet.time_base) for packet in container.demux(stream) if packet.size]
             frames, uneven = len(packets), _uneven(packets)
+            # PyAV's conversion stretches a limited range to the full one.
             narrow = getattr(stream.codec_context, "color_range", 0) == _LIMITED
     except Exception as error:
         raise DataError(f"{path}: cannot be read as video ({first_line(error)})") from error
@@ -443,6 +445,7 @@ def _uneven(packets: list[tuple[int | None, Any]]) -> tuple[float, float] | None
     if len(times) < max(len(packets), 3):
         return None
     steps = 1e3 * np.diff(times)
+    # Times are whole ticks of the stream's clock: two of them differ by up to two roundings.
     tick = 1e3 * float(packets[0][1])
     spread = float(steps.max() - steps.min())
     return (float(steps.min()), float(steps.max())) if spread > max(2.5 * tick, 0.02 * float(np.median(steps))) else None

@@ -109,6 +109,7 @@ def missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
     if len(varying) != 1 or not all(key[varying[0]][0] == 0 for key in keys):
         return ()
     numbers = np.array([key[varying[0]][1] for key in keys])
+    # The smallest step is the rule: a sequence may keep every other frame.
     steps = np.diff(numbers)
     step = int(steps.min())
     if step < 1 or (steps == step).all():

@@ -39,6 +39,7 @@ def require_channel(channel: str) -> None:
 def _alike(colours: NDArray[Any]) -> bool:
     """Return true where channels vary together: apart from a constant they differ by rounding, or by a small part of their variation."""
     step = 1.0 if colours.dtype.kind in "iu" else 0.0
+    # A constant difference is a level, not a colour: its deviation counts.
     first = colours[..., 0].astype(np.float64)
     largest = max(ALIKE * float(np.nanstd(first)), step)
     return all(float(np.nanstd(colours[..., i] - first)) <= largest for i in range(1, colours.shape[-1]))
@@ -321,6 +322,7 @@ def _valid_range(
     # A negative scale turns a range of values round.
     if scale < 0.0 and low is not None and high is not None and low > high:
         low, high = high, low
+    # Checked after the turn: what is still empty cannot be satisfied.
     if low is not None and high is not None and low > high:
         raise DataError(f"{source}: the valid range {low:g} to {high:g} is empty; correct the attributes")
     # An end of the type's own range masks nothing.

@@ -147,6 +147,7 @@ def _rates(file: Any, page: Any, own: JsonObject | None, imagej: JsonObject) -> 
         rates |= {} if rate is None else {"our own description": rate}
     elif interval is not None and unit is not None:
         rates["ImageJ's finterval"] = 1.0 / (interval * unit)
+    # A rational number: numerator and denominator.
     fraction = _tag(page, 51044)
     if fraction is not None:
         above, below = (float(part) for part in np.ravel(fraction)[:2]) if np.size(fraction) > 1 else (float(fraction), 1.0)
@@ -518,6 +519,7 @@ def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts,
         notes.append(f"compression {page.compression.name} may be lossy: tails and correlations of the noise may be changed")
     palette = _palette(page) if kind == _PALETTE else None
     orientation = page.tags.get(274)
+    # Orientation 1 is the usual one and is not in the table.
     turn = _TURNS.get(1 if orientation is None else int(orientation.value))
     if turn is not None:
         notes.append(f"pictures are turned by the file's Orientation {int(orientation.value)}")
@@ -562,7 +564,6 @@ def _reader(path: Path, frames: _StackFrames, shape: tuple[int, ...]) -> Callabl
                     # A stack of one page that a header calls many is mapped, and unmapped when the block is copied.
                     return np.asarray(Ordered(tifffile.memmap(path, mode="r"), frames.stack, frames.channel)[start:stop])
                 step = keys[1] - keys[0] if len(keys) > 1 else 1
-                # tifffile reads a range of pages faster than a list.
                 even = keys == tuple(range(keys[0], keys[-1] + 1, max(step, 1)))
                 block = tifffile.imread(path, key=range(keys[0], keys[-1] + 1, step) if even else list(keys))
         except Exception as error:

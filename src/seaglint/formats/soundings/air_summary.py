@@ -160,6 +160,7 @@ def summarise_air(
     """
     if not 200.0 <= sea_kelvin <= 350.0:
         raise DataError(f"sea_temperature = {sea_kelvin:g}: give a temperature of 200 to 350 K")
+    # A file of the name of a model takes precedence.
     if source in MODELS and not Path(source).exists():
         profile = model_profile(source)
         return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)

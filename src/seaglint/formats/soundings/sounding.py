@@ -202,6 +202,7 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
     lats, lons = np.asarray(data[latitude].values), np.asarray(data[longitude].values)
     i = int(np.argmin(np.abs(lats - place[0])))
     j = int(np.argmin(np.abs((lons - place[1] + 180.0) % 360.0 - 180.0)))
+    # The nearest point of a grid that covers the place is at most half a step away; coarse grids get some room.
     step = float(np.max(np.abs(np.diff(lats)))) if lats.size > 1 else 0.25
     away = max(abs(float(lats[i]) - place[0]), abs((float(lons[j]) - place[1] + 180.0) % 360.0 - 180.0))
     if away > max(1.0, 2.0 * step):
@@ -412,6 +413,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
             "or take a station at the coast"
         )
     height, pressure, kelvin, given = raw.height, raw.pressure, raw.temperature, raw.height.size
+    # The air between the sea and the first level is continued with its temperature and humidity, hydrostatically.
     if lowest > 0.0:
         warm = float(virtual_temperature(kelvin[0], pressure[0], humidity[0]))
         at_sea = float(pressure[0]) * math.exp(GRAVITY * lowest / (DRY_AIR * warm))

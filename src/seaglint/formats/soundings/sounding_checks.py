@@ -96,6 +96,7 @@ def span_misfit(raw: RawSounding, temperature: FloatArray) -> float:
 
     Rounding of the file is subtracted. The result is NaN where fewer than two levels have heights.
     """
+    # Dry air is enough to compare units: humidity changes a thickness by less than a unit does.
     known = np.flatnonzero(np.isfinite(raw.height) & np.isfinite(temperature) & (temperature > 1.0) & (raw.pressure > 0.0))
     known = known[np.argsort(raw.height[known], kind="stable")]
     if known.size < 2:
@@ -235,6 +236,7 @@ def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSou
     step_p, step_z = raw.resolution
     risen = np.concatenate([[0.0], raw.pressure[1:] - np.minimum.accumulate(raw.pressure)[:-1]])
     fallen = np.concatenate([[0.0], np.maximum.accumulate(raw.height)[:-1] - raw.height[1:]])
+    # Rounding alone moves neighbouring levels by up to one step.
     falls = (risen > max(1.5 * step_p, NOISE_HPA)) | (fallen > max(1.5 * step_z, NOISE_M))
     falls |= (fallen > 1.5 * step_z) & (risen > 1.01 * step_p)  # both agree that the balloon sank
     if falls.any():
@@ -272,6 +274,7 @@ def _merged(raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatA
 
     def mean(values: FloatArray) -> FloatArray:
         known = np.isfinite(values)
+        # Missing values do not count in the mean of a height.
         count = np.add.reduceat(known.astype(np.float64), first)
         total = np.add.reduceat(np.where(known, values, 0.0), first)
         return np.where(count > 0.0, total / np.maximum(count, 1.0), np.nan)
@@ -369,6 +372,7 @@ def _fahrenheit(number: FloatArray) -> FloatArray:
 
 def _is_fahrenheit(raw: RawSounding) -> bool:
     """Return true where numbers read as Celsius contradict heights and pressures, and read as Fahrenheit agree with them."""
+    # Fahrenheit must fit clearly better than Celsius before it is suspected.
     given = span_misfit(raw, raw.temperature)
     other = span_misfit(raw, _fahrenheit(raw.temperature - ZERO_C))
     return bool(given > HYDROSTATIC > other and other < 0.5 * given)

@@ -100,6 +100,7 @@ def with_other_humidity(raw: RawSounding, other: Humidity, values: FloatArray) -
     values : ndarray
         Its values, NaN where missing.
     """
+    # Both quantities become relative humidity, in which they can be mixed.
     gaps = ~np.isfinite(raw.humidity_value)
     further = replace(raw, humidity=other, humidity_value=values).relative_humidity()
     count = int(np.sum(gaps & np.isfinite(further)))
@@ -212,6 +213,7 @@ def plain_name(text: str) -> str:
     >>> plain_name("geopotential height_m"), plain_name("Temp [°C]"), plain_name("Hgt/MSL")
     ('geopotential_height_m', 'temp_c', 'hgt_msl')
     """
+    # Signs of degrees, also damaged ones, and points of abbreviations carry no meaning.
     name = re.sub(r"[°º\ufffd'\"]|\.(?=\s|$)", "", text.strip().lower())
     name = name.replace("g/kg", "g_kg").replace("/", "_")
     return re.sub(r"[\s()\[\],:;_]+", "_", name).strip("_")
@@ -347,6 +349,7 @@ def sounding_of(
     chosen: dict[Quantity, SoundingColumn] = {}
     values: dict[Quantity, FloatArray] = {}
     humidities: list[tuple[SoundingColumn, FloatArray]] = []
+    # Humidities in their order of preference; other quantities by the rank of the name alone.
     order = list(HUMIDITIES)
     for column in sorted(columns, key=lambda c: (order.index(c.kind) if c.kind in order else 0, c.rank)):
         what = column.quantity

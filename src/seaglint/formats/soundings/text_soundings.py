@@ -130,6 +130,7 @@ def _as_heading(path: Path, lines: list[tuple[int, str]], place: int, separator:
     while first < len(lines) and _is_rule(lines[first][1]):
         first += 1
     if first < len(lines):
+        # A line of texts alone below the names holds their units.
         below = _split(path, lines[first][0], lines[first][1], separator)
         if below and not any(_is_number(cell) for cell in below) and any(not is_missing_text(cell) for cell in below if cell):
             units, first = below, first + 1
@@ -365,7 +366,7 @@ def _title_time(lines: list[str]) -> datetime | None:
 def _short_time(day: str, hour: str, minute: str) -> datetime | None:
     try:
         year = int(day[:2])
-        year += 2000 if year < 70 else 1900  # years of two digits: these programs have no data from before 1970
+        year += 2000 if year < 70 else 1900  # years of two digits: 70 to 99 are of the last century
         return datetime(year, int(day[2:4]), int(day[4:]), int(hour) % 24, int(minute), tzinfo=UTC)
     except ValueError:
         return None
@@ -572,6 +573,7 @@ def read_wyoming_list(path: Path, lines: list[str], time: datetime | None = None
     head = heads[chosen]
     lines = lines[: heads[chosen + 1] if chosen + 1 < len(heads) else len(lines)]
     names = lines[head].split()
+    # Only a list whose names still fill columns of seven is cut at fixed places.
     fixed = len(lines[head].rstrip()) % _WIDTH in (0, _WIDTH - 1) and lines[head].rstrip()[: _WIDTH * 2].split() == names[:2]
     rows: list[list[float]] = []
     for line in lines[head + 1 :]:
@@ -641,6 +643,7 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     if not rows:
         raise DataError(f"{path}: line {first}: the ascent has no levels")
     values = np.array(rows)
+    # Before scaling: the codes are in the units of the file.
     values[np.isin(values, (-9999.0, -8888.0))] = np.nan
     kelvin = 0.1 * values[:, 2] + ZERO_C
     dew, humidity = kelvin - 0.1 * values[:, 4], 0.1 * values[:, 3]

@@ -119,6 +119,7 @@ def read_cases(path: str | Path) -> Cases:
         raise DataError(f"{path}: line 1: the file is empty; the first line must name the columns")
     if "\0" in text:
         raise DataError(f"{path}: is not text; save it as 'CSV UTF-8'")
+    # The line of headings shows separator and line end of the file.
     first, _, _ = text.lstrip().partition("\n")
     separator = max(_SEPARATORS, key=first.count)
     header, rows, lines = _rows(path, text, separator)

@@ -196,6 +196,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
             f"{path}: bands with {100 * variance[~good].sum() / variance.sum():.0f} % of the energy are flagged (waveFrequencyFlagPrimary; "
             f"{100 * LOST_SHARE:.0f} % allowed); choose another time"
         )
+    # The height by the widths and the height by the frequencies must agree: a wrong unit of either shows.
     between = np.trapezoid(np.where(np.isfinite(energy), energy, 0.0), frequency)
     height, without = (4.0 * float(np.sqrt(abs(value))) for value in (variance.sum(), between))
     if abs(height - without) > max(_AGREE_HEIGHT * without, 0.1):
@@ -259,6 +260,7 @@ def _require_agreement(
 ) -> None:
     """Refuse moments that are not divided by the energy, or contradict mean directions or spreads."""
     known = np.isfinite(first) & np.isfinite(second) & (variance > 0.0)
+    # Moments divided by the energy are at most 1.
     size = np.maximum(np.abs(first), np.abs(second))
     if np.any(known) and np.average(size[known] > _AGREE_ONE, weights=variance[known]) > LOST_SHARE:
         raise DataError(f"{path}: moments reach {size[known].max():.3g}, and 1 is the most; divide them by the energy density")

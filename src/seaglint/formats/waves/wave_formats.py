@@ -193,6 +193,7 @@ def read_ww3_text(path: Path) -> WaveRecords:
     read = reader("read_ww3_station")
     data = parsed(path, "a WAVEWATCH III station file", lambda: read(str(path)))
     density = _floats(data["efth"]).reshape(-1, data.sizes["freq"], data.sizes["dir"])
+    # Three digits of a radian are 0.06 deg: the exact directions are on an even grid.
     directions, frequency = _even(_floats(data["dir"]), path), _floats(data["freq"])
     names = ("1",) if "site" not in data.coords else tuple(str(name) for name in np.atleast_1d(data["site"].values))
     places = [np.broadcast_to(np.ravel(data[name].values)[:1], (density.shape[0], 1)) for name in ("lat", "lon")]

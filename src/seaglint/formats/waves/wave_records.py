@@ -249,6 +249,7 @@ def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, Com
     """Return moments of every band, interpolated where they are not known."""
     frequency, energy = bands.frequency_hz, bands.energy
     known = np.isfinite(bands.first) & np.isfinite(bands.second)
+    # Bands without directions matter by their energy, not by their number.
     share = np.where(known, 0.0, energy) @ np.gradient(frequency) / max(float(energy @ np.gradient(frequency)), 1e-300)
     if share > LOST_SHARE or not np.any(known):
         raise DataError(f"lacks directions for {100 * share:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time")

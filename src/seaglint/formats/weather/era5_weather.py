@@ -193,6 +193,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
     cells = int(times.sum() * places.sum())
     if cells > MOST_ROWS:
         raise DataError(f"{path}: {cells} rows are more than {MOST_ROWS}; choose a smaller box, fewer months, or hours='0,6,12,18'")
+    # Only the rows and columns of the grid that hold a selected place are read from the file.
     iy, ix = np.flatnonzero(places.any(1)), np.flatnonzero(places.any(0))
     part = data.isel(time=np.flatnonzero(times), latitude=iy, longitude=ix).load()
     own = frozenset(map(str, part.data_vars))
@@ -243,6 +244,7 @@ def _joined(part: Any, own: frozenset[str], other: Path) -> tuple[Any, tuple[str
     for name in ("latitude", "longitude"):
         added = added.reindex({name: part[name].values}, method="nearest", tolerance=_WAVE_GRID_DEG)
     values = {name: np.asarray(added[name].values, dtype=np.float64) for name in new}
+    # Values of earlier files stay; gaps take those of the further file.
     filled = {name: np.where(np.isnan(part[name].values), v, part[name].values) if name in part else v for name, v in values.items()}
     share = f"{int(common.sum())} of {common.size} times"
     notes = (*notes, f"{', '.join(new)} from {other.name}, same time and nearest place, {share}")

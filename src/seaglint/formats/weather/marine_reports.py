@@ -266,7 +266,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     if not lines or not looks_like_ndbc(" ".join(lines[0][1])):
         raise DataError(f"{path}, line 1: is not the headings of an NDBC standard meteorological file (YY MM DD hh ... WSPD ...)")
     header = [_ALSO.get(name, name) for name in headings_of(" ".join(lines[0][1]))]
-    # From 2007 a second line that begins with # has the units, which never changed.
+    # From 2007 a second line that begins with # has the units.
     rows = {number: cells for number, cells in lines[1:] if not cells[0].startswith("#")}
     if not rows:
         raise DataError(f"{path}: holds no records; bring the file again")

@@ -103,6 +103,7 @@ class WeatherSource:
         columns, lost = dict(self.columns), dict(self.set_missing)
         for name, values in self.columns.items():
             low, high = RANGES[name]
+            # A value outside its range is set missing; the other values of the row stay.
             bad = ~np.isnan(values) & ~((values >= low) & (values <= high))
             if bad.any():
                 columns[name] = np.where(bad, np.nan, values)
