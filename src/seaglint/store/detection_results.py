@@ -1,4 +1,4 @@
-"""Results of detection studies as they are stored, tabulated, drawn and reported: detectors in one case, and ranges of detection.
+"""Results of detection studies for storing, tables, pictures and reports: detectors in one case, and ranges of detection.
 
 The parts of an unfinished study, frames and finished cases, are in a folder beside the result, each complete.
 """

@@ -90,13 +90,11 @@ class Dump:
         number = which.reshape(_MODELS, PHASE_WAVELENGTHS_UM.size).astype(np.int64) - 1
         channels = raw[edges[-1] :].reshape(-1, 66)
         v, abb, log, power, column, ext, absorbed, asymmetry = np.split(channels, np.cumsum([1, 17, 11, 11, 11, 5, 5]), axis=1)
-        profiles = {"height": height, "pressure": pressure, "temperature": kelvin, "refractivity": n, "humidity": humidity}
+        known = slice(0, levels)
         air = AirLevels(
-            float(radius[0]),
-            **{name: values[:levels] for name, values in profiles.items()},
-            tops=tops,
-            density=density.reshape(_LEVELS, _COLUMNS).T[:, :levels],
-        )
+            earth_radius=float(radius[0]), height=height[known], pressure=pressure[known], temperature=kelvin[known],
+            refractivity=n[known], humidity=humidity[known], tops=tops, density=density.reshape(_LEVELS, _COLUMNS).T[:, known],
+        )  # fmt: skip
         return cls(
             air=air, node_um=um, node_extinction=extinction, node_absorption=absorption,
             phase=functions.reshape(_FUNCTIONS, -1)[number], wavenumber_cm=v[:, 0],

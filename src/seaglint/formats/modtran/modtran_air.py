@@ -83,8 +83,8 @@ def read_air(files: Sequence[Path]) -> xr.Dataset:
         if path.is_dir():
             seen += _of_folder(path)
         else:
-            beside = path.parent / MANIFEST
-            manifest = read_manifest(beside) if beside.is_file() else None
+            manifest_path = path.parent / MANIFEST
+            manifest = read_manifest(manifest_path) if manifest_path.is_file() else None
             named = manifest is not None and path.name in manifest.outputs
             seen += _of_manifest(path, manifest) if named and manifest is not None else [_of_sight(s) for s in read_spectra(path)]
     return _dataset(seen)

@@ -238,9 +238,9 @@ def _numbers(image: Any, path: Path) -> NDArray[Any]:
     maximum = _netpbm(path)[0] if image.format == "PPM" else None
     if image.format == "JPEG" and image.mode == "CMYK":
         raise DataError(f"{path}: holds inks (CMYK), which are no measure of radiance; give the grey original")
-    turned = ImageOps.exif_transpose(image) if image.format == "JPEG" else image
+    upright = ImageOps.exif_transpose(image) if image.format == "JPEG" else image
     # A palette is a picture of colours, not numbers; 16-bit grey comes as 32-bit integers from some versions.
-    stored = np.asarray(turned.convert("RGB") if turned.mode in ("P", "PA") else turned)
+    stored = np.asarray(upright.convert("RGB") if upright.mode in ("P", "PA") else upright)
     if image.mode.startswith("I"):
         stored = stored.astype(np.uint16)
     if stored.dtype == np.bool_:

@@ -143,14 +143,14 @@ def cases_of_columns(columns: Mapping[str, Sequence[Any]]) -> Cases:
     """
     if not isinstance(columns, Mapping):
         raise DataError("cases: give a CSV file or columns by name, such as {'wind_speed_m_s': [2, 5]}")
-    held = {str(name): np.atleast_1d(np.asarray(values)) for name, values in columns.items()}
-    sizes = {name: values.size for name, values in held.items() if values.ndim == 1}
-    if not held or len(sizes) < len(held) or len(set(sizes.values())) > 1:
+    arrays = {str(name): np.atleast_1d(np.asarray(values)) for name, values in columns.items()}
+    sizes = {name: values.size for name, values in arrays.items() if values.ndim == 1}
+    if not arrays or len(sizes) < len(arrays) or len(set(sizes.values())) > 1:
         given = ", ".join(f"{name} {size}" for name, size in sizes.items()) or "none"
         raise DataError(f"cases: columns have different numbers of values ({given}); give lists of one length by name")
-    cells = [[str(value) for value in values.tolist()] for values in held.values()]
+    cells = [[str(value) for value in values.tolist()] for values in arrays.values()]
     rows = [list(row) for row in zip(*cells, strict=True)]
-    return Cases(Path("cases"), list(held), rows, list(range(1, len(rows) + 1)))
+    return Cases(Path("cases"), list(arrays), rows, list(range(1, len(rows) + 1)))
 
 
 def _rows(path: Path, text: str, separator: str) -> tuple[list[str], list[list[str]], list[int]]:

@@ -1,4 +1,4 @@
-"""Files of results: those of a detection run (JSON, tidy tables as CSV or Parquet, a picture), and tables of the likelihood of glint."""
+"""Files of results: files of a detection run (JSON, tidy tables as CSV or Parquet, a picture), and tables of the likelihood of glint."""
 
 from __future__ import annotations
 

@@ -209,7 +209,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
     )
     mean = None if direction is None else degrees_of(data, direction, path)
     widths = None if spread is None else degrees_of(data, spread, path)
-    turned = direction is not None and travels_to(data, direction)
+    direction_is_to = direction is not None and travels_to(data, direction)
     if all(moment in data.variables and np.any(np.isfinite(numbers_of(data, moment))) for moment in _MOMENTS):
         a1, b1, a2, b2 = (numbers_of(data, moment) for moment in _MOMENTS)
         first, second = a1 + 1j * b1, a2 + 1j * b2
@@ -217,10 +217,10 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
         if direction is None and "waveMeanDirection" in data.variables and data["waveMeanDirection"].size == 1:
             whole = degrees_of(data, "waveMeanDirection", path).ravel() - np.degrees(np.angle(np.nansum(variance * first)))
             _require_near(np.abs((whole + 180.0) % 360.0 - 180.0), np.ones(1), "moments and waveMeanDirection", path, _AGREE_WHOLE_DEG)
-            turned = travels_to(data, "waveMeanDirection")
-        return DirectionalMoments(frequency[good], energy[good], (first if turned else -first)[good], second[good])
+            direction_is_to = travels_to(data, "waveMeanDirection")
+        return DirectionalMoments(frequency[good], energy[good], (first if direction_is_to else -first)[good], second[good])
     if mean is not None and widths is not None and np.any(np.isfinite(mean) & np.isfinite(widths)):
-        come_from, widths = _filled(frequency, variance, mean + 180.0 if turned else mean, widths, path)
+        come_from, widths = _filled(frequency, variance, mean + 180.0 if direction_is_to else mean, widths, path)
         return Cosine(frequency[good], energy[good], come_from[good], widths[good])
     return Plain(frequency[good], energy[good])
 
