@@ -197,7 +197,7 @@ def _field(path: Path, lines: list[tuple[int, str]], name: str) -> FloatArray:
     return out
 
 
-def is_icoads_csv(header: tuple[str, ...]) -> bool:
+def is_icoads_csv(header: Sequence[str]) -> bool:
     """Return true for the headings of ICOADS: IMMA's abbreviations, or NCEI's long names."""
     return {"MO", "LAT", "LON", "W"} <= set(header) or {"DATE", "LATITUDE", "LONGITUDE", "WIND_SPEED"} <= set(header)
 
