@@ -10,7 +10,7 @@ import xarray as xr
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.formats.tables.input_tables import read_cases, read_track
 from seaglint.formats.tables.spectra import read_response
-from seaglint.formats.tables.table_text import plain_number, read_text_table
+from seaglint.formats.tables.table_text import plain_number, read_table
 from seaglint.scenario.load import load_scenario, parse_scenario
 
 
@@ -74,9 +74,9 @@ def test_cells_are_numbers_in_digits_0_to_9(tmp_path, cell):
     path.write_text(f"time_s,east_m\n0,{quoted}\n1,2\n", encoding="utf-8")
     with pytest.raises(DataError, match="line 2"):
         read_track(path)
-    table = read_text_table(path, ["time_s"])
+    table = read_table(path, ["time_s"])
     with pytest.raises(DataError, match=r"line 2: east_m = .* is not a number"):
-        table.number(table.rows[0], "east_m")
+        table.number(0, "east_m")
     with pytest.raises(DataError, match="row 1"):
         read_cases(path).numbers("east_m")
     path.write_text(f"wavelength_um,response\n3,0\n4,{quoted}\n5,0\n", encoding="utf-8")
@@ -84,7 +84,7 @@ def test_cells_are_numbers_in_digits_0_to_9(tmp_path, cell):
         read_response(path)
 
 
-@pytest.mark.parametrize("read", [read_track, read_response, lambda path: read_text_table(path, ["a"])])
+@pytest.mark.parametrize("read", [read_track, read_response, lambda path: read_table(path, ["a"])])
 def test_cells_over_several_lines_are_told(tmp_path, read):
     (tmp_path / "a.csv").write_text('wavelength_um,response\n3,"0\n4",1\n')
     with pytest.raises(DataError, match="line 2: is no row of cells"):

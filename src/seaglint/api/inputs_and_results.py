@@ -97,7 +97,7 @@ def recording_of(given: Any, reading: ReadingRequest) -> Recording:
     elif isinstance(given, Recording):
         recording = given
     else:
-        recording = of_array(np.asarray(given), "array", how, ArrayFacts(reading.frame_rate, reading.units))
+        recording = of_array(np.asarray(given), "array", how, ArrayFacts(frame_rate=reading.frame_rate, units=reading.units))
     # Values that the user states replace those of the recording; values left out (None) do not.
     stated: dict[str, Any] = {"frame_rate": reading.frame_rate, "units": reading.units, "saturation": reading.saturation}
     return replace(recording, **{name: value for name, value in stated.items() if value is not None})

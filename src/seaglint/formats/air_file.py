@@ -1,10 +1,4 @@
-"""Scattered sunlight in the files of :mod:`seaglint.formats.air_file`: reader, checks and writer.
-
-NetCDF: variables ``path_scattered`` (range_m), ``sky_scattered`` (sky_zenith_deg) and ``sensor_sky_scattered`` (sensor_sky_zenith_deg),
-each also on ``azimuth_from_sun_deg`` and ``wavenumber_cm``, and the attribute ``solar_zenith_deg``. CSV: kinds ``path-scattered`` and
-``sky-scattered`` with the columns ``azimuth_from_sun_deg`` and ``solar_zenith_deg`` besides those of ``path`` and ``sky``.
-
-Atmosphere from a file of transmittance and radiance: plain CSV, or NetCDF.
+"""Atmosphere from a file of transmittance, radiance and, if it has it, scattered sunlight: plain CSV, or NetCDF.
 
 CSV, one spectral sample of one direction a line::
 
@@ -19,22 +13,26 @@ the sea horizon, down to it, which is below 90 deg); ``sun``: irradiance at the 
 ``wavenumber_cm``, radiance is in W m-2 sr-1 per cm-1 and irradiance in W m-2 per cm-1; with ``wavelength_um`` instead, both are per um.
 Columns that a kind does not use may be empty, or missing where no kind does.
 
-NetCDF, the same on the dimensions ``wavenumber_cm``, ``range_m``, ``sun_zenith_deg``, ``sky_zenith_deg`` (coordinates of these names)
-and, where given, ``sensor_sky_zenith_deg``: variables ``path_transmittance``, ``path_radiance`` (range_m, wavenumber_cm),
+NetCDF, the same quantities on the dimensions ``wavenumber_cm``, ``range_m``, ``sun_zenith_deg``, ``sky_zenith_deg`` (coordinates of these
+names) and, where given, ``sensor_sky_zenith_deg``: variables ``path_transmittance``, ``path_radiance`` (range_m, wavenumber_cm),
 ``sun_irradiance`` (sun_zenith_deg, wavenumber_cm), ``sky_radiance`` (sky_zenith_deg, wavenumber_cm), ``sensor_sky_radiance``
 (sensor_sky_zenith_deg, wavenumber_cm), and the attribute ``sensor_height_m``. With the attribute ``paths_reach_horizon = 1`` the last path
-touches the sea horizon, so that longer ones (to wave crests) go on along the tangent.
+touches the sea horizon, so that longer ones (to wave crests) continue along the tangent.
 
-Sunlight scattered by the air may stand beside them: :mod:`seaglint.formats.air_file`.
+Sunlight scattered by the air is optional. CSV: kinds ``path-scattered`` and ``sky-scattered`` with the columns ``azimuth_from_sun_deg``
+and ``solar_zenith_deg`` in addition to the columns of ``path`` and ``sky``. NetCDF: variables ``path_scattered`` (range_m),
+``sky_scattered`` (sky_zenith_deg) and ``sensor_sky_scattered`` (sensor_sky_zenith_deg), each also on ``azimuth_from_sun_deg`` and
+``wavenumber_cm``, and the attribute ``solar_zenith_deg``.
 """
 
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -43,9 +41,9 @@ from seaglint.air.sampled_air import HEIGHT_SLACK, PathSamples, SampledAtmospher
 from seaglint.air.sun_and_sky import SkySamples
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError, SeaglintError
-from seaglint.formats.tables.table_text import TableRow, TextTable, read_text_table
+from seaglint.formats.tables.table_text import TextTable, read_table
 from seaglint.store.netcdf import open_netcdf, write_netcdf
-from seaglint.store.outputs import refuse_existing, write_text
+from seaglint.store.outputs import reason_of, refuse_existing, write_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,23 +99,31 @@ def blocks_of_dataset(path: Path, dataset: Any, height: float) -> tuple[float | 
     out = []
     for name in present:
         kind, dimension = VARIABLES[name]
-        required = (dimension, AZIMUTH, "wavenumber_cm")
-        if set(dataset[name].dims) != set(required) or dimension not in dataset.coords:
-            raise DataError(f"{path}: needs the variable {name} on the dimensions {', '.join(required)}")
-        values = np.asarray(dataset[name].transpose(*required), dtype=np.float64)
-        if not np.all((values >= 0.0) & np.isfinite(values)):
-            raise DataError(f"{path}: {name} has values outside the range allowed: 0 or more")
+        values = _field(path, dataset, name, (dimension, AZIMUTH, "wavenumber_cm"))
         nodes, nu = (np.asarray(dataset[key], dtype=np.float64) for key in (dimension, "wavenumber_cm"))
+        # Files may have their axes in any order; interpolation needs them ascending.
         order = np.ix_(np.argsort(nodes), np.argsort(azimuth), np.argsort(nu))
         seen_from = 0.0 if kind == "sky" else height
         out.append(Block(kind.removeprefix("sensor_"), seen_from, np.sort(nodes), np.sort(azimuth), np.sort(nu), values[order]))
     return zenith, out
 
 
+def _field(path: Path, dataset: Any, name: str, dimensions: tuple[str, ...], most: float = np.inf) -> FloatArray:
+    """Return a variable in the order of these dimensions; refuse other dimensions, and values below 0 or above ``most``."""
+    if name not in dataset or set(dataset[name].dims) != set(dimensions) or any(axis not in dataset.coords for axis in dimensions):
+        raise DataError(f"{path}: needs the variable {name} on the dimensions {', '.join(dimensions)}")
+    values = np.asarray(dataset[name].transpose(*dimensions), dtype=np.float64)
+    if not np.all((values >= 0.0) & (values <= most) & np.isfinite(values)):
+        allowed = f"0 to {most:g}" if np.isfinite(most) else "0 or more"
+        raise DataError(f"{path}: {name} has values outside the range allowed: {allowed}")
+    return values
+
+
 def _azimuths(path: Path, dataset: Any) -> FloatArray:
     if AZIMUTH not in dataset.coords or dataset[AZIMUTH].dims != (AZIMUTH,):
         raise DataError(f"{path}: scattered sunlight needs the coordinate {AZIMUTH}; add it")
     values = np.asarray(dataset[AZIMUTH], dtype=np.float64)
+    # Radiance is interpolated in azimuth: towards the Sun and away from it nothing could be extrapolated.
     _require_azimuths(str(path), values)
     return values
 
@@ -137,7 +143,7 @@ class ScatteredRows:
     solar: float | None = None
     cells: dict[tuple[str, float], dict[tuple[float, float, float], tuple[int, float]]] = field(default_factory=dict)
 
-    def add(self, row: TableRow, kind: str, height: float, node: float, nu: float, radiance: float) -> None:
+    def add(self, row: int, kind: str, height: float, node: float, nu: float, radiance: float) -> None:
         """Add a line.
 
         Raises
@@ -145,17 +151,16 @@ class ScatteredRows:
         DataError
             Another Sun than the lines before, or a place given twice.
         """
-        self.table.require(*SCATTERED_COLUMNS)
-        azimuth, solar = self.table.number(row, AZIMUTH, 0.0, 180.0), self.table.number(row, SUN, 0.0, 90.0)
+        self.table.require_columns(*SCATTERED_COLUMNS)
+        azimuth, solar, line = self.table.number(row, AZIMUTH, 0.0, 180.0), self.table.number(row, SUN, 0.0, 90.0), self.table.lines[row]
         if self.solar is not None and solar != self.solar:
-            raise self.table.error(row.line, f"{SUN} = {solar:g}, {self.solar:g} before; leave the lines of one Sun")
+            raise self.table.error(line, f"{SUN} = {solar:g}, {self.solar:g} before; leave the lines of one Sun")
         self.solar = solar
         block = self.cells.setdefault((KINDS[kind], height), {})
         if (node, azimuth, nu) in block:
-            raise self.table.error(
-                row.line, f"gives {kind} at the same place, azimuth and wavenumber as line {block[node, azimuth, nu][0]}; remove one"
-            )
-        block[node, azimuth, nu] = (row.line, radiance)
+            first = block[node, azimuth, nu][0]
+            raise self.table.error(line, f"gives {kind} at the same place, azimuth and wavenumber as line {first}; remove one")
+        block[node, azimuth, nu] = (line, radiance)
 
     def blocks(self) -> list[Block]:
         """Return rectangles of nodes, azimuths and wavenumbers.
@@ -189,29 +194,28 @@ def assembled(
     Raises
     ------
     DataError
-        Nodes, wavenumbers or azimuths differ from those of the rest.
+        Nodes, wavenumbers or azimuths differ between the parts of the file.
     """
-    mine = [b for b in blocks if b.height <= HEIGHT_SLACK or abs(b.height - height) <= HEIGHT_SLACK]
-    if solar_deg is None or not mine:
+    used = [b for b in blocks if b.height <= HEIGHT_SLACK or abs(b.height - height) <= HEIGHT_SLACK]
+    if solar_deg is None or not used:
         return None
-    for b in mine:
+    for b in used:
         what = f"{path}: scattered {b.kind} from {b.height:g} m"
         if b.wavenumber_cm.size != nu.size or not np.allclose(b.wavenumber_cm, nu, rtol=1e-9, atol=0.0):
             raise DataError(f"{what} has another spectral grid than the paths to {height:g} m; give all on one")
         thermal = next((x for (kind, h), x in nodes.items() if kind == b.kind and abs(h - b.height) <= HEIGHT_SLACK), None)
         if thermal is None or thermal.size != b.node.size or not np.allclose(thermal, b.node, rtol=1e-9, atol=1e-9):
-            raise DataError(
-                f"{what} is at other {'ranges' if b.kind == 'path' else 'zenith angles'} than the thermal one; give both at all"
-            )
-        if b.azimuth.size != mine[0].azimuth.size or not np.array_equal(b.azimuth, mine[0].azimuth):
-            raise DataError(f"{what} is at other azimuths than scattered {mine[0].kind}; give all at the same ones")
-    paths = [b for b in mine if b.kind == "path"]
+            nodes_of = "ranges" if b.kind == "path" else "zenith angles"
+            raise DataError(f"{what} is at other {nodes_of} than the thermal one; give both at all")
+        if b.azimuth.size != used[0].azimuth.size or not np.array_equal(b.azimuth, used[0].azimuth):
+            raise DataError(f"{what} is at other azimuths than scattered {used[0].kind}; give all at the same ones")
+    paths = [b for b in used if b.kind == "path"]
     return ScatteredSamples(
         solar_zenith=float(np.radians(solar_deg)),
-        azimuth=np.radians(mine[0].azimuth),
+        azimuth=np.radians(used[0].azimuth),
         range_m=paths[0].node if paths else np.empty(0),
         path=paths[0].radiance if paths else None,
-        skies=tuple(ScatteredSky(b.height, np.radians(b.node), b.radiance) for b in mine if b.kind == "sky"),
+        skies=tuple(ScatteredSky(b.height, np.radians(b.node), b.radiance) for b in used if b.kind == "sky"),
     )
 
 
@@ -233,8 +237,7 @@ COLUMNS = ("kind", "height_m", "range_m", "zenith_deg", "wavenumber_cm", "transm
 
 NETCDF_ENDINGS: Final = (".nc", ".nc4", ".netcdf", ".h5")
 
-Kind = Literal["path", "sky", "sun", "path-scattered", "sky-scattered"]
-
+#: Columns that a line needs, by its kind.
 NEEDS: dict[str, tuple[str, ...]] = {
     "path-scattered": ("height_m", "range_m", "radiance"),
     "sky-scattered": ("height_m", "zenith_deg", "radiance"),
@@ -249,7 +252,7 @@ ANGLES = {"sky": 100.0, "sky-scattered": 100.0, "sun": 90.0}
 
 @dataclass(frozen=True)
 class _Spectra:
-    """Spectra of one kind seen from one height, as read: nodes ascending, wavenumber ascending."""
+    """Spectra of one kind from one height, as read: nodes ascending, wavenumber ascending."""
 
     node: FloatArray
     wavenumber_cm: FloatArray
@@ -280,7 +283,7 @@ def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere
 
 
 def require_kind(output: Path) -> None:
-    """Refuse endings other than those of the formats that are written."""
+    """Refuse an ending of which no format is written."""
     if output.suffix.lower() not in (".csv", *NETCDF_ENDINGS):
         raise DataError(f"{output}: is neither .csv nor .nc; the ending says what is written")
 
@@ -319,6 +322,7 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
         add("sky", height, "sensor_sky_zenith_deg", "sensor_sky_radiance", cells=",,{},")
     add("sun", "", "sun_zenith_deg", "sun_irradiance", cells=",,,{}")
     lines.extend(csv_lines(dataset, height))
+    # Wavenumbers and nodes are written in full, so that grids agree after reading.
     write_text("\n".join(lines) + "\n", output)
     return output
 
@@ -328,15 +332,17 @@ def _assembled(path: Path, content: _Content, sensor_height: float) -> SampledAt
     heights = sorted(height for kind, height in blocks if kind == "path")
     height = next((h for h in heights if abs(h - sensor_height) <= HEIGHT_SLACK), None)
     if height is None:
-        held = f"paths to {', '.join(f'{h:g}' for h in heights)} m" if heights else "no paths"
+        available = f"paths to {', '.join(f'{h:g}' for h in heights)} m" if heights else "no paths"
         raise DataError(
-            f"{path}: holds {held}, none to sensor.height_m = {sensor_height:g}; set sensor.height_m to one of them or add paths"
+            f"{path}: holds {available}, none to sensor.height_m = {sensor_height:g}; set sensor.height_m to one of them or add paths"
         )
     if not any(kind == "sun" for kind, _ in blocks):
         raise DataError(f"{path}: holds no sunlight; add lines of kind sun (irradiance 0 for a night)")
     if not any(kind == "sky" and h <= HEIGHT_SLACK for kind, h in blocks):
         raise DataError(f"{path}: holds no sky seen from the sea, which the water mirrors; add lines of kind sky at height_m = 0")
+    # The Sun is the same from all heights: its block is the only one of its kind.
     paths, sun = blocks["path", height], next(block for (kind, _), block in blocks.items() if kind == "sun")
+    # All products are formed at each wavenumber, so that all blocks need one grid.
     nu = paths.wavenumber_cm
     for (kind, h), block in blocks.items():
         if block.wavenumber_cm.size != nu.size or not np.allclose(block.wavenumber_cm, nu, rtol=1e-9, atol=0.0):
@@ -367,15 +373,17 @@ def _assembled(path: Path, content: _Content, sensor_height: float) -> SampledAt
 
 
 def _from_csv(path: Path) -> _Content:
-    table = read_text_table(path, COLUMNS)
-    table.require("kind")
+    table = read_table(path, COLUMNS)
+    table.require_columns("kind")
     spectral = table.one_of("wavenumber_cm", "wavelength_um")
     cells: dict[tuple[str, float], dict[tuple[float, float], tuple[int, dict[str, float]]]] = {}
     lit = ScatteredRows(table)
-    for row in table.rows:
-        kind = _kind(table, row)
-        table.require(*NEEDS[kind])
+    for row, kind in enumerate(table.text("kind")):
+        if kind not in NEEDS:
+            raise table.error(table.lines[row], f"kind = '{kind}' is not one of path, sky, sun, path-scattered, sky-scattered")
+        table.require_columns(*NEEDS[kind])
         x = table.number(row, spectral, 1e-3)
+        # Files per wavelength are converted once, at reading: all further code works per wavenumber.
         per = 1.0 if spectral == "wavenumber_cm" else x * x * 1e-4  # per um -> per cm-1: |d lambda / d nu| = lambda^2 / 1e4
         nu = x if spectral == "wavenumber_cm" else 1e4 / x
         height = table.number(row, "height_m", 0.0, 1e5) if kind != "sun" else 0.0
@@ -391,31 +399,15 @@ def _from_csv(path: Path) -> _Content:
             continue
         block = cells.setdefault((kind, height), {})
         if (node, nu) in block:
-            raise table.error(row.line, f"gives {kind} at the same place and {spectral} as line {block[node, nu][0]}; remove one")
-        block[node, nu] = (row.line, values)
+            raise table.error(table.lines[row], f"gives {kind} at the same place and {spectral} as line {block[node, nu][0]}; remove one")
+        block[node, nu] = (table.lines[row], values)
     return _Content(
         {key: _gridded(table, key, block) for key, block in cells.items()}, solar_zenith_deg=lit.solar, scattered=tuple(lit.blocks())
     )
 
 
-def _kind(table: TextTable, row: TableRow) -> Kind:
-    match row.cells["kind"]:
-        case "path":
-            return "path"
-        case "sky":
-            return "sky"
-        case "sun":
-            return "sun"
-        case "path-scattered":
-            return "path-scattered"
-        case "sky-scattered":
-            return "sky-scattered"
-        case other:
-            raise table.error(row.line, f"kind = '{other}' is not one of path, sky, sun, path-scattered, sky-scattered")
-
-
 def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, float], tuple[int, dict[str, float]]]) -> _Spectra:
-    """Return a rectangle of nodes by wavenumbers; a missing sample is reported with a line next to it."""
+    """Return a rectangle of nodes by wavenumbers; a missing sample is reported with the first line of its node."""
     nodes, grid = (np.unique([at[i] for at in block]) for i in (0, 1))
     what = "range_m" if key[0] == "path" else "zenith_deg"
     if nodes.size < 2 or grid.size < 2:
@@ -424,11 +416,11 @@ def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, 
             line, f"{key[0]} from {key[1]:g} m has {nodes.size} {what} and {grid.size} spectral samples; at least 2 of both are needed"
         )
     if len(block) != nodes.size * grid.size:
+        # A file that was cut lacks samples of its last node: the node with fewest samples is named.
         first: dict[float, int] = {}
-        count: dict[float, int] = {}
         for (node, _), (line, _) in block.items():
             first.setdefault(node, line)
-            count[node] = count.get(node, 0) + 1
+        count = Counter(node for node, _ in block)
         short = min(count, key=lambda node: count[node])
         at = f"{key[0]} from {key[1]:g} m at {what} = {short:g}"
         raise table.error(first[short], f"{at} has {count[short]} of the {grid.size} spectral samples of the others; complete them")
@@ -442,8 +434,8 @@ def _from_netcdf(path: Path) -> _Content:
             return _of_dataset(path, dataset.load())
     except SeaglintError:
         raise
-    except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
-        raise DataError(f"{path}: cannot be read as NetCDF 4: {' '.join(str(error).split())[:200]}") from None
+    except Exception as error:  # h5py and xarray raise nearly anything for a file of another kind
+        raise DataError(f"{path}: cannot be read as NetCDF 4: {reason_of(error)}") from None
 
 
 def _of_dataset(path: Path, dataset: Any) -> _Content:
@@ -457,13 +449,8 @@ def _of_dataset(path: Path, dataset: Any) -> _Content:
         nodes = _coordinate(path, dataset, dimension, low, high)
         values = {}
         for name, (variable, most) in variables.items():
-            if variable not in dataset or set(dataset[variable].dims) != {dimension, "wavenumber_cm"}:
-                raise DataError(f"{path}: needs the variable {variable} on the dimensions {dimension}, wavenumber_cm")
-            field = np.asarray(dataset[variable].transpose(dimension, "wavenumber_cm"), dtype=np.float64)
-            if not np.all((field >= 0.0) & (field <= most) & np.isfinite(field)):
-                allowed = f"0 to {most:g}" if np.isfinite(most) else "0 or more"
-                raise DataError(f"{path}: {variable} has values outside the range allowed: {allowed}")
-            values[name] = field[np.ix_(np.argsort(nodes), np.argsort(grid))]
+            spectra = _field(path, dataset, variable, (dimension, "wavenumber_cm"), most)
+            values[name] = spectra[np.ix_(np.argsort(nodes), np.argsort(grid))]
         return _Spectra(np.sort(nodes), np.sort(grid), values)
 
     blocks = {

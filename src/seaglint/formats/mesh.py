@@ -1,6 +1,6 @@
-"""Reader of closed surfaces from mesh files: STL, OBJ, PLY and GLB, by trimesh.
+"""Mesh files: closed surfaces read by trimesh from STL, OBJ, PLY and GLB, and height fields written as binary little-endian PLY.
 
-Writer of a height field as a triangle mesh: binary little-endian PLY, with normals at the vertices.
+A written mesh has two triangles per cell of the height field, and normals at the vertices.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, StorageError
 from seaglint.base.optional import optional
 from seaglint.objects.solids import Mesh
-from seaglint.store.outputs import moved_when_whole, refuse_existing
+from seaglint.store.outputs import moved_when_whole, reason_of, refuse_existing
 
 SUFFIXES: Final = (".stl", ".obj", ".ply", ".glb")  #: Endings of the formats that are read.
 
@@ -65,8 +65,8 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
     try:
         mesh: Any = trimesh.load(str(path), force="mesh", process=False)
         vertices, triangles = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
-    except Exception as error:  # its readers raise whatever they meet
-        raise DataError(f"{path}: cannot be read as a mesh: {' '.join(str(error).split())[:120]}; export it again") from None
+    except Exception as error:  # trimesh's readers raise nearly anything
+        raise DataError(f"{path}: cannot be read as a mesh: {reason_of(error, 120)}; export it again") from None
     if vertices.ndim != 2 or not len(triangles):
         raise DataError(f"{path}: holds no triangles; export a closed surface")
     if len(triangles) > MOST_TRIANGLES:
@@ -79,6 +79,7 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
 
 def _property(mesh: Any, name: str, size: int) -> FloatArray | None:
     """Return a property of a PLY file's vertices by name."""
+    # trimesh keeps properties that it does not know in the raw content.
     raw = mesh.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
     if raw is None:
         return None
@@ -101,13 +102,7 @@ def ply_bytes(rows: int, columns: int) -> int:
 
 
 def write_ply(
-    output: str | Path,
-    x: FloatArray,
-    y: FloatArray,
-    surface: NDArray[np.float32],
-    *,
-    comments: Sequence[str] = (),
-    overwrite: bool = False,
+    output: str | Path, x: FloatArray, y: FloatArray, surface: NDArray[np.float32], *, comments: Sequence[str] = (), overwrite: bool = False
 ) -> Path:
     """Write a mesh of two triangles per cell, counter-clockwise seen from above, row by row.
 
@@ -118,11 +113,11 @@ def write_ply(
     x, y : ndarray
         Coordinates of the columns and of the rows, ascending [m].
     surface : ndarray
-        Height [m], slope along x and slope along y [1], (rows, columns, 3). Normals are those of the slopes given, not of the triangles.
+        Height [m], slope along x and slope along y [1], (rows, columns, 3). Normals follow from the given slopes, not from the triangles.
     comments : sequence of str
         Lines of the header.
     overwrite : bool
-        Replace what is there.
+        Replace an existing file.
 
     Raises
     ------
@@ -146,6 +141,7 @@ def write_ply(
         line = np.empty(columns, _VERTEX)
         for i in range(rows):
             z, sx, sy = surface[i].T.astype(np.float64)
+            # The normal of z = f(x, y) is (-df/dx, -df/dy, 1), made one long.
             up = 1.0 / np.sqrt(1.0 + sx * sx + sy * sy)
             for name, value in zip(_VERTEX.names or (), (x, y[i], z, -sx * up, -sy * up, up), strict=True):
                 line[name] = value

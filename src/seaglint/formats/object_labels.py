@@ -69,10 +69,10 @@ class Labels:
         return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
 
     def never_seen(self) -> list[str]:
-        """Return what is known of objects of which no frame shows anything, a text each: name, why, and place in the first frame."""
+        """Return a text for each object that no frame shows: name, reason, and place in the first frame."""
         if not self.frames or any(name not in self._group for name in ("visible_share", "truncated_share", "bearing_deg", "range_m")):
             return []  # of an earlier version
-        seen = np.nan_to_num(self._group["visible_share"][:]).max(axis=0) > 0.0
+        visible = np.nan_to_num(self._group["visible_share"][:]).max(axis=0) > 0.0
         cut = np.nan_to_num(self._group["truncated_share"][:])
         why = ("is hidden behind the horizon, waves or other objects", "is outside the picture", "is outside the picture or hidden")
         reasons = [
@@ -84,7 +84,7 @@ class Labels:
             f"'{name}' {reasons[n]} (azimuth {round(float(azimuth[n]) % 360.0, 2) % 360.0:.4g} deg, "
             f"{float(arc[n]) / 1000.0:.3g} km away in frame {self.frames[0]})"
             for n, name in enumerate(self.names)
-            if not seen[n]
+            if not visible[n]
         ]
 
     def __iter__(self) -> Iterator[Label]:
@@ -99,7 +99,7 @@ class Labels:
 
 
 def report_never_seen(labels: Labels) -> None:
-    """Say which objects no frame shows, where they are and why."""
+    """Report the objects that no frame shows, with their place and the reason."""
     unseen = labels.never_seen()
     if unseen:
         more = f"; and {len(unseen) - MOST_NAMED} more" if len(unseen) > MOST_NAMED else ""
@@ -131,7 +131,7 @@ def label_dataset(labels: Labels) -> xr.Dataset:
 
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
     """Return the lengths of runs of a mask, column by column from its upper left corner, the first outside it (COCO's counts)."""
-    flat = mask.T.ravel()
+    flat = mask.T.ravel()  # column by column, as COCO counts
     edges = np.flatnonzero(np.diff(flat)) + 1
     runs = np.diff(np.concatenate([[0], edges, [flat.size]])).tolist()
     return [0, *runs] if flat.size and flat[0] else runs
@@ -175,6 +175,7 @@ def _coco(labels: Labels) -> JsonObject:
     Images have no ``file_name``, as a store holds no pictures that one could open.
     """
     rows, columns = labels.shape
+    # COCO counts categories from 1.
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
     annotations: list[JsonObject] = []
     for label in labels:

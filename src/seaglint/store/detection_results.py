@@ -1,13 +1,10 @@
-"""Result of a detector in one case of a study, as it is kept, tabulated, drawn and reported.
+"""Results of detection studies for storing, tables, pictures and reports: detectors in one case, and ranges of detection.
 
-Range of detection of an object, as it is kept, tabulated, drawn and printed.
-
-Parts of an unfinished detection study: frames and finished cases in a folder beside the result, each complete.
+The parts of an unfinished study, frames and finished cases, are in a folder beside the result, each complete.
 """
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -17,18 +14,18 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject, TableRow, TomlTables
-from seaglint.store.outputs import moved_when_whole, read_json, storage_errors, write_json
+from seaglint.store.outputs import moved_when_whole
+from seaglint.store.resumable_folder import ResumableFolder
 
 
 @dataclass(frozen=True)
 class Chip:
     """Pixels about one missed object or false alarm."""
 
-    score: float  #: Statistic there [standard deviations]; -99 where there is none.
+    score: float  #: Statistic there [standard deviations]; -99 without one.
     frame: int  #: Number of the window.
-    #: ``row``, ``column``: Middle [px].
+    #: ``row``, ``column``: Centre [px].
     row: int
     column: int
     pixels: list[list[float | None]]  #: Values [units of the source]; None beyond the frame.
@@ -54,18 +51,22 @@ class FalseAlarmMap:
     #: ``down``, ``right``: Edges of the tiles: elevation and azimuth [deg], or row and column [px].
     down: list[float]
     right: list[float]
-    in_degrees: bool  #: Whether the field is a grid of directions, and edges are angles.
+    in_degrees: bool  #: True where the field is a grid of directions, and edges are angles.
+
+    @staticmethod
+    def _edges(in_degrees: bool) -> tuple[str, str]:
+        return ("elevation_deg", "azimuth_deg") if in_degrees else ("row_px", "column_px")
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers, with edges under their names."""
-        down, right = ("elevation_deg", "azimuth_deg") if self.in_degrees else ("row_px", "column_px")
+        down, right = self._edges(self.in_degrees)
         return {"exceedances": self.exceedances, "pixels": self.pixels, down: self.down, right: self.right}
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
         """Return the map that :meth:`as_dict` wrote."""
         in_degrees = "azimuth_deg" in stored
-        down, right = ("elevation_deg", "azimuth_deg") if in_degrees else ("row_px", "column_px")
+        down, right = cls._edges(in_degrees)
         return cls(stored["exceedances"], stored["pixels"], stored[down], stored[right], in_degrees)
 
 
@@ -83,12 +84,12 @@ class Judged:
 
 @dataclass(frozen=True)
 class DetectionCase:
-    """Case of a study: what was set, and what came of it."""
+    """Case of a study: its settings and its result."""
 
     parameters: TableRow  #: Keys that were varied, with their values.
-    scenario: TomlTables = field(default_factory=dict)  #: Scenario as one table; empty of a recording.
-    judged: Judged | None = None  #: What the detector does; None where the case failed.
-    error: str | None = None  #: Why it failed.
+    scenario: TomlTables = field(default_factory=dict)  #: Scenario as one table; empty for a recording.
+    judged: Judged | None = None  #: Performance of the detector; None where the case failed.
+    error: str | None = None  #: Reason of the failure.
 
     @property
     def done(self) -> Judged:
@@ -104,20 +105,20 @@ class DetectionCase:
 
     @property
     def named(self) -> str:
-        """Varied keys as text: ``wind.speed_m_s = 4, detector = log``; empty where nothing was."""
-        return ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
+        """Varied keys as text: ``wind.speed_m_s = 4, detector = log``; empty without varied keys."""
+        return _as_text(self.parameters)
 
     def with_error(self, text: str) -> Self:
-        """Return the case as one that failed."""
+        """Return the case as a failed one."""
         return replace(self, error=text)
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text, as a file of an unfinished study holds them."""
-        told: JsonObject = {"parameters": self.parameters, "scenario": self.scenario}
+        settings: JsonObject = {"parameters": self.parameters, "scenario": self.scenario}
         if self.judged is None:
-            return told | {"error": self.error}
-        parts = {part.name: getattr(self.judged, part.name) for part in fields(Judged)}
-        return told | parts | {"map": self.judged.map.as_dict(), "chips": asdict(self.judged.chips)}
+            return settings | {"error": self.error}
+        results = {entry.name: getattr(self.judged, entry.name) for entry in fields(Judged)}
+        return settings | results | {"map": self.judged.map.as_dict(), "chips": asdict(self.judged.chips)}
 
     @classmethod
     def of(cls, stored: JsonObject) -> Self:
@@ -126,8 +127,12 @@ class DetectionCase:
         missed, false = (tuple(Chip(**chip) for chip in given[name]) for name in ("missed", "false"))
         chips = Chips(missed, false, given["missed_contrast_pixel"])
         alarms = FalseAlarmMap.of(stored["map"])
-        judged = Judged(stored["result"], stored["rows"], stored["roc"], alarms, chips, stored["stopped"])
-        return cls(stored["parameters"], stored["scenario"], judged)
+        plain = {name: stored[name] for name in ("result", "rows", "roc", "stopped")}
+        return cls(stored["parameters"], stored["scenario"], Judged(**plain, map=alarms, chips=chips))
+
+
+def _as_text(parameters: TableRow) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in parameters.items())
 
 
 @dataclass(frozen=True)
@@ -135,24 +140,24 @@ class RangePoint:
     """Detection of an object at one range."""
 
     range_m: float  #: Range [m].
-    p_d: float = 0.0  #: Share of objects that are detected [1]; 0 where nothing of it is seen.
+    p_d: float = 0.0  #: Share of objects that are detected [1]; 0 for an invisible one.
     p_d_interval: list[float] | None = None  #: Ends of its 95 % interval [1].
     visible_share: float = 0.0  #: Mean share of the object that waves do not hide [1].
     contrast_pixel: float = 0.0  #: Contrast in its pixel [W m-2 sr-1].
-    threshold_sigma: float | None = None  #: Threshold of the wanted rate of false alarms [standard deviations].
-    note: str | None = None  #: Why nothing is seen, or how it is looked for.
-    believed: bool | None = None  #: Whether that threshold is to be believed; None where nothing was judged.
-    background_sigma: float | None = None  #: Standard deviation of the statistic without objects; None where nothing was judged.
-    background: str | None = None  #: Rows whose statistics are taken: sea, sky, or those about the horizon; None where nothing was judged.
-    #: Rows from the object up to the horizon, below 0 down to it; 0 where it lies behind the object, None where it is not among the rows
-    #: drawn, or nothing was judged [px].
+    threshold_sigma: float | None = None  #: Threshold of the requested rate of false alarms [standard deviations].
+    note: str | None = None  #: Reason why the object is invisible, or the way it is searched.
+    believed: bool | None = None  #: True where that threshold is reliable; None without a detector's result.
+    background_sigma: float | None = None  #: Standard deviation of the statistic without objects; None without a detector's result.
+    background: str | None = None  #: Rows of the statistics: sea, sky, or rows about the horizon; None without a detector's result.
+    #: Rows from the object up to the horizon, below 0 down to it [px]; 0 for a horizon behind the object, None for one outside the rows
+    #: drawn, or without a detector's result.
     horizon_rows: int | None = None
-    #: Rows above and below a pixel at which the detector looks [px]; None for whole frames, or where nothing was judged.
+    #: Rows above and below a pixel at which the detector looks [px]; None for whole frames, or without a detector's result.
     window_rows: int | None = None
-    detector: str | None = None  #: Detector judged; None where nothing was judged.
+    detector: str | None = None  #: Name of the detector; None without a detector's result.
 
     def as_dict(self) -> JsonObject:
-        """Return plain numbers and text; of a range at which nothing was judged without what judging gives."""
+        """Return plain numbers and text, without the fields of a detector's result where there was no detection to judge."""
         judged = ("believed", "background_sigma", "background", "horizon_rows", "window_rows", "detector")
         return {name: value for name, value in asdict(self).items() if name not in judged or value is not None}
 
@@ -168,10 +173,10 @@ class TriedDetector:
 
     detector: str  #: Name of the detector.
     range_m: float  #: Range [m].
-    #: Contrast of the object, at the share that waves leave in view in as many seas as the wanted P_d, over that which the detector needs
-    #: for that P_d at the wanted rate of false alarms [1], at most 32; None where it is below 1/8, or cannot be judged.
+    #: Contrast of the object, at the share that waves leave visible in as many seas as the requested P_d, over the contrast that the
+    #: detector needs for that P_d at the requested rate of false alarms [1], at most 32; None where it is below 1/8, or cannot be judged.
     contrast_margin: float | None
-    note: str | None = None  #: Why it cannot be judged.
+    note: str | None = None  #: Reason why it cannot be judged.
 
 
 @dataclass(frozen=True)
@@ -182,11 +187,11 @@ class DetectionRange:
     bearing_deg: float | None  #: Bearing from the Sun [deg]; None along the sensor's own line of sight.
     p_d: float  #: Share of objects at which one counts as detected [1].
     range_m: float | None  #: Range of detection [m]; None beyond the limits.
-    note: str | None  #: Why there is none.
+    note: str | None  #: Reason of a missing range.
     range_interval_m: list[float | None]  #: Last range with that share and first one without [m]; None where it has no end.
     points: list[RangePoint]  #: Ranges tried, nearest first.
     parameters: TableRow = field(default_factory=dict)  #: Keys that were varied, with their values.
-    warnings: list[str] = field(default_factory=list)  #: Why the range is to be doubted.
+    warnings: list[str] = field(default_factory=list)  #: Reasons to doubt the range.
     first_estimate_m: float | None = None  #: Range by the Gaussian law, before any frame was searched [m].
     detector: str | None = None  #: Detector of this range.
     #: Detectors among which it was chosen, in the order in which they were tried; empty where it was stated.
@@ -194,20 +199,20 @@ class DetectionRange:
 
     @property
     def named(self) -> str:
-        """Varied keys as text: ``wind.speed_m_s = 4``; empty where nothing was."""
-        return ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
+        """Varied keys as text: ``wind.speed_m_s = 4``; empty without varied keys."""
+        return _as_text(self.parameters)
 
     @property
     def is_doubtful(self) -> bool:
-        """True where a threshold that is not to be believed decides on an end of the range."""
+        """True where an unreliable threshold decides on an end of the range."""
         return any(point.believed is False and point.range_m in self.range_interval_m for point in self.points)
 
     def as_row(self) -> TableRow:
-        """Return the row of a tidy table: what was varied first."""
+        """Return the row of a tidy table, varied keys first."""
         low, high = self.range_interval_m
-        found = {"object": self.object, "bearing_deg": self.bearing_deg, "p_d": self.p_d, "range_m": self.range_m}
+        result = {"object": self.object, "bearing_deg": self.bearing_deg, "p_d": self.p_d, "range_m": self.range_m}
         named = {} if "detector" in self.parameters else {"detector": self.detector}
-        return {**self.parameters, **found, "range_low_m": low, "range_high_m": high, "note": self.note, **named}
+        return {**self.parameters, **result, "range_low_m": low, "range_high_m": high, "note": self.note, **named}
 
     def as_dict(self) -> JsonObject:
         """Return plain numbers and text."""
@@ -218,10 +223,8 @@ _MARK = "seaglint-detection-parts"
 
 
 @dataclass(frozen=True)
-class Parts:
-    """Folder of parts; make it with :meth:`at`."""
-
-    folder: Path  #: RESULT.parts.
+class Parts(ResumableFolder):
+    """Folder ``RESULT.parts`` of an unfinished detection study; make it with :meth:`at`."""
 
     @classmethod
     def at(cls, base: Path, *, resume: bool, overwrite: bool) -> Parts:
@@ -230,52 +233,33 @@ class Parts:
         Raises
         ------
         DataError
-            Something is there and is neither to be gone on with nor replaced, or is no such folder.
+            The folder exists and may be neither resumed nor replaced, or is of another kind.
         """
-        folder = base.with_name(base.name + ".parts")
-        with storage_errors(folder, "make room or choose another place"):
-            if folder.exists():
-                if not (folder / _MARK).is_file():
-                    raise DataError(f"{folder}: is there and holds no parts of a detection study; move it, or choose another output")
-                if not resume and not overwrite:
-                    raise DataError(f"{folder}: holds an unfinished study; go on with resume=True, or begin anew with overwrite=True")
-                if not resume:
-                    shutil.rmtree(folder)
-            folder.mkdir(exist_ok=True)
-            (folder / _MARK).touch()
-        return cls(folder)
+        parts = cls(base.with_name(base.name + ".parts"), _MARK)
+        parts.open(
+            resume=resume,
+            overwrite=overwrite,
+            foreign="is there and holds no parts of a detection study; move it, or choose another output",
+            unfinished="holds an unfinished study; go on with resume=True, or begin anew with overwrite=True",
+        )
+        return parts
 
     def frames(self, key: str) -> Path:
         """Return the folder of the frames of a scene."""
-        folder = self.folder / f"frames-{key}"
-        with storage_errors(folder, "make room or choose another place"):
-            folder.mkdir(exist_ok=True)
-        return folder
+        return self.part_folder(f"frames-{key}")
 
     def forget_frames(self, key: str) -> None:
         """Remove the frames of a scene."""
-        shutil.rmtree(self.folder / f"frames-{key}", ignore_errors=True)
+        self.forget_part(f"frames-{key}")
 
     def case(self, key: str) -> JsonObject | None:
         """Return a finished case; None where it is missing or incomplete."""
-        try:
-            stored: JsonObject = read_json(self.folder / f"case-{key}.json", "compute it again")
-        except DataError:
-            return None
+        stored: JsonObject | None = self.read_part(f"case-{key}.json")
         return stored
 
     def keep_case(self, key: str, value: JsonObject) -> None:
         """Write a finished case."""
-        write_json(value, self.folder / f"case-{key}.json", indent=None)
-
-    @property
-    def empty(self) -> bool:
-        """Return true while no part is stored."""
-        return not any(path.is_file() and path.name != _MARK for path in self.folder.rglob("*"))
-
-    def remove(self) -> None:
-        """Remove all parts."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self.write_part(f"case-{key}.json", value)
 
 
 def sea_path(folder: Path, number: int) -> Path:
@@ -299,13 +283,13 @@ def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
 
 @contextmanager
 def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[Parts, bool]]:
-    """Return the parts beside a result, and whether they outlive an interruption; without a result a temporary folder."""
+    """Provide the parts beside a result, and true where they outlive an interruption; without a result a temporary folder."""
     if base is not None:
         parts = Parts.at(base, resume=resume, overwrite=overwrite)
         try:
             yield parts, True
         finally:
-            if parts.empty:
+            if parts.is_empty:
                 parts.remove()
         return
     import tempfile

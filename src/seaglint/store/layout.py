@@ -1,9 +1,7 @@
-"""Truth of objects beside a sequence: the group ``truth`` of its Zarr store.
+"""Layout of a sequence, known before its first frame, and of the truth of its objects: the group ``truth`` of its Zarr store.
 
-Arrays have the frames and objects of the sequence. A mask is a bit of ``object_mask``: object ``n`` (from 0) is bit ``n % 64`` of its plane
-``n // 64``. Masks of objects may overlap; ``object_id`` holds the number, from 1, of the one that covers most of a pixel.
-
-Layout of a sequence, known before its first frame.
+Arrays of the truth have the frames and objects of the sequence. A mask is a bit of ``object_mask``: object ``n`` (from 0) is bit ``n % 64``
+of its plane ``n // 64``. Masks of objects may overlap; ``object_id`` holds the number, from 1, of the object that covers most of a pixel.
 """
 
 from __future__ import annotations
@@ -51,32 +49,21 @@ class Truth:
         frames, rows, columns = shape
         count, planes = len(self.names), self.planes
         unit = group["frame_done"].chunks[0]
-        held: Any = group.create_group(GROUP, attributes={"objects": list(self.names)})
+        truth: Any = group.create_group(GROUP, attributes={"objects": list(self.names)})
         for name in NUMBERS:
-            about = VARIABLES[name].attributes
-            held.create_array(
-                name,
-                shape=(frames, count),
-                chunks=(unit, count),
-                dtype="float64",
-                fill_value=np.nan,
-                dimension_names=("time", "object"),
-                attributes=about,
-            )
+            truth.create_array(
+                name, shape=(frames, count), chunks=(unit, count), dtype="float64", fill_value=np.nan,
+                dimension_names=("time", "object"), attributes=VARIABLES[name].attributes,
+            )  # fmt: skip
         for name, dimensions, size in (
             ("object_mask", ("time", "plane", "y", "x"), (planes, rows, columns)),
             ("object_id", ("time", "y", "x"), (rows, columns)),
         ):
             dtype = np.dtype(VARIABLES[name].dtype)
-            held.create_array(
-                name,
-                shape=(frames, *size),
-                dtype=dtype,
-                fill_value=0,
-                **shards(dtype.itemsize, size),
-                dimension_names=dimensions,
-                attributes=VARIABLES[name].attributes,
-            )
+            truth.create_array(
+                name, shape=(frames, *size), dtype=dtype, fill_value=0, **shards(dtype.itemsize, size),
+                dimension_names=dimensions, attributes=VARIABLES[name].attributes,
+            )  # fmt: skip
 
 
 def unpacked(planes: NDArray[np.uint64], count: int) -> Iterator[NDArray[np.bool_]]:
@@ -88,6 +75,7 @@ def unpacked(planes: NDArray[np.uint64], count: int) -> Iterator[NDArray[np.bool
     >>> bool((np.stack(list(unpacked(packed(masks), 2))) == masks).all())
     True
     """
+    # One bit of a plane for each object: a sequence of many objects stays small.
     for n in range(count):
         yield (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
 
@@ -150,6 +138,7 @@ class Layout:
         >>> [small.in_units(frames).frames_per_unit for frames in (1, 256, 257, 10_000)]
         [1, 1, 2, 40]
         """
+        # As many frames as 256 shards need, and no more than fit into the memory of a shard.
         most = max(MOST_BYTES // max(self.frame_bytes, 1), 1)
         return replace(self, frames_per_unit=max(min(-(-frames // MOST_UNITS), most), 1))
 

@@ -1,19 +1,17 @@
-"""Creation of the arrays of a sequence before its first frame.
+"""Location of a sequence, a folder or an object store behind a URL, and creation of its arrays before the first frame.
 
-All that a frame writes is cut into shards of the same frames, and a shard is a file: two processes that write into one file lose each
-other's entries without a word, so each shard is written by one process. Within a shard every frame is a chunk that is read alone.
+A folder is written under another name and renamed when whole, and locks claim it for its writers. An object store has neither: its
+sequence has its final name from the start, an attribute marks it as unfinished until the end, and its writers are not checked.
 
-Location of a sequence: a folder, or an object store behind a URL.
-
-A folder is written under another name and renamed when whole, and locks say who writes there. An object store has neither: its sequence
-has its name from the start, an attribute says until the end that it is unfinished, and nobody watches over its writers.
+The content of a frame is cut into shards of the same frames, and a shard is a file: two processes that write into one file lose each
+other's entries without an error, so each shard is written by one process. Within a shard every frame is a chunk that is read alone.
 """
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from datetime import UTC
 from pathlib import Path
@@ -22,13 +20,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.errors import BackendError, DataError, SeaglintError, StorageError
+from seaglint.base.errors import BackendError, DataError, StorageError
 from seaglint.base.free_form import Attributes
 from seaglint.base.machine import processor
 from seaglint.base.optional import missing
 from seaglint.base.schema import VARIABLES
 from seaglint.store.layout import FORMAT, GROUP, TRUTHS, UNFINISHED, Layout
-from seaglint.store.outputs import ELSEWHERE, refuse_inputs, require_folder, storage_errors
+from seaglint.store.outputs import ELSEWHERE, library_errors, refuse_inputs, require_folder, storage_errors
 from seaglint.store.shards import CHECKSUM, DONE, OVER
 from seaglint.store.writers import Claim, Share, exclusive, shared
 
@@ -77,6 +75,7 @@ def make_arrays(store: Path | str, layout: Layout) -> None:
         low, high = layout.band.min_um, layout.band.max_um
         _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
         _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
+    # The checksum of a frame covers these arrays, in this order.
     truths = tuple(f"{GROUP}/{name}" for name in TRUTHS) if layout.truth is not None else ()
     over = {OVER: " ".join((*layout.variables, *layout.per_frame, *truths))}
     for name, kind, fill, more in (
@@ -220,6 +219,7 @@ class Local:
 
     def give_name(self) -> None:
         """Move the complete sequence to its final name; the old one is deleted last."""
+        # The old sequence exists until the new one has its name: an interruption loses neither.
         old = self.output.with_name(self.output.name + ".old")
         if self.output.exists():
             if old.exists():
@@ -347,6 +347,7 @@ def place_of(output: str | Path) -> Place:
     BackendError
         One whose package is not installed.
     """
+    # A path is always local; a text may be a URL.
     text = str(output)
     if isinstance(output, Path) or "://" not in text:
         return Local(Path(output))
@@ -371,16 +372,9 @@ def place_of(output: str | Path) -> Place:
     return Remote(text.rstrip("/"))
 
 
-@contextmanager
-def _reached(url: str) -> Iterator[None]:
-    """Report exceptions of clients of object stores, which are of their own types, in one line."""
-    try:
-        yield
-    except SeaglintError:
-        raise
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise StorageError(f"{url}: cannot be reached ({reason}); check address, name and rights") from error
+def _reached(url: str) -> AbstractContextManager[None]:
+    """Return a context that reports exceptions of clients of object stores in one line."""
+    return library_errors(f"{url}: cannot be reached", "check address, name and rights", StorageError)
 
 
 def is_ours(store: Path | str) -> bool:

@@ -47,7 +47,7 @@ class UnitTask:
 
 #: Callback that has units made elsewhere, by :func:`unit_maker`.
 #:
-#: It yields outcomes as they finish, leaving the context cancels the rest.
+#: It yields outcomes as they finish; leaving the context cancels the rest.
 Spread = Callable[[UnitTask, Sequence[int]], AbstractContextManager[Iterator[UnitRecord | UnitFailure]]]
 
 
@@ -61,7 +61,7 @@ def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], 
     """
     require_version(task)
     place = place_of(task.output)
-    shards = Shards(_opened(place))
+    shards = Shards(open_group(place))
 
     @contextmanager
     def writing() -> Iterator[None]:
@@ -89,15 +89,16 @@ def require_version(task: UnitTask) -> None:
         raise DataError(f"this worker has seaglint {__version__} and its sender {task.version}; install the same version on both")
 
 
-def _opened(place: Place) -> Any:
+def open_group(place: Place) -> Any:
+    """Open the Zarr group of an unfinished sequence for writing, by its own metadata."""
     import zarr
 
     return zarr.open_group(place.work, mode="r+", zarr_format=3, use_consolidated=False)
 
 
 @dataclass
-class Filling:
-    """Units of a store that are to be made: by ``here`` or ``elsewhere``, then checked by ``require_all``.
+class MissingUnits:
+    """Units of a store that are to be made: by ``make_here`` or ``make_by_workers``, then checked by ``require_all``.
 
     Raises
     ------
@@ -112,7 +113,7 @@ class Filling:
     numbers: range  #: Numbers of all frames of the store.
     remedy: Callable[[], str]  #: Remedy where there is no room.
     progress: Progress | None = None
-    failed: list[UnitFailure] = field(default_factory=list)  #: Return the units with frames that failed.
+    failed: list[UnitFailure] = field(default_factory=list)  #: Units with frames that failed.
 
     def __post_init__(self) -> None:
         self.total = sum(self.shards.span(unit).stop - self.shards.span(unit).start for unit in self.units)
@@ -124,7 +125,7 @@ class Filling:
         """Return the units with missing frames."""
         return sorted({index // self.shards.frames_per_unit for index in self._missing(self.units)})
 
-    def here(self, frame: Frame, attempts: int) -> None:
+    def make_here(self, frame: Frame, attempts: int) -> None:
         """Make the units one after the other.
 
         Parameters
@@ -137,6 +138,7 @@ class Filling:
             for unit in self.left:
                 if stopped:
                     raise self._interrupted()
+                # Finished frames of an attempt stay: a further one makes the missing frames alone.
                 for tried in range(1, attempts + 1):
                     report = partial(self.report, self.count)
                     settings: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}
@@ -156,13 +158,13 @@ class Filling:
             if stopped and self.count < self.total:
                 raise self._interrupted()
 
-    def elsewhere(self, spread: Spread, note: Callable[[str], None]) -> None:
+    def make_by_workers(self, spread: Spread, note: Callable[[str], None]) -> None:
         """Have the units made by workers; ``note`` is called with the types of processors that made them."""
         left, processors = self.left, set[str]()
         if not left:
             return
         try:
-            # At once: a unit may be a minute's work of others, and nothing is half done here.
+            # At once: a unit may take the workers a minute, and this process writes no part of it.
             with stop_on_signal(at_once=True), spread(UnitTask.of(self.place, self.claim), left) as outcomes:
                 for outcome in outcomes:
                     if isinstance(outcome, UnitFailure):

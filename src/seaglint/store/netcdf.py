@@ -1,6 +1,6 @@
-"""Maps as one NetCDF 4 file, written completely or not at all.
+"""NetCDF files: opened in versions 3 and 4 with errors of one line, and maps written as one file of version 4, completely or not at all.
 
-The file is made in memory and its bytes are written by Python: HDF5 that meets a full disk can take the process with it.
+A file is made in memory and its bytes are written by Python: HDF5 that meets a full disk can end the process.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy as np
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import Attributes
 from seaglint.base.schema import VARIABLES
-from seaglint.store.outputs import moved_when_whole, refuse_existing
+from seaglint.store.outputs import moved_when_whole, reason_of, refuse_existing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,6 +44,7 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     """
     import xarray as xr
 
+    # The first bytes decide on the engine: names do not tell the version.
     magic = b""
     try:
         with open(path, "rb") as file:
@@ -56,7 +57,7 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a NetCDF file") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = reason_of(error)
         drop_quietly(error)
         version = 3 if magic in NETCDF3 else 4
         raise DataError(f"{path}: cannot be read as NetCDF {version}, or is cut ({reason}); give a whole NetCDF file") from None
@@ -101,8 +102,8 @@ def plain_attributes(attributes: Mapping[Any, Any]) -> Attributes:
 
 def coordinate_encoding(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
     """Return the encoding of coordinates and bounds that have all their values: no ``_FillValue``, which CF 1.11, 2.5.1, forbids them."""
-    beside = {**dataset.coords, **{name: values for name, values in dataset.data_vars.items() if values.ndim < 2}}
-    return {name: {"_FillValue": None} for name, values in beside.items() if not bool(values.isnull().any())}
+    coordinates = {**dataset.coords, **{name: values for name, values in dataset.data_vars.items() if values.ndim < 2}}
+    return {name: {"_FillValue": None} for name, values in coordinates.items() if not bool(values.isnull().any())}
 
 
 def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
@@ -128,7 +129,7 @@ def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = F
         if name in images:
             encoding[name] = {**encoding.get(name, {}), "zlib": True, "complevel": 3}
     content = BytesIO()
-    # What Dataset.to_netcdf does, which asks Dask for a lock first: where Dask is installed that loads all of it, 0.1 to 0.3 s.
+    # As Dataset.to_netcdf, but without Dask's lock: importing Dask, where it is installed, takes 0.1 to 0.3 s.
     store = H5NetCDFStore.open(content, mode="w", lock=False)
     try:
         labelled(dataset).dump_to_store(store, encoding=encoding)

@@ -1,10 +1,7 @@
-"""Errors of the operating system, reported in one line with a remedy.
+"""Files of commands: outputs that are checked before the work and written completely or not at all, and readers of text and JSON.
 
-Output files of commands: checked before the work, written completely or not at all.
-
-Handling of signals that end long work between two of its pieces, not in the middle of one.
-
-Reader and writer of text and JSON files: errors of one line, and files that are written completely or not at all.
+Errors of the operating system and of libraries are reported in one line with a remedy. Signals end long work between two of its pieces,
+not in the middle of one.
 """
 
 from __future__ import annotations
@@ -41,7 +38,7 @@ def _system_error(error: BaseException | None) -> OSError | None:
 def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[None]:
     """Turn errors of the operating system into a :class:`StorageError`, with ``remedy`` where room or rights are missing.
 
-    A remedy that depends on what is on the disk by then is a function.
+    A remedy that depends on the state of the disk at the time of the error is a function.
     """
     try:
         yield
@@ -54,8 +51,31 @@ def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[
         raise StorageError(f"{target}: {_sentence(system, remedy if isinstance(remedy, str) else remedy())}") from error
 
 
+def reason_of(error: BaseException, most: int = 200) -> str:
+    r"""Return the text of an exception of a library in one line of at most so many characters; its type where it has no text.
+
+    >>> reason_of(ValueError("no\n  header")), reason_of(KeyError())
+    ('no header', 'KeyError')
+    """
+    return " ".join(str(error).split())[:most] or type(error).__name__
+
+
+@contextmanager
+def library_errors(what: str, remedy: str, kind: type[SeaglintError] = DataError) -> Iterator[None]:
+    """Turn exceptions of a library, which are of nearly any type at a damaged file, into an error ``what (reason); remedy``.
+
+    Errors of seaglint pass unchanged.
+    """
+    try:
+        yield
+    except SeaglintError:
+        raise
+    except Exception as error:
+        raise kind(f"{what} ({reason_of(error)}); {remedy}") from error
+
+
 def _sentence(error: OSError, remedy: str) -> str:
-    # NumPy's tofile tells that fewer numbers were written, not why; there is no other common reason.
+    # NumPy's tofile reports that fewer numbers were written and not the reason; a full disk is the only common one.
     if error.errno in _FULL or (error.errno is None and "requested and" in str(error)):
         return f"no room left (disk full, or over the quota or file size limit); {remedy}"
     if error.errno in _DENIED:
@@ -85,7 +105,7 @@ def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iter
     Raises
     ------
     DataError
-        The folder is missing, the name is that of a folder, device or pipe or of one of the ``inputs``, or a file is there and
+        The folder is missing, the name belongs to a folder, device or pipe or to one of the ``inputs``, or a file exists and
         ``overwrite`` is not set.
     StorageError
         Nothing can be written in the folder.
@@ -101,7 +121,7 @@ def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iter
 
 
 def require_ending(output: Path, allowed: Sequence[str], what: str) -> Path:
-    """Return the path of an output file; refuse an ending that says another kind of file.
+    """Return the path of an output file; refuse the ending of another kind of file.
 
     Raises
     ------
@@ -134,7 +154,7 @@ def require_folder(output: Path) -> None:
     DataError, OSError
         The folder is missing; the system would refuse to write there.
     StorageError
-        The folder takes no files, as those of ``/proc``.
+        The folder takes no files, as folders of ``/proc``.
     """
     if not output.parent.is_dir():
         raise DataError(f"{output}: the folder {output.parent} does not exist; make it first")
@@ -145,12 +165,12 @@ def _require_writable(folder: Path, output: Path) -> None:
     """Refuse a folder in which no file can be made; ``output`` is named."""
     if not os.access(folder, os.W_OK):
         raise OSError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
-    try:  # rights alone do not tell: of some folders the system refuses files to everybody
+    try:  # rights alone do not decide: in some folders the system refuses files to everybody
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         if error.errno not in (errno.ENOENT, errno.ENOTSUP, errno.EINVAL, errno.ENOSYS, errno.ENOTDIR):
-            raise  # room or rights, which have words for them
+            raise  # room or rights, for which storage_errors has texts
         raise StorageError(f"{output}: the folder {folder} cannot be written to; {ELSEWHERE}") from error
 
 
@@ -193,7 +213,7 @@ def moved_when_whole(output: Path, remedy: str = "make room or choose another pl
     Raises
     ------
     DataError
-        What stands at one of the two names is no regular file.
+        One of the two names belongs to a folder, device or pipe.
     StorageError
         No room or no rights; it ends with ``remedy``.
     """
@@ -206,7 +226,7 @@ def moved_when_whole(output: Path, remedy: str = "make room or choose another pl
             yield partial
             partial.replace(output)
     finally:
-        with suppress(OSError):  # a read-only file system refuses even to remove what is not there
+        with suppress(OSError):  # a read-only file system refuses even to remove a missing file
             partial.unlink(missing_ok=True)
 
 
@@ -252,7 +272,7 @@ def read_text(path: Path, hint: str) -> str:
     Raises
     ------
     DataError
-        The file is missing, cannot be read or is no text; the message ends with ``hint``, which says what to give instead.
+        The file is missing, cannot be read or is no text; the message ends with ``hint``, the remedy.
     """
     try:
         return path.read_bytes().decode("utf-8-sig")
@@ -291,7 +311,7 @@ def parsed_json(path: Path, text: str, hint: str) -> Any:
 
 
 def write_text(text: str, output: Path) -> None:
-    """Write a text in UTF-8 with line ends as they are.
+    """Write a text in UTF-8 with unchanged line ends.
 
     Raises
     ------

@@ -45,7 +45,7 @@ def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> Attrib
     seed : int
         Seed of the random streams.
     **more
-        What the computation adds: table checksums, cut wavenumbers, steps. Values must be JSON-able.
+        Further attributes of the computation: table checksums, cut wavenumbers, steps. Values must be JSON-able.
     """
     packages = ", ".join(f"{name} {package_version(name)}" for name in _PACKAGES)
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
@@ -71,7 +71,7 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
         inside = list(_different_keys(json.loads(old["scenario"]), json.loads(new["scenario"])))
     except (KeyError, ValueError):
         return keys
-    # What follows from the scenario (band, rate, seed, cut wavenumbers) need not be told again.
+    # Attributes that follow from the scenario (band, rate, seed, cut wavenumbers) need not be reported again.
     return inside or [key for key in keys if key != "scenario"]
 
 

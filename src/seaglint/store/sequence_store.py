@@ -1,11 +1,9 @@
-"""Consolidated metadata of all arrays of a Zarr store, which readers look for first.
+"""Image sequences on disk: a Zarr 3 store, complete or marked as unfinished, written by one process or several.
 
-Image sequences on disk: a Zarr 3 store, complete or marked as unfinished, written by one process or several.
-
-Frames go to ``NAME.partial``; the folder gets its name when the last frame is in. A frame counts once ``frame_done`` says
-so, which is written after its pixels: whatever interrupts the work, a frame is whole or absent. A shard of frames is a unit of work that
-one process writes; a share is every n-th unit. Missing pixels are NaN (with a fill of 0, Zarr would not write chunks that are all zero,
-and a black frame could not be told from a missing one).
+Frames are written to ``NAME.partial``; the folder gets its name when the last frame is in. A frame counts once it is marked in
+``frame_done``, which is written after its pixels: whatever interrupts the work, a frame is whole or absent. A shard of frames is a unit of
+work that one process writes; a share is every n-th unit. Missing pixels are NaN (with a fill of 0, Zarr would not write chunks that are all
+zero, and a black frame could not be distinguished from a missing one).
 """
 
 from __future__ import annotations
@@ -26,7 +24,7 @@ from seaglint.base.free_form import Attributes
 from seaglint.base.machine import processor
 from seaglint.store.layout import FORMAT, UNFINISHED, Layout
 from seaglint.store.location import PATIENCE, Place, attributes, is_ours, partial_path, place_of
-from seaglint.store.missing_frames import Filling, Interrupted, Spread
+from seaglint.store.missing_frames import Interrupted, MissingUnits, Spread, open_group
 from seaglint.store.outputs import ELSEWHERE, FILE_ENDINGS, storage_errors
 from seaglint.store.provenance import PROCESSORS_MIXED, differences
 from seaglint.store.shards import CHECKSUM, DONE, Frame, Shards, forget_damaged, listed
@@ -47,16 +45,7 @@ def consolidate(store: Path | str) -> None:
         zarr.consolidate_metadata(store, zarr_format=3)
 
 
-__all__ = [
-    "Frame",
-    "Interrupted",
-    "check_output",
-    "finish_sequence",
-    "is_sequence",
-    "open_sequence",
-    "partial_path",
-    "write_sequence",
-]
+__all__ = ["Frame", "Interrupted", "check_output", "finish_sequence", "is_sequence", "open_sequence", "partial_path", "write_sequence"]
 
 log = logging.getLogger(__name__)
 
@@ -84,10 +73,10 @@ def write_sequence(
     frame : callable
         ``frame(number)`` returns the images (ny, nx) of a frame, one for each of the layout's variables.
     resume : bool
-        Go on with ``output.partial``. A sequence that is whole already is left as it is; where nothing is there, all is computed.
+        Continue ``output.partial``. A complete sequence is left unchanged; without either, all frames are computed.
         Frames that do not fit their checksums are made again.
     overwrite : bool
-        Replace what stands at ``output``, once the new sequence is whole.
+        Replace an existing sequence at ``output``, once the new one is complete.
     progress : callable, optional
         ``progress(done, total)``.
     share : Share, optional
@@ -114,6 +103,7 @@ def write_sequence(
     """
     _require_joining(share, overwrite=overwrite)
     place = _checked_name(output, resume=resume, overwrite=overwrite)
+    # A share always joins an existing sequence.
     continued = resume or share is not None
 
     def remedy() -> str:
@@ -122,9 +112,9 @@ def write_sequence(
         return "nothing was written; make room or choose another place"
 
     if not _stands(place, layout, resume=continued, overwrite=overwrite):
-        with ExitStack() as held:
+        with ExitStack() as claims:
             with storage_errors(place.work, remedy):
-                claim = held.enter_context(place.claim(share))
+                claim = claims.enter_context(place.claim(share))
             # Another process may have finished between the first look and the claim.
             if not _stands(place, layout, resume=continued, overwrite=overwrite):
                 _require_free(place, resume=continued, overwrite=overwrite)
@@ -135,12 +125,12 @@ def write_sequence(
                     with storage_errors(place.work, remedy):
                         _settle(place, kind)
 
-                filling = Filling(place, shards, units, claim, layout.frames, remedy, progress)
+                missing = MissingUnits(place, shards, units, claim, layout.frames, remedy, progress)
                 if spread is None:
-                    filling.here(frame, attempts)
+                    missing.make_here(frame, attempts)
                 else:
-                    filling.elsewhere(spread, note)
-                filling.require_all()
+                    missing.make_by_workers(spread, note)
+                missing.require_all()
                 if share is None:
                     with storage_errors(place.output, remedy):
                         _finish(place, claim)
@@ -183,7 +173,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
         if place.taken():
             return False
         _require_scenario(place.work, scenario_json)
-        group = _group(place)
+        group = open_group(place)
         shards, numbers = Shards(group), np.asarray(group["frame"][:])
         units = range(shards.count)
         forget_damaged(shards, units, numbers)
@@ -199,12 +189,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
 
 
 def check_output(
-    output: str | Path,
-    *,
-    resume: bool = False,
-    overwrite: bool = False,
-    inputs: Iterable[str | Path] = (),
-    share: Share | None = None,
+    output: str | Path, *, resume: bool = False, overwrite: bool = False, inputs: Iterable[str | Path] = (), share: Share | None = None
 ) -> Path | str:
     """Return the path of a sequence to be written; what its layout does not decide is checked before anything is computed.
 
@@ -221,7 +206,7 @@ def check_output(
         if place.taken() and not resume and share is None:
             _require_replaceable(place, overwrite=overwrite)
         elif place.begun() and not place.taken() and share is None:
-            with place.claim():  # who writes there now is told first
+            with place.claim():  # a process that writes there now is reported first
                 _require_free(place, resume=resume, overwrite=overwrite)
     return place.output
 
@@ -250,7 +235,7 @@ def _joined(place: Place, layout: Layout, share: Share | None, *, continued: boo
         else:
             place.create(layout, replace=share is None)
     _settle(place, processor(), share)
-    shards = Shards(_group(place))
+    shards = Shards(open_group(place))
     units = range(shards.count) if share is None else share.units(shards.count)
     if joins:
         forget_damaged(shards, units, np.asarray(layout.frames))
@@ -287,26 +272,21 @@ def _settle(place: Place, kind: str, share: Share | None = None) -> None:
         if shares != counts:
             changed[UNFINISHED] = {"shares": shares}
         if changed:
-            _group(place).update_attributes(changed)
-
-
-def _group(place: Place) -> Any:
-    import zarr
-
-    return zarr.open_group(place.work, mode="r+", zarr_format=3, use_consolidated=False)
+            open_group(place).update_attributes(changed)
 
 
 def _finish(place: Place, claim: Any) -> None:
     """Give the store its final name, if it is still claimed and has every frame on disk."""
     claim.require()
     place.require_there()
-    group = _group(place)
+    group = open_group(place)
     shards = Shards(group)
     missing = len(shards.missing(range(shards.count)))
     if missing:
         state = f"{missing} of {shards.frames} frames are missing"
         raise DataError(f"{place.work}: {state} though all were written; see that no other program works there and go on with resume=True")
     place.sweep()
+    # Metadata are consolidated last, so that readers of the finished store find no attribute of an unfinished one.
     group.attrs.put({key: value for key, value in dict(group.attrs).items() if key != UNFINISHED})
     consolidate(place.work)
     place.give_name()
@@ -374,6 +354,7 @@ def _require_same(path: Path | str, layout: Layout) -> None:
     import zarr
 
     group: Any = zarr.open_group(path, mode="r", zarr_format=3)
+    # The same attributes make the same frames: what is stored can be continued only then.
     differ = differences(stored, layout.all_attributes)
     if [int(number) for number in group["frame"][:]] != list(layout.frames):
         differ.append("frames")

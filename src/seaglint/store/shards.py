@@ -1,7 +1,4 @@
-"""Manifest of a sequence: the frames that exist, and a checksum of each.
-
-Units of work of a sequence: whole shards, each written by one process at once.
-"""
+"""Shards of a sequence, the units of its work: which frames exist, a checksum of each, and the making of a unit by one process."""
 
 from __future__ import annotations
 
@@ -25,9 +22,9 @@ OVER: Final = "over"  #: Attribute of the checksums that names the arrays they c
 
 
 def frame_checksum(images: Iterable[NDArray[Any]]) -> int:
-    """Return the first 64 bits of the BLAKE2b of a frame's arrays, little-endian, as they are read back.
+    """Return the first 64 bits of the BLAKE2b of a frame's arrays, little-endian, in the form in which the store returns them.
 
-    All numbers that are not one count as the same NaN, and -0 as 0: chunks that hold nothing else are not stored.
+    All kinds of NaN count as one, and -0 as 0: chunks that hold the fill value alone are not stored.
 
     >>> frame_checksum([np.float32([1.0, -0.0])]) == frame_checksum([np.float32([1.0, 0.0])])
     True
@@ -49,6 +46,7 @@ def listed(numbers: Iterable[int], most: int = 8) -> str:
     """
     runs: list[list[int]] = []
     for number in map(int, numbers):
+        # A number that follows the last one extends its run.
         if runs and number == runs[-1][1] + 1:
             runs[-1][1] = number
         else:
@@ -167,9 +165,9 @@ def make_unit(
         Numbers of all frames of the store.
     frame : callable
     writing : callable
-        Context in which the store is touched: who may write there, and how refusals are told.
+        Context of every access to the store: it checks who may write there, and reports refusals.
     stopped : callable
-        Asked after each frame; what is done of the unit is then written.
+        Checked after each frame; if true, the finished frames of the unit are written.
     report : callable
         Called with the number of frames made so far.
     patient : bool
@@ -178,12 +176,13 @@ def make_unit(
     Raises
     ------
     FramesRaisedError
-        A frame raised; what is done is written.
+        A frame raised an exception; the finished frames are written.
     """
     began, span = time.perf_counter(), shards.span(unit)
     with writing():
         there, sums = shards.done[span].astype(bool), np.asarray(shards.checksums[span])
         block = shards.read(span) if there.any() else shards.blank(span)
+    # A shard is written as a whole: frames that exist are read first and written again unchanged.
     absent, made = np.flatnonzero(~there), []
     failed: Exception | None = None
     for index in absent:
@@ -219,7 +218,7 @@ def make_unit(
 
 
 def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int64]) -> list[int]:
-    """Unmark frames that cannot be read, or do not match their checksums; ``numbers`` are those of all frames.
+    """Unmark frames that cannot be read, or do not match their checksums; ``numbers`` are the numbers of all frames.
 
     Returns
     -------

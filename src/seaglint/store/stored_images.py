@@ -1,8 +1,6 @@
-"""Radiance from the counts of a detector, by the linear relation in the attributes of ``signal``.
+"""Images of stored sequences and maps: radiance from counts, lines of sight of the pixels, and statistics of a sequence.
 
-Lines of sight of a stored image's pixels, whatever the camera.
-
-Statistics of a sequence in a few numbers: mean, peak, apparent temperatures, share of glint.
+Counts of a detector become radiance by the linear relation in the attributes of ``signal``.
 """
 
 from __future__ import annotations
@@ -28,14 +26,14 @@ if TYPE_CHECKING:
 
 
 def pictures(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the variable that pictures are made of: ``signal``, or ``radiance`` where there is none.
+    """Return the variable of the images: ``signal``, or else ``radiance``.
 
     Raises
     ------
     DataError
         A dataset that has neither.
     """
-    name = default_image(str(held) for held in dataset.data_vars)
+    name = default_image(map(str, dataset.data_vars))
     if name is not None and name != "texture":
         return dataset[name]
     available = ", ".join(map(str, dataset.data_vars)) or "none"
@@ -65,7 +63,7 @@ def count_line(variable: xr.DataArray) -> tuple[float, float]:
 
 
 def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
+    """Return the radiance of a dataset [W m-2 sr-1]: stored, or from its counts."""
     images = pictures(dataset)
     if images.name == "radiance":
         return images
@@ -107,10 +105,11 @@ def below_horizon(dataset: xr.Dataset, frame: int = 0) -> FloatArray | None:
     Returns
     -------
     ndarray or None
-        Of a shape that broadcasts to (ny, nx); None where the dataset does not say where its sensor is.
+        Of a shape that broadcasts to (ny, nx); None for a dataset without the height of its sensor.
     """
     try:
         if "sensor_height" in dataset.variables:
+            # A moving sensor has a height for each frame, a fixed one a single height.
             heights = np.atleast_1d(dataset["sensor_height"].to_numpy())
             height = float(heights[min(frame, heights.size - 1)])
         else:
@@ -125,7 +124,7 @@ def below_horizon(dataset: xr.Dataset, frame: int = 0) -> FloatArray | None:
     return -elevation - float(np.degrees(horizon_depression(height)))
 
 
-#: A pixel counts as glint when it is this many times as bright as a blackbody at the water's temperature: the Sun gives most of it.
+#: Radiance over that of a blackbody at the water's temperature from which a pixel counts as glint: most of it is sunlight.
 GLINT_FACTOR: Final = 2.0
 
 _GRID_STEP: Final = 5.0  # cm-1; the blackbody is smooth, so the step only has to resolve the response
@@ -133,13 +132,13 @@ _FALLBACK_SEA: Final = 288.15
 
 
 def grid_of(band: Band) -> FloatArray:
-    """Wavenumbers on which a blackbody is integrated over the band [cm-1]."""
+    """Return the wavenumbers on which a blackbody is integrated over the band [cm-1]."""
     low, high = 1e4 / band.max_um, 1e4 / band.min_um
     return np.linspace(low, high, max(int((high - low) / _GRID_STEP) + 2, 16))
 
 
 def to_temperature(radiance: Any, band: Band) -> FloatArray:
-    """Apparent temperature [K] of band radiances [W m-2 sr-1]; NaN for zero."""
+    """Return the apparent temperature [K] of band radiances [W m-2 sr-1]; NaN for zero."""
     return apparent_temperature(radiance, band, grid_of(band))
 
 
@@ -157,7 +156,7 @@ class Summary:
 
     @property
     def line(self) -> str:
-        """One line for people, both radiance units."""
+        """Summary in one line, in both radiance units."""
         u = ARTICLE_RADIANCE_PER_SI
         bad = f", {self.non_finite} pixels not finite" if self.non_finite else ""
         return (
@@ -169,12 +168,12 @@ class Summary:
         )
 
     def as_dict(self) -> dict[str, float | int]:
-        """Plain values, for JSON."""
+        """Return plain values, for JSON."""
         return asdict(self)
 
 
 def sea_temperature(dataset: xr.Dataset) -> float:
-    """Temperature of the water in the scenario that made a dataset [K]."""
+    """Return the temperature of the water in the scenario that made a dataset [K]."""
     try:
         return float(json.loads(dataset.attrs["scenario"])["sea"]["temperature_k"])
     except (KeyError, ValueError, TypeError):
@@ -182,7 +181,7 @@ def sea_temperature(dataset: xr.Dataset) -> float:
 
 
 def summarise(dataset: xr.Dataset) -> Summary:
-    """Statistics of ``radiance``, frame by frame, so that memory does not grow with the sequence; unfinished frames are left out."""
+    """Return statistics of ``radiance``, frame by frame, so that memory does not grow with the sequence; unfinished frames are left out."""
     band = stored_band(dataset.attrs)
     threshold = GLINT_FACTOR * float(band.radiance(sea_temperature(dataset), grid_of(band)))
     total, peak, glint, pixels, bad, frames = 0.0, 0.0, 0, 0, 0, 0
@@ -201,7 +200,7 @@ def summarise(dataset: xr.Dataset) -> Summary:
 
 
 class Images:
-    """Images of one variable read one at a time; counts as the radiance that they stand for."""
+    """Images of one variable read one at a time; counts as radiance."""
 
     def __init__(self, variable: xr.DataArray, indices: NDArray[np.intp], line: tuple[float, float] = (1.0, 0.0)) -> None:
         self._variable, self.indices, self._line = variable, indices, line
@@ -219,7 +218,7 @@ class Images:
 
 
 def images(dataset: xr.Dataset, variable: str | None = None) -> Images:
-    """Images frame by frame (a map is one frame); frames not done are left out. Radiance by default, of counts where only these are."""
+    """Return images frame by frame (a map is one frame), by default of radiance, from counts if need be; unfinished frames are left out."""
     values = pictures(dataset) if variable is None else dataset[variable]
     line = count_line(values) if variable is None else (1.0, 0.0)
     if "time" not in values.dims:

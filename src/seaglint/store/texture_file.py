@@ -31,7 +31,7 @@ class StoredTexture:
     fit: Mapping[str, Any] = field(default_factory=dict)  #: Errors of the parameters and criteria.
     #: Agreement of samples and data (:meth:`seaglint.textures.quality.Comparison.as_dict`, and held-out data).
     quality: Mapping[str, Any] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()  #: tuple of str.
+    notes: tuple[str, ...] = ()  #: Sentences on the fit.
 
     @property
     def units(self) -> str:
@@ -89,25 +89,26 @@ def read_texture(path: str | Path) -> StoredTexture:
         Nothing there, no texture, one of another version, or one that is not whole.
     """
     path = Path(path)
-    held = read_json(path, "give a file of 'seaglint texture fit'")
-    if not isinstance(held, dict) or held.get("format") != FORMAT:
+    content = read_json(path, "give a file of 'seaglint texture fit'")
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise DataError(f"{path}: is no texture; give a file of 'seaglint texture fit'")
-    if held.get("version") != VERSION:
+    if content.get("version") != VERSION:
         raise DataError(
-            f"{path}: has version {held.get('version')!r}, this seaglint ({__version__}) reads version {VERSION}; fit it anew, or "
-            f"take the seaglint that wrote it ({held.get('seaglint', 'not said')})"
+            f"{path}: has version {content.get('version')!r}, this seaglint ({__version__}) reads version {VERSION}; fit it anew, or "
+            f"take the seaglint that wrote it ({content.get('seaglint', 'not said')})"
         )
     try:
-        return StoredTexture(_model(held["model"]), held["source"], held["fit"], held["quality"], tuple(map(str, held["notes"])))
+        notes = tuple(map(str, content["notes"]))
+        return StoredTexture(_model(content["model"]), content["source"], content["fit"], content["quality"], notes)
     except KeyError as error:
         raise DataError(f"{path}: {error} is missing; the file is damaged, fit it anew") from error
     except (TypeError, AttributeError, ValueError, DataError, DomainError) as error:
         raise DataError(f"{path}: {error}; the file is damaged, fit it anew") from error
 
 
-def _model(held: Mapping[str, Any]) -> Texture:
-    if held["kind"] == GAUSS_MARKOV:
-        return GaussianTexture.from_dict(held)
-    if held["kind"] == AUTOBINOMIAL:
-        return AutobinomialTexture.from_dict(held)
-    raise DataError(f"model.kind = {held['kind']!r}; allowed are {GAUSS_MARKOV} and {AUTOBINOMIAL}")
+def _model(table: Mapping[str, Any]) -> Texture:
+    if table["kind"] == GAUSS_MARKOV:
+        return GaussianTexture.from_dict(table)
+    if table["kind"] == AUTOBINOMIAL:
+        return AutobinomialTexture.from_dict(table)
+    raise DataError(f"model.kind = {table['kind']!r}; allowed are {GAUSS_MARKOV} and {AUTOBINOMIAL}")

@@ -1,10 +1,10 @@
-"""Claim of a folder by one writer at a time, which ends with the process, however that ends.
+"""Writers of a folder: claims, which end with the process however that ends, and shares of a sequence for batch arrays.
 
-The claim is a lock of the operating system on a file beside the folder. It is not inside: the folder may be emptied, is renamed
-when whole, and everything in it is taken for part of the store. A killed process leaves the file but not the lock. Where a file
-system has no locks, the random token in the file still tells the earlier writer that another one has come.
+A claim is a lock of the operating system on a file beside the folder. It is not inside: the folder may be emptied, is renamed when whole,
+and every file in it counts as part of the store. A killed process leaves the file but not the lock. On a file system without locks, the
+random token in the file shows the earlier writer that another one has claimed the folder.
 
-Shares of a sequence for batch arrays: each share has its own units, without a scheduler.
+Each share has its own units, without a scheduler.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def shared(folder: Path, patience: float = 5.0) -> Iterator[None]:
     try:
         yield
     finally:
-        # The last one takes the file away. Who cannot have it alone is not the last.
+        # The last writer removes the file. One that cannot lock it alone is not the last.
         try:
             if _lock(descriptor) and _has_name(descriptor, path):
                 with suppress(OSError):
@@ -171,7 +171,7 @@ else:
     import fcntl
 
     def _lock(descriptor: int) -> bool:
-        """Lock the file; false when another process holds it. Where there are no locks, the token alone has to do."""
+        """Lock the file; return false when another process holds it. Without locks of the file system the token alone decides."""
         return _flock(descriptor, fcntl.LOCK_EX)
 
     def _lock_shared(descriptor: int) -> bool:
@@ -238,5 +238,5 @@ def shares_of(units: Iterable[int], counts: Iterable[int]) -> str:
     >>> shares_of([1, 3, 4], [2])
     '0/2, 1/2'
     """
-    held = sorted(set(units))
-    return ", ".join(str(Share(i, n)) for n in counts for i in sorted({unit % n for unit in held}))
+    numbers = sorted(set(units))
+    return ", ".join(str(Share(i, n)) for n in counts for i in sorted({unit % n for unit in numbers}))

@@ -6,7 +6,7 @@ from seaglint.base.errors import DataError
 from seaglint.formats.dataset.layouts import Coco, Sirst, Stores, Yolo
 from seaglint.formats.dataset.scene_records import DatasetFormat
 
-#: All formats. Help texts, lists in errors, writing and checking follow from it.
+#: All formats, in the order of help texts and of lists in errors.
 FORMATS: Final[tuple[type[DatasetFormat], ...]] = (Coco, Yolo, Sirst, Stores)
 
 

@@ -1,12 +1,7 @@
-"""A finished scene store becomes pictures and a record of what is in them.
+"""Writing and checking of a labelled data set: pictures of each scene with a record, then the files that need all scenes.
 
-Example pictures of a data set on one sheet, with the boxes of what is in them.
-
-The data card: what a data set holds, how it was made, and its statistics.
-
-Check of a data set: files and checksums, pictures, boxes and masks, and splits that share nothing.
-
-The files of a data set that are written when all scenes are in: annotations, tables, card, examples, checksums.
+The latter are annotations, tables, a sheet of examples, a card with statistics, and checksums. The check compares files with checksums,
+pictures with records, boxes with masks, and splits with each other.
 """
 
 from __future__ import annotations
@@ -58,13 +53,13 @@ BLUR: Final = 2  #: Pixels around masks into which optics spread an object: left
 
 @dataclass(frozen=True)
 class ConversionSettings:
-    """How scenes are written."""
+    """Settings of the conversion of scenes to a data set."""
 
-    folder: str  #: Of the data set, or of the unfinished one.
+    folder: str  #: Folder of the data set, or of the unfinished one.
     format: str  #: Name of one of :data:`seaglint.formats.dataset.FORMATS`.
-    bits: Bits  #: Of a pixel.
+    bits: Bits  #: Bits of a pixel.
     image: str  #: Ending of pictures.
-    classes: Mapping[str, str]  #: Category of an object by its name; its preset, or the kind of its shape, where nothing is said.
+    classes: Mapping[str, str]  #: Category of an object by its name; the default is its preset, or the kind of its shape.
 
 
 def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
@@ -107,15 +102,16 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
             rows=rows,
             parameters=dict(entry.parameters),
         )
+    # The record comes last: its presence marks the pictures of the scene as complete.
     part.write(folder)
     return part
 
 
 def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> PictureLevels:
-    """Lines that hold all frames of the scene."""
-    least = [float(variable[i].min()) for i in range(variable.shape[0])]
-    most = [float(variable[i].max()) for i in range(variable.shape[0])]
-    low, high = min(least), max(most)
+    """Return levels that cover all frames of the scene."""
+    # Frame by frame, so that one frame at a time is in memory.
+    low = min(float(variable[i].min()) for i in range(variable.shape[0]))
+    high = max(float(variable[i].max()) for i in range(variable.shape[0]))
     if not np.isfinite([low, high]).all():
         raise DataError(f"{entry.store}: its pictures have pixels without a value; render it again")
     if variable.name == "signal":
@@ -132,7 +128,7 @@ def category_of(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
 
 
 def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
-    """Truth of all frames."""
+    """Return the truth of all frames."""
     rows = []
     slope, _ = count_line(variable)
     for index, (_, group) in enumerate(groupby(labels, key=lambda label: label.frame)):
@@ -141,19 +137,20 @@ def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
         spread = binary_dilation(np.logical_or.reduce([label.mask for label in several]), iterations=BLUR)
         for label in several:
             numbers = {name: known(value) for name, value in label.values.items()}
-            found_here = local_contrast(values, label.mask, spread)
-            contrast, snr = (None, None) if found_here is None else (found_here[0] * slope, found_here[1])
+            measured = local_contrast(values, label.mask, spread)
+            contrast, snr = (None, None) if measured is None else (measured[0] * slope, measured[1])
             rows.append(DatasetObject(index, label.number, numbers, contrast, snr, tuple(pieces(label))))
     return rows
 
 
 def pieces(label: Label) -> list[Piece]:
-    """Boxes and masks of what is seen of an object: the box is the mask's; one over the seam of a panorama is cut there."""
+    """Return boxes and masks of the visible pixels of an object: the box is the mask's; one over the seam of a panorama is cut there."""
     mask = label.mask
     if not mask.any():
         return []
     columns = mask.shape[1]
     left, width = label.values["bbox_left_px"], label.values["bbox_width_px"]
+    # A box that reaches beyond the last column of a panorama continues at column 0.
     cut = left + width > columns
     halves = [np.arange(columns) >= left, np.arange(columns) < left] if cut else [np.ones(columns, bool)]
     parts = [mask & half for half in halves]
@@ -161,7 +158,7 @@ def pieces(label: Label) -> list[Piece]:
 
 
 def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered: NDArray[np.bool_]) -> tuple[float, float] | None:
-    r"""Contrast and signal-to-noise ratio of an object in the delivered picture.
+    r"""Return contrast and signal-to-noise ratio of an object in the delivered picture.
 
     The contrast is :math:`\bar v_t - \bar v_b`, the ratio :math:`|\bar v_t - \bar v_b| / \sigma_b`, with the mean over the mask, and mean
     and standard deviation of the pixels within 10 of the mask's box that no object covers or blurs into. None where the object is out of
@@ -181,6 +178,7 @@ def local_contrast(values: NDArray[np.float64], mask: NDArray[np.bool_], covered
     left, top, width, height = box_of(mask)
     where = (slice(max(top - SURROUND, 0), top + height + SURROUND), slice(max(left - SURROUND, 0), left + width + SURROUND))
     around = values[where][~covered[where]]
+    # Too few pixels give no standard deviation that is worth a ratio.
     spread = float(around.std()) if around.size >= LEAST_CLUTTER else 0.0
     if spread == 0.0:
         return None
@@ -219,6 +217,7 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
     rows = max(math.ceil(len(examples) / columns), 1)
     sizes = [(round(e.values.shape[1] * _zoom(e)), round(e.values.shape[0] * _zoom(e))) for e in examples] or [(WIDTH, WIDTH)]
     tall = max(height for _, height in sizes)
+    # Cells have the size of the largest example, so that titles are in lines.
     across, down = max(width for width, _ in sizes) + _GAP, tall + _TEXT + _GAP
     sheet = Image.new("RGB", (columns * across + _GAP, rows * down + _GAP), (24, 24, 28))
     pen = ImageDraw.Draw(sheet)
@@ -226,10 +225,10 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
         left, top = _GAP + i % columns * across, _GAP + i // columns * down
         zoom = _zoom(example)
         size = sizes[i]
-        way = Image.Resampling.NEAREST if zoom >= 1.0 else Image.Resampling.BOX
-        sheet.paste(Image.fromarray(_grey(example.values)).resize(size, way).convert("RGB"), (left, top))
+        resampling = Image.Resampling.NEAREST if zoom >= 1.0 else Image.Resampling.BOX
+        sheet.paste(Image.fromarray(_grey(example.values)).resize(size, resampling).convert("RGB"), (left, top))
         for box in example.boxes:
-            # a frame three pixels of the picture wider, so that what is in it is seen
+            # The frame is three pixels of the picture wider than the box, so that it does not cover the object.
             x0, y0 = left + (box[0] - 3) * zoom, top + (box[1] - 3) * zoom
             x1, y1 = left + (box[0] + box[2] + 3) * zoom, top + (box[1] + box[3] + 3) * zoom
             inside = (max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1))
@@ -253,22 +252,22 @@ _SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
 
 
 def statistics(catalogue: Catalogue) -> JsonObject:
-    """Numbers of a data set."""
+    """Return the statistics of a data set."""
     rows = [(part, row) for part in catalogue.parts for row in part.rows]
-    seen = [(part, row) for part, row in rows if row.pieces]
-    filled = {(part.scene, row.frame) for part, row in seen}
+    visible = [(part, row) for part, row in rows if row.pieces]
+    filled = {(part.scene, row.frame) for part, row in visible}
     images = sum(len(part.pictures) for part in catalogue.parts)
     return {
         "scenes": {split: len(catalogue.of_split(split)) for split in SPLITS},
         "images": {split: sum(len(part.pictures) for part in catalogue.of_split(split)) for split in SPLITS},
         "annotated_objects": {split: sum(bool(row.pieces) for part, row in rows if part.split == split) for split in SPLITS},
         "images_without_objects": images - len(filled),
-        "objects_out_of_view": len(rows) - len(seen),
-        "by_category": {name: sum(part.categories[row.number] == name for part, row in seen) for name in catalogue.categories},
+        "objects_out_of_view": len(rows) - len(visible),
+        "by_category": {name: sum(part.categories[row.number] == name for part, row in visible) for name in catalogue.categories},
         "picture_sizes": sorted({f"{part.shape[1]} x {part.shape[0]}" for part in catalogue.parts}),
-        "snr": _histogram((row.snr for _, row in seen), _SNR_EDGES),
-        "filled_px": _histogram((row.values["pixels"] for _, row in seen), _SIZE_EDGES),
-        "range_m": _quartiles(row.values["range_m"] for _, row in seen),
+        "snr": _histogram((row.snr for _, row in visible), _SNR_EDGES),
+        "filled_px": _histogram((row.values["pixels"] for _, row in visible), _SIZE_EDGES),
+        "range_m": _quartiles(row.values["range_m"] for _, row in visible),
         "parameters": _ranges(catalogue),
     }
 
@@ -289,7 +288,7 @@ def _quartiles(values: Iterable[float | None]) -> dict[str, float]:
 
 
 def _ranges(catalogue: Catalogue) -> JsonObject:
-    """Least and greatest number of what was drawn; of words, how often each."""
+    """Return the least and greatest drawn number of each parameter; for words the count of each."""
     out: JsonObject = {}
     for name in dict.fromkeys(key for part in catalogue.parts for key in part.parameters if key not in ("scene", "seed")):
         values = [part.parameters[name] for part in catalogue.parts if part.parameters.get(name) is not None]
@@ -303,14 +302,14 @@ def _ranges(catalogue: Catalogue) -> JsonObject:
 
 
 def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[DatasetFormat]) -> str:
-    """Text of ``README.md``.
+    """Return the text of ``README.md``.
 
     Parameters
     ----------
     about : mapping
         ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``bits``, ``image``, ``counts``, ``split``.
-    found : mapping
-        As :func:`statistics` gives it.
+    numbers : mapping
+        Result of :func:`statistics`.
     form : type of DatasetFormat
         Format.
     """
@@ -369,18 +368,17 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[Datase
 def _pixels(about: Mapping[str, Any], form: type[DatasetFormat]) -> str:
     if not form.pictures:
         return "Counts or radiance as the scenes have them."
-    made = "counts" if about["counts"] else "radiance"
-    lines = (
-        "The line from a pixel's value to radiance, `radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1], is one for each "
-    )
+    source = "counts" if about["counts"] else "radiance"
+    relation = "`radiance = radiance_scale * value + radiance_offset` [W m-2 sr-1]"
     return (
-        f"{about['image'].upper()}, {about['bits']} bits, from {made}. {lines}scene, in `parameters.csv` and in each picture "
+        f"{about['image'].upper()}, {about['bits']} bits, from {source}. "
+        f"The line from a pixel's value to radiance, {relation}, is one for each scene, in `parameters.csv` and in each picture "
         f"({'text chunks' if about['image'] == 'png' else 'JSON in ImageDescription'}); it is right to half a step."
     )
 
 
 def _table(head: Sequence[str], body: Sequence[Sequence[Any]]) -> list[str]:
-    """Lines of a table; none where it is empty."""
+    """Return the lines of a Markdown table; no lines for an empty one."""
     if not body or not head:
         return []
     lines = [head, tuple("---" for _ in head), *body]
@@ -389,11 +387,11 @@ def _table(head: Sequence[str], body: Sequence[Sequence[Any]]) -> list[str]:
 
 SUMS: Final = "SHA256SUMS"
 ABOUT: Final = "dataset.json"
-KIND: Final = "seaglint-dataset-1"  #: What ``kind`` of ``dataset.json`` says of our data sets.
+KIND: Final = "seaglint-dataset-1"  #: Value of ``kind`` in ``dataset.json`` of our data sets.
 
 
 def files(folder: Path) -> list[str]:
-    """All files of a data set but the checksums themselves, with slashes, in order."""
+    """Return all files of a data set but the checksums themselves, with slashes, in order."""
     paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
     return sorted(path.as_posix() for path in paths if path.as_posix() != SUMS and not path.parts[0].startswith("."))
 
@@ -409,7 +407,7 @@ def _digest(path: Path) -> str:
 
 
 def read_about(folder: Path) -> JsonObject:
-    """``dataset.json``.
+    """Read ``dataset.json``.
 
     Raises
     ------
@@ -440,11 +438,14 @@ def problems(folder: Path) -> Iterator[str]:
     except (DataError, ValueError):
         yield f"{SUMS}: is missing or cut"
         return
-    here = files(folder)
-    missing = sorted(set(sums) - set(here))
+    names = files(folder)
+    missing = sorted(set(sums) - set(names))
     yield from (f"{name}: is missing" for name in missing)
-    yield from (f"{name}: is not in {SUMS}" for name in sorted(set(here) - set(sums)))
-    yield from (f"{name}: its checksum is another than in {SUMS}" for name in here if name in sums and _digest(folder / name) != sums[name])
+    yield from (f"{name}: is not in {SUMS}" for name in sorted(set(names) - set(sums)))
+    yield from (
+        f"{name}: its checksum is another than in {SUMS}" for name in names if name in sums and _digest(folder / name) != sums[name]
+    )
+    # Further checks would repeat the missing files in other words.
     if missing:
         return
     yield from _split_problems(folder, about)
@@ -455,7 +456,7 @@ def problems(folder: Path) -> Iterator[str]:
 
 
 def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
-    """No scene in two splits, whichever file is asked."""
+    """Yield scenes whose split differs between the files."""
     for name in ("parameters.csv", "truth.csv"):
         for row in read_rows(folder / name):
             recorded = about["scenes"].get(row["scene"], {}).get("split")
@@ -477,13 +478,13 @@ def _picture_problems(folder: Path, about: Mapping[str, Any], form: type[Dataset
                 yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {about['bits']}"
 
 
-LICENCE: Final = "CC-BY-4.0"  #: Licence of a data set whose ensemble says none.
+LICENCE: Final = "CC-BY-4.0"  #: Licence of a data set whose ensemble states no other.
 
 EXAMPLES: Final = 18  #: Pictures on the sheet of examples.
 
 
 def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, about: Mapping[str, Any]) -> None:
-    """Write all that goes beside the pictures.
+    """Write the files beside the pictures.
 
     Parameters
     ----------
@@ -494,7 +495,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     settings : ConversionSettings
         How they were written.
     about : mapping
-        ``description``, ``licence`` (None where the ensemble says none) and ``split``.
+        ``description``, ``licence`` (None for the default) and ``split``.
     """
     licence = about["licence"] or LICENCE
     counts = all(part.levels is not None and part.levels.counts for part in catalogue.parts)
@@ -523,13 +524,10 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         "made_from": about["made_from"],
     }
     write_json(document, folder / ABOUT)
-    note = (
-        ""
-        if about["licence"]
-        else ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
-    )
-    write_text(card({**shared, **pictured, "licence_note": note, "counts": counts}, numbers, form), folder / "README.md")
-    write_sums(folder)
+    note = ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
+    texts = {**shared, **pictured, "licence_note": "" if about["licence"] else note, "counts": counts}
+    write_text(card(texts, numbers, form), folder / "README.md")
+    write_sums(folder)  # last: a data set with checksums is complete
 
 
 def _scene(part: DatasetScene) -> JsonObject:
@@ -540,7 +538,7 @@ def _scene(part: DatasetScene) -> JsonObject:
 
 
 def _write_tables(folder: Path, catalogue: Catalogue) -> None:
-    """``parameters.csv``, ``truth.csv``, and as Parquet where PyArrow is installed."""
+    """Write ``parameters.csv``, ``truth.csv``, and ``truth.parquet`` if PyArrow is installed."""
     parameters, truth = catalogue.parameters(), catalogue.truth()
     write_rows(parameters, folder / "parameters.csv")
     if truth:
@@ -555,8 +553,9 @@ def _write_tables(folder: Path, catalogue: Catalogue) -> None:
 
 
 def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) -> list[Example]:
-    """One picture of each of some scenes, evenly among all: that with most objects, the first of these."""
+    """Return one picture of each of some scenes, evenly among all: the first of the pictures with most objects."""
     parts = catalogue.parts
+    # A set: neighbouring places of a short list may round to one scene.
     chosen = [parts[i] for i in sorted({round(j) for j in np.linspace(0, len(parts) - 1, min(EXAMPLES, len(parts)))})]
     out = []
     for part in chosen:

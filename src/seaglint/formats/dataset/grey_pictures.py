@@ -1,8 +1,7 @@
-"""Grey levels of pictures in 8 or 16 bits, and the linear relations from a level to counts and to radiance.
+"""Grey pictures of a data set in 8 or 16 bits, as PNG or TIFF, with the relations from a level to counts and radiance; masks as text.
 
-Grey pictures as PNG or TIFF with their scale: as PNG text, or as JSON in a TIFF's ImageDescription.
-
-Masks as COCO's run lengths: columns first, from the upper left corner, as numbers or as the text that pycocotools reads.
+The relations are stored as PNG text, or as JSON in a TIFF's ImageDescription. Masks are COCO's run lengths: columns first, from the upper
+left corner, as numbers or as the text that pycocotools reads.
 """
 
 from __future__ import annotations
@@ -27,14 +26,14 @@ Bits = Literal[8, 16]
 class PictureLevels:
     """Linear relation of one scene's levels, the same for all of its frames: ``value = offset + scale * level``."""
 
-    bits: Bits  #: Of a level.
-    #: ``scale``, ``offset``: Of what the levels were made from: counts, or radiance [W m-2 sr-1].
+    bits: Bits  #: Bits of a level.
+    #: ``scale``, ``offset``: Relation to the values that the levels were made of: counts, or radiance [W m-2 sr-1].
     scale: float
     offset: float
     #: ``radiance_scale``, ``radiance_offset``: Radiance of a level and of level 0 [W m-2 sr-1].
     radiance_scale: float
     radiance_offset: float
-    counts: bool  #: Whether the levels were made from a detector's counts.
+    counts: bool  #: True where the levels were made from a detector's counts.
 
     @classmethod
     def of_counts(cls, low: int, high: int, bits: Bits, line: tuple[float, float]) -> PictureLevels:
@@ -52,6 +51,7 @@ class PictureLevels:
     @classmethod
     def of_radiance(cls, low: float, high: float, bits: Bits) -> PictureLevels:
         """Return the levels of radiance between ``low`` and ``high`` [W m-2 sr-1], which fill their range."""
+        # A scene of one value would have steps of 0.
         scale = (high - low) / ((1 << bits) - 1) or 1.0
         return cls(bits, scale, low, scale, low, False)
 
@@ -70,7 +70,7 @@ class PictureLevels:
 
     @property
     def attributes(self) -> dict[str, float | int | str]:
-        """Return the relations by name, as they stand in tables and pictures."""
+        """Return the relations by their names in tables and pictures."""
         lines: dict[str, float | int | str] = {
             "bits": self.bits,
             "radiance_scale": self.radiance_scale,
@@ -130,7 +130,7 @@ def read_picture(path: Path) -> NDArray[Any]:
             grey = levels.ndim == 2
     except BackendError:
         raise
-    except Exception as error:  # whatever a reader finds wrong with it
+    except Exception as error:  # picture readers raise nearly anything
         raise DataError(f"{path}: cannot be read as a picture ({type(error).__name__}: {error})") from error
     if not grey:
         raise DataError(f"{path}: is no grey picture of 8 or 16 bits")
@@ -159,6 +159,7 @@ def compressed(runs: Sequence[int]) -> str:
     """
     out = []
     for i, run in enumerate(runs):
+        # Runs alternate outside and inside: the one before the last is of the same kind, so that the difference is small.
         rest, more = run - (runs[i - 2] if i > 2 else 0), True
         while more:
             bits = rest & 0x1F
@@ -183,7 +184,7 @@ def expanded(text: str) -> list[int]:
             value |= (bits & 0x1F) << shift
             more, shift, place = bool(bits & 0x20), shift + 5, place + 1
             if not more and bits & 0x10:
-                value |= -1 << shift
+                value |= -1 << shift  # the highest of the last five bits is the sign
         runs.append(value + (runs[-2] if len(runs) > 2 else 0))
     return runs
 
@@ -203,6 +204,7 @@ def decoded(text: str, shape: tuple[int, int]) -> NDArray[np.bool_]:
         raise DataError("its run lengths are cut") from error
     if min(runs, default=0) < 0 or sum(runs) != rows * columns:
         raise DataError(f"its run lengths are not those of {columns} x {rows} pixels")
+    # Runs alternate, the first one outside the mask.
     flat = np.repeat(np.arange(len(runs)) % 2 == 1, runs)
     return flat.reshape(columns, rows).T
 

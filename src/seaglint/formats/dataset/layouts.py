@@ -1,10 +1,9 @@
-"""COCO: one folder of pictures and ``annotations.json``, for all and for each split.
+"""Layouts of data sets, each a class that writes and checks its files.
 
-The layout of single-frame small-target sets: pictures, masks of the same names in 0 and 255, and lists of names.
-
-Data sets that keep the scenes' stores as they are: sequences with their truth, in Zarr.
-
-YOLO: pictures and text files of boxes in a folder for each split, and ``data.yaml``.
+- COCO: one folder of pictures and ``annotations.json``, for all and for each split.
+- SIRST, the layout of single-frame small-target sets: pictures, masks of the same names in 0 and 255, and lists of names.
+- Stores: unchanged copies of the scenes' stores, sequences with their truth, in Zarr.
+- YOLO: pictures and text files of boxes in a folder for each split, and ``data.yaml``.
 """
 
 from __future__ import annotations
@@ -47,24 +46,44 @@ class Coco(DatasetFormat):
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
         """Write ``annotations.json`` and ``annotations_train.json``, ``_val``, ``_test``, which have its numbers."""
-        _write_coco(folder, catalogue, about)
+        version = f"seaglint {about['version']}, seed {about['seed']}"
+        info = {"description": about["title"], "version": version, "contributor": "simulated"}
+        whole = _document(catalogue, info, about["licence"])
+        write_json(whole, folder / ANNOTATIONS, indent=None)
+        for split in SPLITS:
+            images = [image for image in whole["images"] if image["split"] == split]
+            chosen = {image["id"] for image in images}
+            annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in chosen]
+            write_json({**whole, "images": images, "annotations": annotations}, folder / f"annotations_{split}.json", indent=None)
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
         """Yield the faults of annotations: boxes outside pictures, masks that are not of their boxes, splits that share scenes."""
-        return _coco_problems(folder)
-
-
-def _write_coco(folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
-    version = f"seaglint {about['version']}, seed {about['seed']}"
-    info = {"description": about["title"], "version": version, "contributor": "simulated"}
-    whole = _document(catalogue, info, about["licence"])
-    write_json(whole, folder / ANNOTATIONS, indent=None)
-    for split in SPLITS:
-        images = [image for image in whole["images"] if image["split"] == split]
-        chosen = {image["id"] for image in images}
-        annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in chosen]
-        write_json({**whole, "images": images, "annotations": annotations}, folder / f"annotations_{split}.json", indent=None)
+        names = (ANNOTATIONS, *(f"annotations_{split}.json" for split in SPLITS))
+        documents: JsonObject = {}
+        for name in names:
+            try:
+                documents[name] = read_json(folder / name, "make the data set again")
+            except DataError as error:
+                yield str(error)
+        whole = documents.get(ANNOTATIONS)
+        if whole is None or len(documents) < len(names):
+            return
+        images = {image["id"]: image for image in whole["images"]}
+        categories = {category["id"] for category in whole["categories"]}
+        for annotation in whole["annotations"]:
+            where = f"{ANNOTATIONS}: annotation {annotation['id']}"
+            image = images.get(annotation["image_id"])
+            if image is None or annotation["category_id"] not in categories:
+                yield f"{where}: names an image or category that is not there"
+                continue
+            yield from (f"{where}: {text}" for text in _coco_box_problems(annotation, (image["height"], image["width"])))
+        ids = [annotation["id"] for annotation in whole["annotations"]]
+        if len(set(ids)) < len(ids):
+            yield f"{ANNOTATIONS}: several annotations have one id"
+        shared = [{image["id"] for image in documents[name]["images"]} for name in names[1:]]
+        if sum(map(len, shared)) != len(images) or set().union(*shared) != set(images):
+            yield "the images of annotations_train.json, _val and _test are not those of annotations.json, each once"
 
 
 def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> JsonObject:
@@ -120,34 +139,6 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObj
     }
 
 
-def _coco_problems(folder: Path) -> Iterator[str]:
-    names = (ANNOTATIONS, *(f"annotations_{split}.json" for split in SPLITS))
-    documents: JsonObject = {}
-    for name in names:
-        try:
-            documents[name] = read_json(folder / name, "make the data set again")
-        except DataError as error:
-            yield str(error)
-    whole = documents.get(ANNOTATIONS)
-    if whole is None or len(documents) < len(names):
-        return
-    images = {image["id"]: image for image in whole["images"]}
-    categories = {category["id"] for category in whole["categories"]}
-    for annotation in whole["annotations"]:
-        where = f"{ANNOTATIONS}: annotation {annotation['id']}"
-        image = images.get(annotation["image_id"])
-        if image is None or annotation["category_id"] not in categories:
-            yield f"{where}: names an image or category that is not there"
-            continue
-        yield from (f"{where}: {text}" for text in _coco_box_problems(annotation, (image["height"], image["width"])))
-    ids = [annotation["id"] for annotation in whole["annotations"]]
-    if len(set(ids)) < len(ids):
-        yield f"{ANNOTATIONS}: several annotations have one id"
-    shared = [{image["id"] for image in documents[name]["images"]} for name in names[1:]]
-    if sum(map(len, shared)) != len(images) or set().union(*shared) != set(images):
-        yield "the images of annotations_train.json, _val and _test are not those of annotations.json, each once"
-
-
 def _coco_box_problems(annotation: Mapping[str, Any], shape: tuple[int, int]) -> Iterator[str]:
     left, top, width, height = annotation["bbox"]
     if width < 1 or height < 1 or left < 0 or top < 0 or left + width > shape[1] or top + height > shape[0]:
@@ -178,7 +169,12 @@ class Sirst(DatasetFormat):
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
         """Write ``masks/NAME.png`` and ``img_idx/SPLIT.txt``."""
-        _write_sirst(folder, catalogue)
+        for part in catalogue.parts:
+            for name, mask in masks(part).items():
+                write_picture(folder / "masks" / f"{name}.png", np.where(mask, np.uint8(255), np.uint8(0)), {})
+        for split in SPLITS:
+            names = [picture.name for part in catalogue.of_split(split) for picture in part.pictures]
+            write_text("".join(f"{name}\n" for name in names), folder / "img_idx" / f"{split}.txt")
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
@@ -187,17 +183,8 @@ class Sirst(DatasetFormat):
         yield from _sirst_box_problems(folder)
 
 
-def _write_sirst(folder: Path, catalogue: Catalogue) -> None:
-    for part in catalogue.parts:
-        for name, mask in masks(part).items():
-            write_picture(folder / "masks" / f"{name}.png", np.where(mask, np.uint8(255), np.uint8(0)), {})
-    for split in SPLITS:
-        names = [picture.name for part in catalogue.of_split(split) for picture in part.pictures]
-        write_text("".join(f"{name}\n" for name in names), folder / "img_idx" / f"{split}.txt")
-
-
 def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
-    """Mask of all objects by picture."""
+    """Return the mask of all objects by picture."""
     out = {picture.name: np.zeros(part.shape, bool) for picture in part.pictures}
     for row in part.rows:
         for piece in row.pieces:
@@ -227,7 +214,7 @@ def _sirst_problems(folder: Path, image: str) -> Iterator[str]:
 
 
 def _sirst_box_problems(folder: Path) -> Iterator[str]:
-    """Masks have something of every annotated object's box, and nothing outside of them."""
+    """Yield masks that are empty in an annotated object's box, or not empty outside of all boxes."""
     boxes: dict[str, list[tuple[int, int, int, int]]] = {}
     for row in read_rows(folder / "truth.csv"):
         annotated = boxes.setdefault(row["image"], [])
@@ -236,9 +223,10 @@ def _sirst_box_problems(folder: Path) -> Iterator[str]:
             annotated.append((left, top, width, height))
     for path in sorted((folder / "masks").glob("*.png")):
         mask = read_picture(path) > 0
+        # Pixels that remain after all boxes are removed belong to no object.
         left_over = mask.copy()
         for left, top, width, height in boxes.get(path.stem, ()):
-            # a box over the seam of a panorama goes on at the left
+            # A box over the seam of a panorama continues at the left.
             columns = [column % mask.shape[1] for column in range(left, left + width)]
             if not mask[top : top + height, columns].any():
                 yield f"masks/{path.name}: has nothing in the box of an object of truth.csv"
@@ -263,6 +251,7 @@ class Stores(DatasetFormat):
         stored = _store(folder, entry.name)
         if not stored.exists():
             stored.parent.mkdir(parents=True, exist_ok=True)
+            # Renamed when whole: a copy that was interrupted is begun again.
             fresh = stored.with_name(stored.name + ".partial")
             if fresh.exists():
                 shutil.rmtree(fresh)
@@ -280,7 +269,7 @@ class Stores(DatasetFormat):
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
-        """Yield stores that cannot be read, or have other frames and pixels than ``dataset.json`` says."""
+        """Yield stores that cannot be read, or have other frames and pixels than stated in ``dataset.json``."""
         from seaglint.store.sequence_store import open_sequence
 
         for scene, one in about["scenes"].items():
@@ -313,28 +302,45 @@ class Yolo(DatasetFormat):
 
     @classmethod
     def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
-        """Write ``labels/SPLIT/NAME.txt``, empty where nothing is in a picture, and ``data.yaml``."""
-        _write_yolo(folder, catalogue)
+        """Write ``labels/SPLIT/NAME.txt``, empty for a picture without objects, and ``data.yaml``."""
+        numbers = {name: number for number, name in enumerate(catalogue.categories)}
+        for split in SPLITS:
+            for part in catalogue.of_split(split):
+                for name, lines in _lines(part, numbers).items():
+                    write_text("".join(lines), folder / "labels" / split / f"{name}.txt")
+        names = "".join(f"  {number}: {json.dumps(name)}\n" for name, number in numbers.items())
+        places = "".join(f"{split}: images/{split}\n" for split in SPLITS)
+        write_text(f"{places}names:{' {}' if not names else ''}\n{names}", folder / "data.yaml")
 
     @classmethod
     def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
         """Yield the faults of labels: pictures without labels, labels without pictures, lines that are no boxes in the picture."""
-        return _yolo_problems(folder, about["image"])
+        # Classes are the only lines of data.yaml that begin with blanks.
+        classes = sum(1 for line in (folder / "data.yaml").read_text(encoding="utf-8").splitlines() if line.startswith("  "))
+        for split in SPLITS:
+            pictures = {path.stem for path in (folder / "images" / split).glob(f"*.{about['image']}")}
+            labels = {path.stem: path for path in (folder / "labels" / split).glob("*.txt")}
+            for name in sorted(pictures ^ set(labels)):
+                yield f"{split}: {name} has {'no labels' if name in pictures else 'labels and no picture'}"
+            for name, path in sorted(labels.items()):
+                for line in path.read_text(encoding="utf-8").splitlines():
+                    if not _is_box(line, classes):
+                        yield f"labels/{split}/{name}.txt: '{line}' is no class and box within the picture"
 
 
-def _write_yolo(folder: Path, catalogue: Catalogue) -> None:
-    numbers = {name: number for number, name in enumerate(catalogue.categories)}
-    for split in SPLITS:
-        for part in catalogue.of_split(split):
-            for name, lines in _lines(part, numbers).items():
-                write_text("".join(lines), folder / "labels" / split / f"{name}.txt")
-    names = "".join(f"  {number}: {json.dumps(name)}\n" for name, number in numbers.items())
-    places = "".join(f"{split}: images/{split}\n" for split in SPLITS)
-    write_text(f"{places}names:{' {}' if not names else ''}\n{names}", folder / "data.yaml")
+def _is_box(line: str, classes: int) -> bool:
+    """Return true for a line of a known class and of a box within the picture, but for the rounding of its eight digits."""
+    try:
+        number, *box = line.split()
+        x, y, width, height = map(float, box)
+        edges = (x - width / 2, y - height / 2, 1 - x - width / 2, 1 - y - height / 2)
+        return 0 <= int(number) < classes and width > 0.0 and height > 0.0 and min(edges) > -1e-6
+    except ValueError:
+        return False
 
 
 def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
-    """Lines ``class x y width height`` by picture: middle and size of boxes over those of the picture."""
+    """Return lines ``class x y width height`` by picture: middle and size of boxes over the size of the picture."""
     rows, columns = part.shape
     lines: dict[str, list[str]] = {picture.name: [] for picture in part.pictures}
     for row in part.rows:
@@ -344,23 +350,3 @@ def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
             values = " ".join(f"{value:.8f}" for value in box)
             lines[part.pictures[row.frame].name].append(f"{numbers[part.categories[row.number]]} {values}\n")
     return lines
-
-
-def _yolo_problems(folder: Path, image: str) -> Iterator[str]:
-    classes = sum(1 for line in (folder / "data.yaml").read_text(encoding="utf-8").splitlines() if line.startswith("  "))
-    for split in SPLITS:
-        pictures = {path.stem for path in (folder / "images" / split).glob(f"*.{image}")}
-        labels = {path.stem: path for path in (folder / "labels" / split).glob("*.txt")}
-        for name in sorted(pictures ^ set(labels)):
-            yield f"{split}: {name} has {'no labels' if name in pictures else 'labels and no picture'}"
-        for name, path in sorted(labels.items()):
-            for line in path.read_text(encoding="utf-8").splitlines():
-                try:
-                    number, *box = line.split()
-                    x, y, width, height = map(float, box)
-                    edges = (x - width / 2, y - height / 2, 1 - x - width / 2, 1 - y - height / 2)
-                    good = 0 <= int(number) < classes and width > 0.0 and height > 0.0 and min(edges) > -1e-6
-                except ValueError:
-                    good = False
-                if not good:
-                    yield f"labels/{split}/{name}.txt: '{line}' is no class and box within the picture"

@@ -1,8 +1,6 @@
-"""Division of scenes into training, validation and test.
+"""Records of the scenes of a data set, from which all layouts and tables are written, and the interface of a layout.
 
-Record of a scene in a data set, from which all formats and tables are written.
-
-Interface of a format of data sets: where pictures lie, which files stand beside them, and how these are checked.
+Each scene belongs to one split: training, validation or test.
 """
 
 from __future__ import annotations
@@ -58,9 +56,9 @@ class Entry:
     """Finished scene store that goes into a data set."""
 
     name: str
-    store: str  #: Return the path of the store.
+    store: str  #: Path of the store.
     split: str
-    parameters: Mapping[str, Any]  #: Return the drawn values by column.
+    parameters: Mapping[str, Any]  #: Drawn values by column.
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ class DatasetObject:
     values: Mapping[str, float | None]  #: Numbers of the truth by name; None where not known.
     local_contrast: float | None  #: Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1].
     snr: float | None  #: Local contrast over the standard deviation around the mask.
-    pieces: tuple[Piece, ...]  #: Visible pieces; empty where the object is not seen.
+    pieces: tuple[Piece, ...]  #: Visible pieces; empty for an object out of view.
 
 
 @dataclass(frozen=True)
@@ -126,17 +124,9 @@ class DatasetScene:
         again = "remove it and go on with resume=True"
         raw = read_json(path, again)
         try:
-            rows = tuple(
-                DatasetObject(
-                    r["frame"],
-                    r["number"],
-                    r["values"],
-                    r["local_contrast"],
-                    r["snr"],
-                    tuple(Piece(tuple(p["box"]), p["area"], p["counts"]) for p in r["pieces"]),
-                )
-                for r in raw["rows"]
-            )
+            pieces = [tuple(Piece(tuple(p["box"]), p["area"], p["counts"]) for p in row["pieces"]) for row in raw["rows"]]
+            rows = tuple(DatasetObject(**{**row, "pieces": visible}) for row, visible in zip(raw["rows"], pieces, strict=True))
+            # JSON has lists for tuples, and tables for records.
             changed = {
                 "shape": tuple(raw["shape"]),
                 "levels": None if raw["levels"] is None else PictureLevels(**raw["levels"]),
@@ -161,7 +151,7 @@ class Catalogue:
 
     title: str
     seed: int
-    image: str  #: Return the ending of pictures.
+    image: str  #: Ending of pictures.
     parts: Sequence[DatasetScene]
 
     @property
@@ -231,14 +221,14 @@ def known(value: float) -> float | None:
 
 
 class DatasetFormat:
-    """Format of a data set; each is a class in a file of its own, listed in ``FORMATS`` of :mod:`seaglint.formats.dataset`."""
+    """Format of a data set; each is a class of :mod:`seaglint.formats.dataset.layouts`, listed in ``FORMATS`` of the package."""
 
     name: ClassVar[str]  #: Name by which users choose it.
-    bits: ClassVar[Bits]  #: Bits of a pixel where none are requested: those that the programs expect which read the format.
+    bits: ClassVar[Bits]  #: Default bits of a pixel, expected by programs that read the format.
     layout: ClassVar[str]  #: Sentence of the data card on its files.
     note: ClassVar[str] = ""  #: Remark of the help on it.
     folders: ClassVar[tuple[str, ...]]  #: Folders that are made before the first scene is written.
-    pictures: ClassVar[bool] = True  #: Whether scenes become pictures; otherwise they stay stores.
+    pictures: ClassVar[bool] = True  #: True where scenes become pictures; otherwise they stay stores.
 
     @classmethod
     def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:
@@ -247,7 +237,7 @@ class DatasetFormat:
 
     @classmethod
     def placed(cls, folder: Path, entry: Entry) -> Entry:
-        """Make room for a scene in the data set's folder, and return the scene as it is converted from there."""
+        """Copy a scene into the data set's folder where the format keeps stores, and return the scene to convert."""
         return entry
 
     @classmethod

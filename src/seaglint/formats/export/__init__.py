@@ -4,7 +4,7 @@ from typing import Final
 
 from seaglint.formats.export.file_formats import ExportFormat, Fits, Hdf5, Npy, Raw, Tiff
 
-#: All formats of numbers. Help texts, lists in errors and writing follow from it.
+#: All formats of numbers, in the order of help texts and of lists in errors.
 FORMATS: Final[tuple[type[ExportFormat], ...]] = (Hdf5, Tiff, Fits, Npy, Raw)
 
 

@@ -1,19 +1,12 @@
-"""Interface of a format of exported runs: its endings, its files, and how frames are written.
+"""Formats of exported runs, each a class with its endings, its files, and a method that writes frames one after the other.
 
-FITS: a cube of columns, rows and frames with linear axes of azimuth, elevation and time, and all that is known in one card.
-
-Rows stay in the order of the run, the top one first: ``CDELT2`` is negative.
-
-NetCDF 4 and HDF5, which are one: coordinates and attributes as xarray writes them, a compressed chunk for each frame.
-
-HDF5 that meets a full disk ends the process with a fault when it closes the file. So the file is written by Python, and HDF5 is never
-told that writing failed; it is asked after each frame.
-
-NumPy and raw: frames one after the other, little-endian, with a JSON header in a file beside them.
-
-TIFF: a page for each frame, uncompressed, which every reader opens, calibrated as ImageJ reads it.
-
-What else is known stands as JSON in ImageJ's Info.
+- FITS: a cube of columns, rows and frames with linear axes of azimuth, elevation and time, and all metadata in one card. Rows stay in the
+  order of the run, the top one first: ``CDELT2`` is negative.
+- NetCDF 4 and HDF5, which are one: coordinates and attributes as xarray writes them, a compressed chunk for each frame. HDF5 that meets a
+  full disk ends the process with a fault when it closes the file. So the file is written by Python, which hides failures from HDF5; they
+  are checked after each frame.
+- NumPy and raw: frames one after the other, little-endian, with a JSON header in a file beside them.
+- TIFF: a page for each frame, uncompressed, which every reader opens, calibrated for ImageJ. Other metadata are JSON in ImageJ's Info.
 """
 
 from __future__ import annotations
@@ -58,12 +51,12 @@ class ExportFormat:
 
     @classmethod
     def header_path(cls, output: Path) -> Path | None:
-        """Return the file of a JSON header beside the output; None where the format has a header of its own."""
+        """Return the file of a JSON header beside the output; None for a format with a header inside the file."""
         return None
 
     @classmethod
     def stored(cls, numbers: NumberFormat, stack: Stack) -> NumberFormat:
-        """Return the numbers as this format stores them; other than requested where its readers would mistake them."""
+        """Return the number format of the file; another than the requested one if readers of the format would misread that."""
         return numbers
 
     @classmethod
@@ -96,39 +89,35 @@ class Fits(ExportFormat):
     @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
         """Write the cube, and directions that are no linear axis as images ``AZIMUTH`` and ``ELEVATION`` behind it."""
-        _write_fits(path, stack, numbers, frames)
+        from astropy.io import fits
 
-
-def _write_fits(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    from astropy.io import fits
-
-    header = fits.Header()
-    for keyword, value, comment in cards(stack, numbers):
-        header[keyword] = (value, comment) if comment else value
-    stored = _stored_type(numbers.dtype)
-    flip = (numbers.dtype.kind == "u" and numbers.dtype.itemsize > 1) or numbers.dtype == np.int8
-    cube = fits.StreamingHDU(str(path), header)
-    try:
-        for frame in frames:
-            # FITS knows no unsigned integers beyond bytes: the highest bit turned over is half the scale taken off.
-            cube.write((frame.view(stored) ^ np.asarray(1 << (8 * stored.itemsize - 1)).astype(stored)) if flip else frame)
-    finally:
-        cube.close()
-    for name in ("azimuth", "elevation"):
-        if name in stack.dataset.coords and _linear(stack.dataset[name]) is None:
-            extension = fits.Header([("EXTNAME", name.upper()), ("BUNIT", "deg")])
-            fits.append(str(path), stack.dataset[name].to_numpy().astype(np.float64), extension)
+        header = fits.Header()
+        for keyword, value, comment in cards(stack, numbers):
+            header[keyword] = (value, comment) if comment else value
+        stored = _stored_type(numbers.dtype)
+        flip = (numbers.dtype.kind == "u" and numbers.dtype.itemsize > 1) or numbers.dtype == np.int8
+        cube = fits.StreamingHDU(str(path), header)
+        try:
+            for frame in frames:
+                # FITS knows no unsigned integers beyond bytes: the highest bit turned over is half the scale taken off.
+                cube.write((frame.view(stored) ^ np.asarray(1 << (8 * stored.itemsize - 1)).astype(stored)) if flip else frame)
+        finally:
+            cube.close()
+        for name in ("azimuth", "elevation"):
+            if name in stack.dataset.coords and _linear(stack.dataset[name]) is None:
+                extension = fits.Header([("EXTNAME", name.upper()), ("BUNIT", "deg")])
+                fits.append(str(path), stack.dataset[name].to_numpy().astype(np.float64), extension)
 
 
 def _stored_type(dtype: np.dtype[Any]) -> np.dtype[Any]:
-    """Type of FITS of the same size."""
+    """Return the FITS type of the same size."""
     if dtype == np.int8:
         return np.dtype(np.uint8)
     return np.dtype(f"i{dtype.itemsize}") if dtype.kind == "u" and dtype.itemsize > 1 else dtype
 
 
 def cards(stack: Stack, numbers: NumberFormat) -> list[Card]:
-    """Cards of the header."""
+    """Return the cards of the header."""
     frames, rows, columns = stack.shape
     stored = _stored_type(numbers.dtype)
     bits = 8 * stored.itemsize
@@ -158,6 +147,7 @@ def cards(stack: Stack, numbers: NumberFormat) -> list[Card]:
                 (f"CRVAL{number}", first, "of the centre of the first"),
                 (f"CDELT{number}", step, ""),
             ]
+    # One frame has no steps: its time is written with the interval of the frame rate.
     if time is not None and time.size == 1:
         out += [("CTYPE3", "TIME", ""), ("CUNIT3", "s", ""), ("CRPIX3", 1.0, ""), ("CRVAL3", float(time[0]), "")]
         out += [("CDELT3", 1.0 / stack.frame_rate, "")] if stack.frame_rate else []
@@ -174,7 +164,8 @@ def cards(stack: Stack, numbers: NumberFormat) -> list[Card]:
 
 
 def _scaling(numbers: NumberFormat, stored: np.dtype[Any]) -> list[Card]:
-    """Physical values of the numbers: ``BZERO + BSCALE * stored``."""
+    """Return the cards of the relation from stored numbers to physical values, ``BZERO + BSCALE * stored``."""
+    # Stored numbers are the unsigned ones less half of the scale.
     half = 1 << (8 * stored.itemsize - 1)
     if numbers.counts is not None:
         scale, offset = numbers.counts.scale, numbers.counts.offset
@@ -185,17 +176,18 @@ def _scaling(numbers: NumberFormat, stored: np.dtype[Any]) -> list[Card]:
 
 
 def _linear(values: xr.DataArray) -> tuple[float, float] | None:
-    """First value and step of a coordinate of even steps; None of others."""
+    """Return first value and step of a coordinate of even steps; None for other coordinates."""
     numbers = values.to_numpy()
     if numbers.ndim != 1 or numbers.size < 2 or numbers.dtype.kind not in "uif":
         return None
+    # The step over the whole axis has the smallest rounding.
     step = float(numbers[-1] - numbers[0]) / (numbers.size - 1)
     even = float(numbers[0]) + step * np.arange(numbers.size)
     return (float(numbers[0]), step) if step and float(np.abs(numbers - even).max()) < _EVEN * abs(step) else None
 
 
 def _first_moment(dataset: xr.Dataset) -> str | None:
-    """UTC of the first frame as FITS writes it, where the run has a date."""
+    """Return the UTC of the first frame in the form of FITS; None for a run without a date."""
     if "utc" not in dataset.coords:
         return None
     import xarray as xr
@@ -206,7 +198,7 @@ def _first_moment(dataset: xr.Dataset) -> str | None:
 
 
 class _Disk(io.RawIOBase):
-    """A file that keeps its first failure to itself, and takes all that comes after it without writing."""
+    """File that records its first failure instead of raising it, and accepts all further content without writing."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w+b", buffering=0)
@@ -235,7 +227,7 @@ class _Disk(io.RawIOBase):
             return size or 0
 
     def readinto(self, buffer: Any, /) -> int:
-        """Zeros where nothing could be written."""
+        """Read, with zeros in place of content that could not be written."""
         view = memoryview(buffer).cast("B")
         read = self._file.readinto(view) or 0
         view[read:] = bytes(len(view) - read)
@@ -256,7 +248,7 @@ class _Disk(io.RawIOBase):
         super().close()
 
     def require(self) -> None:
-        """Raise what went wrong."""
+        """Raise the recorded failure."""
         if self.failure is not None:
             raise self.failure
 
@@ -269,7 +261,7 @@ class Hdf5(ExportFormat):
 
     @classmethod
     def stored(cls, numbers: NumberFormat, stack: Stack) -> NumberFormat:
-        """Return 32-bit integers for counts that may be :data:`~seaglint.store.netcdf.MISTAKEN`; others as they are."""
+        """Return 32-bit integers for counts that may be :data:`~seaglint.store.netcdf.MISTAKEN`; other formats unchanged."""
         from seaglint.store.netcdf import MISTAKEN
 
         most = stack.images.attrs.get("saturation_counts", MISTAKEN)
@@ -280,50 +272,46 @@ class Hdf5(ExportFormat):
     @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
         """Write coordinates, then the images one by one."""
-        _write_hdf5(path, stack, numbers, frames)
+        import h5netcdf
 
+        from seaglint.formats.export.stack import AXES
+        from seaglint.store.netcdf import coordinate_encoding, plain_attributes
+        from seaglint.store.outputs import stop_on_signal
 
-def _write_hdf5(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    import h5netcdf
-
-    from seaglint.formats.export.stack import AXES
-    from seaglint.store.netcdf import coordinate_encoding, plain_attributes
-    from seaglint.store.outputs import stop_on_signal
-
-    rest = stack.dataset.drop_vars(stack.variable)
-    rest.attrs = plain_attributes(rest.attrs)
-    attributes = plain_attributes(stack.images.attrs)
-    beside = " ".join(str(name) for name in stack.images.coords if name not in AXES)
-    if beside:
-        attributes["coordinates"] = beside
-    # A signal that interrupts Python inside HDF5 is a failed write to it: wait for the frame's end.
-    with stop_on_signal() as stopped:
-        disk = _Disk(path)
-        try:
-            disk.write(rest.to_netcdf(engine="h5netcdf", encoding=coordinate_encoding(rest)))
-            disk.require()
-            with h5netcdf.File(disk, "a") as file:
-                for name, size in zip(AXES, stack.shape, strict=True):
-                    if name not in file.dimensions:
-                        file.dimensions[name] = size
-                images = file.create_variable(
-                    stack.variable, AXES, numbers.dtype, fillvalue=numbers.attributes.get("_FillValue"), chunks=(1, *stack.shape[1:]),
-                    compression="gzip", compression_opts=3, shuffle=True,
-                )  # fmt: skip
-                for name, value in {**attributes, **numbers.attributes}.items():
-                    if name != "_FillValue":
-                        images.attrs[name] = value
-                for i, frame in enumerate(frames):
-                    images[i] = frame
-                    disk.require()
-                    if stopped:
-                        break
-            disk.require()
-        finally:
-            disk.close()
-    if stopped:
-        signal.raise_signal(stopped[0])
-        raise KeyboardInterrupt  # where nobody minds the signal: the file is not whole
+        rest = stack.dataset.drop_vars(stack.variable)
+        rest.attrs = plain_attributes(rest.attrs)
+        attributes = plain_attributes(stack.images.attrs)
+        coordinates = " ".join(str(name) for name in stack.images.coords if name not in AXES)
+        if coordinates:
+            attributes["coordinates"] = coordinates
+        # A signal that interrupts Python inside HDF5 is a failed write to it: wait for the frame's end.
+        with stop_on_signal() as stopped:
+            disk = _Disk(path)
+            try:
+                disk.write(rest.to_netcdf(engine="h5netcdf", encoding=coordinate_encoding(rest)))
+                disk.require()
+                with h5netcdf.File(disk, "a") as file:
+                    for name, size in zip(AXES, stack.shape, strict=True):
+                        if name not in file.dimensions:
+                            file.dimensions[name] = size
+                    images = file.create_variable(
+                        stack.variable, AXES, numbers.dtype, fillvalue=numbers.attributes.get("_FillValue"), chunks=(1, *stack.shape[1:]),
+                        compression="gzip", compression_opts=3, shuffle=True,
+                    )  # fmt: skip
+                    for name, value in {**attributes, **numbers.attributes}.items():
+                        if name != "_FillValue":
+                            images.attrs[name] = value
+                    for i, frame in enumerate(frames):
+                        images[i] = frame
+                        disk.require()
+                        if stopped:
+                            break
+                disk.require()
+            finally:
+                disk.close()
+        if stopped:
+            signal.raise_signal(stopped[0])
+            raise KeyboardInterrupt  # for callers that ignore the signal: the file is not whole
 
 
 class Npy(ExportFormat):
@@ -368,7 +356,7 @@ class Raw(ExportFormat):
 
 
 def header(stack: Stack, numbers: NumberFormat) -> JsonObject:
-    """Layout with the names of :class:`~seaglint.formats.recording.RawLayout`, and the rest in ``metadata``."""
+    """Return the layout with the names of :class:`~seaglint.formats.recording.RawLayout`, and other metadata in ``metadata``."""
     _, rows, columns = stack.shape
     table = {
         "rows": rows,
@@ -390,6 +378,7 @@ def write_header(path: Path, stack: Stack, numbers: NumberFormat) -> None:
 
 
 def _write_plain(path: Path, numbers: NumberFormat, frames: Iterable[NDArray[Any]], shape: tuple[int, ...] | None) -> None:
+    # One byte order on all machines, as the header states.
     little = numbers.dtype.newbyteorder("<")
     with path.open("wb") as file:
         if shape is not None:
@@ -426,28 +415,23 @@ class Tiff(ExportFormat):
     @classmethod
     def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
         """Write a page for each frame."""
-        _write_tiff(path, stack, numbers, frames)
+        tifffile = optional("tifffile", "TIFF")
 
-
-def _write_tiff(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    tifffile = optional("tifffile", "TIFF")
-
-    count, rows, columns = stack.shape
-    text = json.dumps({**stack.metadata(), **numbers.attributes}, allow_nan=False)
-    # A page takes its pixels and a table of some 300 bytes.
-    big = count * (rows * columns * numbers.dtype.itemsize + 512) + len(text) > _SMALL
-    known = numbers.dtype in _IMAGEJ and not big
-    about: dict[str, Any] = {"description": text, "metadata": None}
-    if known:
-        about = {"metadata": _calibration(stack, numbers, text), "resolution": _per_pixel(stack)}
-    with tifffile.TiffWriter(path, bigtiff=big, imagej=known) as file:
-        file.write(
-            iter(frames), shape=stack.shape, dtype=numbers.dtype, photometric="minisblack", software=f"seaglint {__version__}", **about
-        )
+        count, rows, columns = stack.shape
+        text = json.dumps({**stack.metadata(), **numbers.attributes}, allow_nan=False)
+        # A page takes its pixels and a table of some 300 bytes.
+        big = count * (rows * columns * numbers.dtype.itemsize + 512) + len(text) > _SMALL
+        known = numbers.dtype in _IMAGEJ and not big
+        about: dict[str, Any] = {"description": text, "metadata": None}
+        if known:
+            about = {"metadata": _calibration(stack, numbers, text), "resolution": _per_pixel(stack)}
+        about |= {"shape": stack.shape, "dtype": numbers.dtype, "photometric": "minisblack", "software": f"seaglint {__version__}"}
+        with tifffile.TiffWriter(path, bigtiff=big, imagej=known) as file:
+            file.write(iter(frames), **about)
 
 
 def _calibration(stack: Stack, numbers: NumberFormat, text: str) -> dict[str, Any]:
-    """Properties that ImageJ reads: unit of length, interval of the frames [s], unit and straight line of the values."""
+    """Return properties that ImageJ reads: unit of length, interval of the frames [s], unit and straight line of the values."""
     values: dict[str, Any] = {"vunit": stack.units or "Gray Value"}
     if numbers.counts is not None:  # function 0 is a straight line from c0 with slope c1
         values = {"cf": 0, "c0": numbers.counts.offset, "c1": numbers.counts.scale, **values}
@@ -458,7 +442,7 @@ def _calibration(stack: Stack, numbers: NumberFormat, text: str) -> dict[str, An
 
 
 def _steps(stack: Stack) -> tuple[float, float] | None:
-    """Angle between columns and between rows [deg] where they are even; None for other cameras."""
+    """Return the angle between columns and between rows [deg] where they are even; None for other cameras."""
     axes = [stack.dataset.coords.get(name) for name in ("azimuth", "elevation")]
     if any(axis is None or axis.ndim != 1 or axis.size < 2 for axis in axes):
         return None
@@ -467,6 +451,6 @@ def _steps(stack: Stack) -> tuple[float, float] | None:
 
 
 def _per_pixel(stack: Stack) -> tuple[float, float]:
-    """Pixels per unit of length along columns and rows."""
+    """Return the pixels per unit of length along columns and rows."""
     steps = _steps(stack)
     return (1.0, 1.0) if steps is None else (1.0 / steps[0], 1.0 / steps[1])

@@ -1,6 +1,6 @@
-"""Number formats of an exported file: those of the run, single precision, or counts of 16 bits with scale and offset.
+"""Selection for an export: images of one variable of a run by frame number, read one at a time, with metadata and a number format.
 
-Images of one variable of a run, chosen by variable and frame number, read one at a time, with their metadata.
+Numbers keep the type of the run, or become single precision or counts of 16 bits with scale and offset.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MOST: Final = 65535  #: Largest count.
 
 @dataclass(frozen=True)
 class Counts:
-    """Linear relation of values to counts of 16 bits: ``value = offset + scale * count``; count 0 stands where there is no value.
+    """Linear relation of values to counts of 16 bits: ``value = offset + scale * count``; count 0 is a missing value.
 
     Examples
     --------
@@ -47,6 +47,7 @@ class Counts:
     @classmethod
     def over(cls, low: float, high: float) -> Counts:
         """Return counts 1 to 65535 from ``low`` to ``high``, which may be equal."""
+        # 65535 counts without 0, which marks missing values, have 65534 steps.
         scale = (high - low) / (MOST - 1) or 1.0
         return cls(scale, low - scale)
 
@@ -72,12 +73,12 @@ class NumberFormat:
     counts: Counts | None = None
 
     def of(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values as they are stored in the file."""
+        """Return the numbers that the file stores for values."""
         return np.ascontiguousarray(values if self.counts is None else self.counts.of(values), dtype=self.dtype)
 
     @property
     def attributes(self) -> dict[str, float | int]:
-        """Return scale, offset and the mark of missing values by their CF names; empty where values are stored as they are."""
+        """Return scale, offset and the mark of missing values by their CF names; empty for values that are stored unchanged."""
         if self.counts is None:
             return {}
         return {"scale_factor": self.counts.scale, "add_offset": self.counts.offset, "_FillValue": 0}
@@ -104,8 +105,8 @@ AXES: Final = ("time", "y", "x")  #: Dimensions of what is exported, frames firs
 class Exported:
     """Result of an export."""
 
-    files: tuple[Path, ...]  #: The file asked for, and its header where the format has none of its own.
-    #: ``variable``, ``units``: What the numbers are.
+    files: tuple[Path, ...]  #: The requested file, and its header for a format without one inside the file.
+    #: ``variable``, ``units``: Variable and unit of the numbers.
     variable: str
     units: str
     shape: tuple[int, int, int]  #: Frames, rows, columns.
@@ -135,7 +136,7 @@ class Exported:
 class Stack:
     """Images of one variable."""
 
-    dataset: xr.Dataset  #: The frames chosen: coordinates, attributes and ``variable`` (time, y, x), read when it is asked for.
+    dataset: xr.Dataset  #: The frames chosen: coordinates, attributes and ``variable`` (time, y, x), which is read on request.
     variable: str  #: Name of the variable.
 
     @property
@@ -229,11 +230,11 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     dataset : xarray.Dataset
         A run, opened lazily.
     variable : str, optional
-        Which images; by default those of :func:`~seaglint.base.schema.default_image`, or the only ones.
+        Variable of the images; by default :func:`~seaglint.base.schema.default_image`, or the only one.
     frames : range, optional
         Numbers of the frames, counted in the whole sequence; all by default.
     source : str
-        What errors call the run.
+        Name of the run in errors.
 
     Raises
     ------
@@ -252,11 +253,11 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     numbers = frame_numbers(dataset)
     picked = np.arange(numbers.size)
     if frames is not None:
-        held = held_frames(dataset)
-        inside = frames.step > 0 and len(frames) > 0 and held.start <= frames[0] and frames[-1] < held.stop
+        run = held_frames(dataset)
+        inside = frames.step > 0 and len(frames) > 0 and run.start <= frames[0] and frames[-1] < run.stop
         picked = np.flatnonzero(np.isin(numbers, np.asarray(frames))) if inside else picked[:0]
         if not picked.size:
-            raise DataError(f"{source}: {frames!r} is not in the run, which holds frames {held.start}:{held.stop}; give frames of these")
+            raise DataError(f"{source}: {frames!r} is not in the run, which holds frames {run.start}:{run.stop}; give frames of these")
     if "frame_done" in dataset and not bool(np.all(dataset["frame_done"].to_numpy()[picked])):
         raise DataError(f"{source}: frames of it are not rendered yet; render again with resume=True")
     variables = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
@@ -266,5 +267,5 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     out.attrs = {**out.attrs, "history": f"{before}{now} {chosen} exported by seaglint {__version__}"}
     stack = Stack(out, chosen)
     if "frame_rate_hz" in out.attrs:
-        out.attrs["frame_rate_hz"] = stack.frame_rate  # of every other frame it is another
+        out.attrs["frame_rate_hz"] = stack.frame_rate  # every other frame has half the rate
     return stack

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+from seaglint.air.profile.hazes import HazeWeather
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import NAVY_AEROSOL_WIND
 
@@ -19,16 +20,7 @@ MODELS = {
 }
 
 Haze = Literal[
-    "none",
-    "rural-23km",
-    "rural-5km",
-    "navy-maritime",
-    "maritime-23km",
-    "urban",
-    "tropospheric",
-    "advective-fog",
-    "radiative-fog",
-    "desert",
+    "none", "rural-23km", "rural-5km", "navy-maritime", "maritime-23km", "urban", "tropospheric", "advective-fog", "radiative-fog", "desert"
 ]
 
 #: Boundary-layer aerosols and their numbers on card 2 (IHAZE); 7 is LOWTRAN7's user-defined one.
@@ -40,15 +32,10 @@ STEP_CM = 5  #: Step of LOWTRAN7's spectral samples [cm-1]; its resolution is 20
 
 
 @dataclass(frozen=True)
-class Aerosol:
-    """Boundary-layer aerosol (card 2)."""
+class Aerosol(HazeWeather):
+    """Boundary-layer aerosol (card 2): air mass is ICSTL of the Navy model, which uses both winds; the desert model uses the first."""
 
     haze: Haze = "navy-maritime"  #: One of :data:`HAZES`.
-    visibility_km: float | None = None  #: Meteorological range at sea level [km]; None leaves it to the model.
-    air_mass: int = 3  #: Air mass character of the Navy model (ICSTL), 1 open ocean ... 10 strong continental influence.
-    #: ``wind``, ``wind_24h``: Wind now and its mean over 24 hours [m s-1]; the Navy model uses both, the desert model the first.
-    wind: float = 0.0
-    wind_24h: float = 0.0
 
     def card(self) -> str:
         """Return card 2. Calm is written as 0.001 m/s, because 0 means "the default wind of the model atmosphere"."""
@@ -60,6 +47,7 @@ class Aerosol:
                 value=max(self.wind, self.wind_24h),
                 allowed=NAVY_AEROSOL_WIND,
             )
+        # IHAZE, ISEASN, IVULCN, ICSTL, ICLD and IVSA: seasons, volcanoes, clouds and army models are not used.
         numbers = f"{HAZES[self.haze]:5d}{0:5d}{0:5d}{self.air_mass:5d}{0:5d}{0:5d}"
         winds = f"{max(self.wind, 1e-3):10.5f}{max(self.wind_24h, 1e-3):10.5f}"
         return f"{numbers}{self.visibility_km or 0.0:10.3f}{winds}{0.0:10.3f}{0.0:10.3f}"
@@ -75,7 +63,7 @@ class ProfileLevel:
     relative_humidity: float | None = None
 
     def card(self, model: int) -> str:
-        """Return card 2C1; the gases besides water vapour are those of model atmosphere ``model``."""
+        """Return card 2C1; all gases but water vapour are taken from model atmosphere ``model``."""
         if self.pressure_hpa is None:
             return f"{self.height_km:10.5f}" + f"{0.0:10.3E}" * 5 + f"{model:d}" * 14
         # Nine digits in ten columns: the format E10.3 of the card takes more digits than it prints.
@@ -120,7 +108,7 @@ class LowtranCase:
 
     Where ``arc_deg``, the angle at the Earth's centre, is given, the zenith angle is not: LOWTRAN7 finds the ray between both ends.
     With ``sun``, its azimuth from the line of sight and its zenith angle at the sensor without refraction [deg], sunlight that the air
-    scatters once into a path or sky is computed besides; ``multiple`` adds LOWTRAN7's estimate of what is scattered again.
+    scatters once into a path or sky is computed too; ``multiple`` adds LOWTRAN7's estimate of multiply scattered light.
     """
 
     air: LowtranAir
@@ -150,6 +138,7 @@ class LowtranCase:
         lines = [card1, air.aerosol.card()]
         if profile:
             lines += [f"{len(profile):5d}{0:5d}{0:5d}sounding", *(level.card(number) for level in profile)]
+        # Heights and angles fill their ten columns, cut and not rounded, so that no digit is lost.
         end = f"{self.end_km:10.8f}"[:10] if self.end_km else f"{0.0:10.3f}"
         between = f"{0.0:10.3f}" + f"{self.arc_deg:10.8f}"[:10] if self.arc_deg else ""
         lines.append(f"{self.height_km:10.8f}"[:10] + end + f"{self.zenith_deg:10.7f}"[:10] + between)

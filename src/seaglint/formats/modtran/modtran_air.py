@@ -29,7 +29,7 @@ LARGEST: Final = 2 << 30  #: Largest size of a file of these formats [bytes].
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class _LineSpectrum:
     """Spectrum and its line of sight."""
 
     line: ModtranCase
@@ -71,26 +71,26 @@ def read_spectra(path: Path) -> list[ModtranSpectrum]:
 def read_air(files: Sequence[Path]) -> xr.Dataset:
     """Read air from files, or from a folder that ``seaglint atmosphere write`` made and that holds a code's results.
 
-    Which line of sight a case is, the manifest beside the file says, else the file's own cards or input.
+    The line of sight of a case is taken from the manifest beside the file, or else from the file's own cards or input.
 
     Raises
     ------
     DataError
         Naming file, case and line of what cannot be used.
     """
-    seen: list[_Seen] = []
+    seen: list[_LineSpectrum] = []
     for path in files:
         if path.is_dir():
             seen += _of_folder(path)
         else:
-            beside = path.parent / MANIFEST
-            manifest = read_manifest(beside) if beside.is_file() else None
+            manifest_path = path.parent / MANIFEST
+            manifest = read_manifest(manifest_path) if manifest_path.is_file() else None
             named = manifest is not None and path.name in manifest.outputs
             seen += _of_manifest(path, manifest) if named and manifest is not None else [_of_sight(s) for s in read_spectra(path)]
     return _dataset(seen)
 
 
-def _of_folder(folder: Path) -> list[_Seen]:
+def _of_folder(folder: Path) -> list[_LineSpectrum]:
     manifest = read_manifest(folder / MANIFEST)
     path = next((folder / name for name in manifest.outputs if (folder / name).is_file()), None)
     if path is None:
@@ -98,7 +98,7 @@ def _of_folder(folder: Path) -> list[_Seen]:
     return _of_manifest(path, manifest)
 
 
-def _of_manifest(path: Path, manifest: Manifest) -> list[_Seen]:
+def _of_manifest(path: Path, manifest: Manifest) -> list[_LineSpectrum]:
     spectra = read_spectra(path)
     if len(spectra) != len(manifest.lines):
         raise DataError(
@@ -107,7 +107,7 @@ def _of_manifest(path: Path, manifest: Manifest) -> list[_Seen]:
         )
     for line, spectrum in zip(manifest.lines, spectra, strict=True):
         _require_same(line, spectrum, manifest.solar_zenith_deg)
-    return [_Seen(line, s, manifest.solar_zenith_deg) for line, s in zip(manifest.lines, spectra, strict=True)]
+    return [_LineSpectrum(line, s, manifest.solar_zenith_deg) for line, s in zip(manifest.lines, spectra, strict=True)]
 
 
 def _require_same(line: ModtranCase, spectrum: ModtranSpectrum, solar_zenith_deg: float | None) -> None:
@@ -129,7 +129,7 @@ def _require_same(line: ModtranCase, spectrum: ModtranSpectrum, solar_zenith_deg
         )
 
 
-def _of_sight(spectrum: ModtranSpectrum) -> _Seen:
+def _of_sight(spectrum: ModtranSpectrum) -> _LineSpectrum:
     """Return the line of sight that a spectrum's file states."""
     sight = spectrum.sight
     if sight is None:
@@ -141,10 +141,10 @@ def _of_sight(spectrum: ModtranSpectrum) -> _Seen:
     lit = sight.mode == 2 and not math.isnan(sight.azimuth_deg)
     azimuth, solar = (abs(sight.azimuth_deg), sight.solar_zenith_deg) if lit else (None, None)
     if sight.mode == 3:
-        return _Seen(ModtranCase("sun", height, sight.zenith_deg), spectrum, None)
+        return _LineSpectrum(ModtranCase("sun", height, sight.zenith_deg), spectrum, None)
     if sight.kind == 3:
-        return _Seen(_sky_line(sight, height, azimuth), spectrum, solar)
-    return _Seen(_path_line(spectrum, sight, height, azimuth), spectrum, solar)
+        return _LineSpectrum(_sky_line(sight, height, azimuth), spectrum, solar)
+    return _LineSpectrum(_path_line(spectrum, sight, height, azimuth), spectrum, solar)
 
 
 def _sky_line(sight: ModtranSight, height: float, azimuth: float | None) -> ModtranCase:
@@ -170,7 +170,7 @@ def _path_line(spectrum: ModtranSpectrum, sight: ModtranSight, height: float, az
     return ModtranCase("path", height, sight.zenith_deg, arc, None, azimuth)
 
 
-def _dataset(seen: list[_Seen]) -> xr.Dataset:
+def _dataset(seen: list[_LineSpectrum]) -> xr.Dataset:
     import xarray as xr
 
     nu = _common_grid(seen)
@@ -186,6 +186,7 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
             "give the files of one sensor height"
         )
     height = paths[0].line.height_m
+    # Sky is needed from the sea, which mirrors it, and from the sensor; other heights have no use.
     for s in seen:
         if s.line.kind == "sky" and min(s.line.height_m, abs(s.line.height_m - height)) > 1e-3:
             raise DataError(
@@ -194,11 +195,14 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     from_sea = [s for s in seen if s.line.kind == "sky" and s.line.height_m <= 1e-3]
     from_sensor = [s for s in seen if s.line.kind == "sky" and s.line.height_m > 1e-3]
     suns = [s for s in seen if s.line.kind == "sun"]
-    for group, what in ((paths, "paths from the sensor to the sea"), (from_sea, "sky seen from the sea (H1 = 0, ITYPE = 3)")):
+    needed = (
+        (paths, "paths from the sensor to the sea"),
+        (from_sea, "sky seen from the sea (H1 = 0, ITYPE = 3)"),
+        (suns, "zenith angles of the Sun (IEMSCT = 3)"),
+    )
+    for group, what in needed:
         if len({_node(s.line) for s in group}) < 2:
             raise DataError(f"{_file(seen[0])}: holds fewer than 2 {what}; add them")
-    if len({_node(s.line) for s in suns}) < 2:
-        raise DataError(f"{_file(seen[0])}: holds fewer than 2 zenith angles of the Sun (IEMSCT = 3); add them")
     out: dict[str, tuple[tuple[str, ...], FloatArray]] = {}
     coords: dict[str, FloatArray] = {"wavenumber_cm": nu}
     layout = (
@@ -226,9 +230,10 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
         )
     if solar and any(name.endswith("scattered") for name in out):
         attributes["solar_zenith_deg"] = solar[0]
-    untold = sum(_has_untold_scattered(s) for s in seen)
-    if untold:
-        attributes["cases_without_azimuth"] = untold
+    without_azimuth = sum(_lacks_azimuth(s) for s in seen)
+    if without_azimuth:
+        attributes["cases_without_azimuth"] = without_azimuth
+    # The longest path decides whether longer ones continue along the tangent.
     lowest = max(paths, key=lambda s: _node(s.line)).line
     if _reaches_horizon(lowest):
         attributes["paths_reach_horizon"] = 1
@@ -239,19 +244,19 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     )
 
 
-def _has_untold_scattered(seen: _Seen) -> bool:
+def _lacks_azimuth(seen: _LineSpectrum) -> bool:
     """Return true for scattered sunlight whose azimuth from the Sun is not known, so that it is left out."""
     scattered = seen.spectrum.scattered
     return seen.line.kind != "sun" and seen.line.azimuth_deg is None and scattered is not None and bool(scattered.any())
 
 
-def _file(seen: _Seen) -> str:
+def _file(seen: _LineSpectrum) -> str:
     return seen.spectrum.where.split(": case")[0]
 
 
 def _reaches_horizon(line: ModtranCase) -> bool:
     arc = line.range_m or 0.0
-    # Depression of the arc's own straight ray against that of the horizon.
+    # The depression of the straight ray to the end of the arc is compared with the depression of the horizon.
     psi, h = arc / EFFECTIVE_EARTH_RADIUS, line.height_m
     depression = math.atan2(h + 2.0 * EFFECTIVE_EARTH_RADIUS * math.sin(0.5 * psi) ** 2, EFFECTIVE_EARTH_RADIUS * math.sin(psi) or 1e-9)
     return depression < horizon_depression(h) * (1.0 + GRAZING)
@@ -265,15 +270,15 @@ def _node(line: ModtranCase) -> float:
     return round(line.range_m or 0.0, 6) if line.kind == "path" else round(horizon_zenith_deg(line), 7)
 
 
-def _require_once(seen: list[_Seen]) -> None:
-    lines: dict[tuple[str, float, float, float | None], _Seen] = {}
+def _require_once(seen: list[_LineSpectrum]) -> None:
+    lines: dict[tuple[str, float, float, float | None], _LineSpectrum] = {}
     for s in seen:
         before = lines.setdefault((s.line.kind, round(s.line.height_m, 4), _node(s.line), s.line.azimuth_deg), s)
         if before is not s:
             raise DataError(f"{s.spectrum.where}: is the same line of sight as {before.spectrum.where}; give each once")
 
 
-def _common_grid(seen: list[_Seen]) -> FloatArray:
+def _common_grid(seen: list[_LineSpectrum]) -> FloatArray:
     if not seen:
         raise DataError("no cases were given; name the files that MODTRAN wrote")
     nu = seen[0].spectrum.wavenumber_cm
@@ -287,16 +292,16 @@ def _common_grid(seen: list[_Seen]) -> FloatArray:
     return nu
 
 
-def _first_of_each(group: list[_Seen]) -> dict[float, _Seen]:
+def _first_of_each(group: list[_LineSpectrum]) -> dict[float, _LineSpectrum]:
     """Return one case for each node, ascending; of several azimuths the one farthest from the Sun."""
-    first: dict[float, _Seen] = {}
+    first: dict[float, _LineSpectrum] = {}
     for s in sorted(group, key=lambda s: (_node(s.line), -(s.line.azimuth_deg or 0.0))):
         first.setdefault(_node(s.line), s)
     return first
 
 
 def _add_scattered(
-    out: dict[str, tuple[tuple[str, ...], FloatArray]], coords: dict[str, FloatArray], group: list[_Seen], dimension: str, name: str
+    out: dict[str, tuple[tuple[str, ...], FloatArray]], coords: dict[str, FloatArray], group: list[_LineSpectrum], dimension: str, name: str
 ) -> None:
     """Add the scattered sunlight of a group over node and azimuth, where every case has an azimuth."""
     lit = [s for s in group if s.line.azimuth_deg is not None]

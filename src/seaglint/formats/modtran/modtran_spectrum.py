@@ -19,23 +19,9 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 
 Column = Literal[
-    "wavenumber",
-    "wavelength_um",
-    "wavelength_nm",
-    "transmittance",
-    "thermal",
-    "thermal_scattered",
-    "surface",
-    "scattered",
-    "single",
-    "ground",
-    "direct",
-    "total",
-    "sun",
-    "sun_outside",
-    "sun_at_observer",
-    "depth",
-]
+    "wavenumber", "wavelength_um", "wavelength_nm", "transmittance", "thermal", "thermal_scattered", "surface", "scattered", "single",
+    "ground", "direct", "total", "sun", "sun_outside", "sun_at_observer", "depth",
+]  # fmt: skip
 
 #: Meaning of a column by its name in capitals without anything but letters and digits.
 NAMES: Final[dict[str, Column]] = {
@@ -77,8 +63,9 @@ def column_of(label: str) -> Column | None:
 class ModtranSight:
     """Line of sight as a file states it; NaN where it does not.
 
-    Heights in km and angles in degrees as MODTRAN has them: ``zenith_deg`` is that of the line at H1 (ANGLE, OBSZEN), 180 straight
-    down. ``mode`` is IEMSCT (0 transmittance, 1 thermal, 2 thermal and solar, 3 sunlight), ``kind`` ITYPE (2 between heights, 3 to space).
+    Heights in km and angles in degrees as MODTRAN has them: ``zenith_deg`` is the zenith angle of the line at H1 (ANGLE, OBSZEN), 180
+    straight down. ``mode`` is IEMSCT (0 transmittance, 1 thermal, 2 thermal and solar, 3 sunlight), ``kind`` ITYPE (2 between heights,
+    3 to space).
     """
 
     mode: int
@@ -128,10 +115,10 @@ _COLUMNS: Final = {
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Columns of one case as printed: W cm-2 (sr-1) per unit ``per``; rows as in the file, ``line`` that of the first.
+    """Columns of one case as printed: W cm-2 (sr-1) per unit ``per``; rows as in the file, ``line`` is the number of the first.
 
-    ``labels`` are the file's own names of the columns, for error messages; ``fine_depth`` says that optical depth has four digits, more
-    than four decimals of transmittance.
+    ``labels`` are the names of the columns in the file, for error messages; ``fine_depth`` is true for an optical depth of four digits,
+    which is finer than four decimals of transmittance.
     """
 
     path: Path
@@ -168,7 +155,7 @@ def spectrum_of(table: Table) -> ModtranSpectrum:
             _possible(table, name, values)
     scale = PER_SQUARE_METRE * per
 
-    def turned(values: FloatArray | None, factor: FloatArray | float) -> FloatArray | None:
+    def ascending(values: FloatArray | None, factor: FloatArray | float) -> FloatArray | None:
         if values is None:
             return None
         out = values * factor
@@ -176,17 +163,12 @@ def spectrum_of(table: Table) -> ModtranSpectrum:
 
     thermal, scattered = _parted(table)
     sun = table.columns.get("sun", table.columns.get("sun_at_observer"))
-    _something(table, thermal, sun)
-    transmittance = turned(_transmittance(table), 1.0)
+    _require_light(table, thermal, sun)
     return ModtranSpectrum(
-        table.where,
-        table.sight,
-        nu[::-1].copy() if reverse else nu,
-        transmittance,
-        turned(thermal, scale),
-        turned(scattered, scale),
-        turned(sun, scale),
-    )
+        where=table.where, sight=table.sight, wavenumber_cm=nu[::-1].copy() if reverse else nu,
+        transmittance=ascending(_transmittance(table), 1.0),
+        thermal=ascending(thermal, scale), scattered=ascending(scattered, scale), sun=ascending(sun, scale),
+    )  # fmt: skip
 
 
 def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
@@ -201,6 +183,7 @@ def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
     if bad.any():
         row = int(np.argmax(bad))
         raise DataError(f"{table.at(row)}: {name} = {x[row]:g} is not above 0; run the case again with V1 above 0")
+    # The median step shows the order of the file even if single samples are wrong.
     steps = np.diff(x)
     rising = float(np.sign(np.median(steps))) or 1.0
     wrong = steps * rising <= 0.0
@@ -216,7 +199,7 @@ def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
 
 
 def _possible(table: Table, name: Column, values: FloatArray) -> None:
-    # Rests of differences may come out a little below 0; what is -99 was never computed.
+    # Differences may come out a little below 0; -99 marks values that were never computed.
     bad = ~np.isfinite(values)
     largest = float(np.max(np.abs(values), where=~bad, initial=0.0))
     if name in ("direct", "ground", "single", "thermal_scattered", "surface", "total"):
@@ -275,6 +258,7 @@ def _transmittance(table: Table) -> FloatArray | None:
     printed = np.minimum(printed, 1.0)
     if depth is None or depth.max() <= 0.0:
         return printed
+    # The optical depth resolves small and large transmittances, where four decimals are coarse.
     exact = np.exp(-depth)
     off = np.abs(exact - printed) > 6e-4 + 2e-3 * printed
     if off.any():
@@ -286,15 +270,11 @@ def _transmittance(table: Table) -> FloatArray | None:
     return np.asarray(np.where((printed < 0.05) | (printed > 0.9), exact, printed)) if table.fine_depth else printed
 
 
-def _something(table: Table, thermal: FloatArray | None, sun: FloatArray | None) -> None:
+def _require_light(table: Table, thermal: FloatArray | None, sun: FloatArray | None) -> None:
+    """Refuse a case of zeros alone."""
     outside = table.columns.get("sun_outside")
     if thermal is not None and not thermal.any():
         raise DataError(f"{table.where}: thermal radiance is 0 everywhere; is IEMSCT 1 or 2, and did the run end well?")
-    if (
-        thermal is None
-        and "scattered" not in table.columns
-        and sun is not None
-        and not sun.any()
-        and (outside is None or not outside.any())
-    ):
+    dark = sun is not None and not sun.any() and (outside is None or not outside.any())
+    if thermal is None and "scattered" not in table.columns and dark:
         raise DataError(f"{table.where}: sunlight is 0 everywhere, outside the air too; run it again with the Sun above the horizon")

@@ -1,20 +1,18 @@
-"""Reader of MODTRAN 6's CSV output (``CSVPRNT``): a line of column names, then numbers, case after case.
+"""Readers of the output of MODTRAN 4 to 6 and of LOWTRAN7: CSV, JSON and tape7, with all cases of a file.
 
-Names are those of its spectral library (``total transmittance``, ``path emission``, ...), of its JSON (``TOT_TRANS``, ``THRML_EM``, ...)
-or of tape7; see :mod:`seaglint.formats.modtran.modtran_spectrum` for the source of either. Lines that frame a case (``case index 0 = {``,
+CSV of MODTRAN 6 (``CSVPRNT``): a line of column names, then numbers, case after case. Names are taken from its spectral library
+(``total transmittance``, ``path emission``, ...), its JSON (``TOT_TRANS``, ``THRML_EM``, ...) or tape7; see
+:mod:`seaglint.formats.modtran.modtran_spectrum` for the source of either. Lines that frame a case (``case index 0 = {``,
 ``num freq, 101``, ``}``) and lines of units are passed over: MODTRAN 6 writes them around its tables of flux.
 
-Reader of MODTRAN 6's JSON output (``JSONPRNT``, ``JSONOPT`` with ``WRT_OUTPUT``).
-
-Layout: ``MODTRAN[i].MODTRANOUTPUT.SPECTRA.RADIANCE`` (``IRRADIANCE``, ``TRANSMITTANCE``) holds one list a column, named ``TOT_TRANS``,
-``THRML_EM``, ``THRML_SCT``, ``SURF_EMIS``, ``MULT_SCAT``, ``SING_SCAT``, ``GRND_RFLT``, ``DRCT_RFLT``, ``TOTAL_RAD``, ``REF_SOL``,
+JSON of MODTRAN 6 (``JSONPRNT``, ``JSONOPT`` with ``WRT_OUTPUT``): ``MODTRAN[i].MODTRANOUTPUT.SPECTRA.RADIANCE`` (``IRRADIANCE``,
+``TRANSMITTANCE``) holds one list a column, named ``TOT_TRANS``, ``THRML_EM``, ``THRML_SCT``, ``SURF_EMIS``, ``MULT_SCAT``,
+``SING_SCAT``, ``GRND_RFLT``, ``DRCT_RFLT``, ``TOTAL_RAD``, ``REF_SOL``,
 ``SOL_AT_OBS``, ``DEPTH``, ... (github.com/brianschubert/pymod6, ``tests/test_io.py`` and ``input/schema.py``); with ``WRT_INPUT`` the
-case's ``MODTRANINPUT`` stands beside it and tells its geometry and spectral grid.
+case's ``MODTRANINPUT`` is beside it, with its geometry and spectral grid.
 
-Readers of tape7 (``.tp7``, ``.7sc``, ``tape7.scn``) of MODTRAN 4 and 5 and of LOWTRAN7's tape7.
-
-Layouts, as the programs write them (LOWTRAN7: FORMATs 907-937 of ``lowtran7.f``; MODTRAN: subroutine TRANS and T7HEAD, in public
-copies of its source):
+Tape7 (``.tp7``, ``.7sc``, ``tape7.scn``) of MODTRAN 4 and 5 and LOWTRAN7's tape7. Layouts, as the programs write them
+(LOWTRAN7: FORMATs 907-937 of ``lowtran7.f``; MODTRAN: subroutine TRANS and T7HEAD, in public copies of its source):
 
 =============  ====  ==========================================================================
 program        mode  Fortran format of a row
@@ -28,9 +26,9 @@ MODTRAN 4, 5   3     ``F8.2,F8.4,1P,2E9.2,T96,E10.3``
 MODTRAN 5      2     the same and ``DIR_EM``, ``TOA_SUN``, ``BBODY_T[K]``
 =============  ====  ==========================================================================
 
-Columns touch, some are blank, and Fortran drops the E of exponents of three digits (``6.53-144``). So numbers are told by Fortran's
-grammar, and each belongs to the column whose name ends nearest to where it ends. Several cases stand one after the other, each with
-the cards of its deck before it and ``-9999.`` behind it.
+Columns touch, some are blank, and Fortran drops the E of exponents of three digits (``6.53-144``). So numbers are recognised by Fortran's
+grammar, and each belongs to the column whose name ends nearest to its end. Several cases follow one after the other, each with the cards
+of its deck before it and ``-9999.`` behind it.
 """
 
 from __future__ import annotations
@@ -98,16 +96,17 @@ def _csv_table(path: Path, number: int, header: int, labels: list[str], rows: li
     if not rows:
         raise DataError(f"{where}: has no spectral samples; the file is cut or the run failed, give the whole one")
     columns: dict[Column, list[float]] = {}
+    # Reversed: of several columns of one meaning the first in the file counts.
     places = {column: k for k, label in reversed(list(enumerate(labels))) if (column := column_of(label)) is not None}
     for line, *cells in rows:
-        if len([*cells]) < len(labels):
+        if len(cells) < len(labels):
             raise DataError(f"{where}: line {line}: has {len(cells)} cells for {len(labels)} columns; the file is cut, give the whole one")
         for column, k in places.items():
             try:
                 columns.setdefault(column, []).append(float(cells[k]))
             except ValueError:
-                told_cell = " ".join(cells[k].split())[:40]
-                raise DataError(f"{where}: line {line}: {labels[k]} = '{told_cell}' is not a number; run the case again") from None
+                shown = " ".join(cells[k].split())[:40]
+                raise DataError(f"{where}: line {line}: {labels[k]} = '{shown}' is not a number; run the case again") from None
     first = int(rows[0][0])
     return Table(path, f"case {number}", {name: np.array(values) for name, values in columns.items()}, tuple(labels), None, first)
 
@@ -308,19 +307,14 @@ def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], car
         for name, (value, _) in row.items():
             columns[name].append(value)
     return Table(
-        path,
-        case,
-        {name: np.array(values) for name, values in columns.items()},
-        names,
-        _sight(cards),
-        first + 1,
-        labels[-1].end == UNNAMED_DEPTH,
-    )
+        path=path, case=case, columns={name: np.array(values) for name, values in columns.items()}, labels=names, sight=_sight(cards),
+        line=first + 1, fine_depth=labels[-1].end == UNNAMED_DEPTH,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Fields:
-    """Columns in which the numbers of a line stood: most lines have theirs in the same places."""
+    """Columns of the numbers of a line, which are the same in most lines: these need no parsing by Fortran's grammar."""
 
     length: int = -1
     ends: tuple[tuple[int, Column | None], ...] = ()
@@ -369,6 +363,7 @@ def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> 
         what = "a number that did not fit its column" if "*" in rest else "no number"
         raise DataError(f"{where}: '{rest.strip()[:20]}' at column {at + 1} is {what}; run the case again, or give the file as written")
     values: dict[Column, tuple[float, int]] = {}
+    # A column may hold one number a line; a second one shows that blanks were changed.
     taken: dict[int, str] = {}
     for position, match in enumerate(_NUMBER.finditer(line)):
         if position == 0:
@@ -402,6 +397,7 @@ def _sight(cards: list[str]) -> ModtranSight | None:
     """Return the geometry from the cards above the column names: mode and kind on card 1, card 3 five lines above, then 3A1 and 3A2."""
     try:
         kind, mode = int(cards[0][5:10]), int(cards[0][10:15])
+        # Between card 3 and the column names are cards 3A1, 3A2, 4 and 5.
         card3, card3a2 = cards[-5].ljust(60), cards[-3].ljust(20)
         height, end, zenith = (float(card3[k : k + 10]) for k in (0, 10, 20))
         azimuth, solar = (float(card3a2[k : k + 10]) for k in (0, 10))

@@ -1,11 +1,8 @@
-"""Several recordings of one size as one, in order.
+"""Arrays as recordings, readers of NumPy's and raw files, and several recordings of one size joined in order.
 
-Arrays as recordings, and the readers of NumPy's files: (rows, columns), (frames, rows, columns), or what their axes are said to be.
-
-Reader of raw frames: a header to skip, then numbers.
-
-The layout comes as options or from a TOML or JSON file beside the data (``clip.raw`` and ``clip.toml``) with the names of
-:class:`RawLayout`, and with a table ``metadata`` of anything else, which is not read.
+Axes are (rows, columns), (frames, rows, columns), or as the user states them. Raw frames are numbers after a header that is skipped; their
+layout comes as options or from a TOML or JSON file beside the data (``clip.raw`` and ``clip.toml``) with the names of :class:`RawLayout`,
+and with a table ``metadata`` of anything else, which is not read.
 """
 
 from __future__ import annotations
@@ -32,10 +29,10 @@ from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.formats.recording.frame_axes import COLOUR_NAMES, MOST_COLOURS, RATE_NAMES, AxisOrder, Ordered, frame_rate_of, layout_of
 from seaglint.formats.recording.stored_values import (
     CHANNELS,
-    PLAIN,
     Decoded,
     Decoding,
     SeveralChannelsError,
+    ValueFacts,
     colour_notes,
     full_scale,
     grey,
@@ -43,7 +40,7 @@ from seaglint.formats.recording.stored_values import (
 
 
 def joined(recordings: Sequence[Recording], source: str) -> Recording:
-    """Return recordings one after the other; notes that they share stand once.
+    """Return recordings one after the other; each note is listed once.
 
     Raises
     ------
@@ -64,6 +61,7 @@ def joined(recordings: Sequence[Recording], source: str) -> Recording:
 
     def read(start: int, stop: int) -> NDArray[Any]:
         blocks, at = [], start
+        # A block may begin in one recording and end in another.
         while at < stop:
             i = bisect_right(ends, at)
             begin = ends[i] - recordings[i].frames
@@ -73,6 +71,7 @@ def joined(recordings: Sequence[Recording], source: str) -> Recording:
         return np.concatenate(blocks) if len(blocks) > 1 else blocks[0]
 
     rates = {recording.frame_rate for recording in recordings}
+    # Limits are compared in the numbers of the files: each recording may have another offset.
     limits = {None if r.saturation is None else r.saturation + r.offset for r in recordings}
     limit = limits.pop() if len(limits) == 1 else None
     blurs = {recording.blur_px for recording in recordings}
@@ -107,19 +106,14 @@ class ArrayReading:
 
 
 @dataclass(frozen=True)
-class ArrayFacts:
-    """Facts of a file about an array, beside its numbers."""
+class ArrayFacts(ValueFacts):
+    """Facts of a file about an array, beside its numbers; without a saturation the full scale of the number type holds."""
 
-    frame_rate: float | None = None  #: [Hz].
-    units: str | None = None  #: Units of the values.
     names: tuple[str, ...] = ()  #: Names of the dimensions.
-    decoding: Decoding = PLAIN  #: Relation of stored numbers to values.
-    saturation: float | None = None  #: Value of full scale; None for that of the number type.
     channels: tuple[str, ...] = ()  #: Names of the channels.
-    colours: bool = False  #: True where the file says that its channels are red, green and blue.
-    order: str = "tyx"  #: Order of three axes where nothing says it.
-    notes: tuple[str, ...] = ()  #: Sentences for the user.
-    blur_px: float | None = None  #: Blur of what made the images, 0 without a sensor; None where the file does not say [px].
+    colours: bool = False  #: True where the file states that its channels are red, green and blue.
+    order: str = "tyx"  #: Order of three axes without other information.
+    blur_px: float | None = None  #: Blur of the images, 0 without a sensor; None where the file does not state it [px].
 
 
 def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | None = None) -> Recording:
@@ -152,6 +146,7 @@ def of_array(array: Any, source: str, how: ArrayReading, facts: ArrayFacts | Non
             _require_equal(block, source, layout, channels)
         return grey(block, source, how.channel) if coloured else block
 
+    # A file whose channels differ is refused here, with its path, and not by the first block of an analysis.
     averaged: tuple[str, ...] = ()
     if coloured:  # channels that differ are refused when a file is opened, not in the middle of an analysis
         read(0, 1)
@@ -216,6 +211,7 @@ def _saturation(facts: ArrayFacts, decoding: Decoding, stored: np.dtype[Any]) ->
 def _released(block: NDArray[Any]) -> NDArray[Any]:
     """Return a copy of a part of a memory-mapped file, whose pages are released: they count as the process's memory."""
     base: Any = block
+    # NumPy arrays and memory views over a map are chained: the map is at the end of the chain.
     while base is not None and not isinstance(base, mmap.mmap):
         base = base.obj if isinstance(base, memoryview) else getattr(base, "base", None)
     if base is None:
@@ -235,6 +231,7 @@ def resolved(recording: Recording) -> Recording:
     largest = float(np.abs(first).max())
     if largest > 1e30 or 0.0 < largest < 1e-30:
         raise DataError(f"{recording.source}: values of {largest:.3g} are beyond single precision; scale them to 1e-30 to 1e30")
+    # Single precision resolves about 1e-7 of a value: a small spread on a large level would be lost.
     level, spread = float(np.median(first)), float(first.std())
     if not 0.0 < spread < RESOLVED * float(np.finfo(np.float32).eps) * abs(level):
         return recording
@@ -317,7 +314,7 @@ class RawLayout:
     byte_order: str = "little"  #: ``little`` or ``big``.
     offset: int = 0  #: Bytes before the first frame.
     frame_header: int = 0  #: Bytes before each frame.
-    #: ``frame_rate``, ``units``, ``saturation``: As in :class:`~seaglint.analysis.Recording`; a camera of 14 bits in 16 saturates at 16383.
+    #: ``frame_rate``, ``units``, ``saturation``: See :class:`~seaglint.analysis.Recording`; a camera of 14 bits in 16 saturates at 16383.
     frame_rate: float | None = None
     units: str | None = None
     saturation: float | None = None

@@ -50,7 +50,7 @@ def open_fits(path: Path, how: ArrayReading) -> Recording:
         raise DataError(f"{path}: is no FITS file, which begins with SIMPLE; give a FITS file, or another ending")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of cards that have no meaning; those that matter are looked at here
+            warnings.simplefilter("ignore")  # warnings of cards that are not used; the used ones are checked here
             file = fits.open(path, memmap=True, do_not_scale_image_data=True)  # scaled memory maps are refused
             images = {i: hdu for i, hdu in enumerate(file) if hdu.is_image and hdu.header.get("NAXIS", 0) >= 2 and _has_data(hdu)}
             labels = _labels(images)
@@ -86,13 +86,13 @@ def _labels(images: dict[int, Any]) -> dict[int, str]:
     names = {i: str(hdu.name or "").strip() for i, hdu in images.items()}
     count = Counter(names.values())
     versions = {i: int(hdu.header.get("EXTVER", 1)) for i, hdu in images.items()}
-    seen: Counter[str] = Counter()
+    counted: Counter[str] = Counter()
     labels = {}
     for i, name in names.items():
-        seen[name] += 1
+        counted[name] += 1
         same = [versions[j] for j in images if names[j] == name]
-        # Versions that repeat say nothing: the images of one name are counted.
-        version = versions[i] if len(set(same)) == len(same) else seen[name]
+        # Versions that repeat distinguish no images: the images of one name are counted.
+        version = versions[i] if len(set(same)) == len(same) else counted[name]
         labels[i] = f"extension {i}" if not name else name if count[name] == 1 and version == 1 else f"{name},{version}"
     return labels
 
@@ -116,8 +116,8 @@ def _chosen(images: dict[int, Any], labels: dict[int, str], requested: str | Non
     exact = [i for i in same if labels[i].upper() == f"{name},{version}".upper() or (version == "1" and "," not in labels[i])]
     if exact:
         return exact
-    held = ", ".join(label if label.endswith(f" {i}") else f"{label} (or {i})" for i, label in labels.items())
-    raise DataError(f"{path}: has no image variable '{requested}'; it has {held}")
+    available = ", ".join(label if label.endswith(f" {i}") else f"{label} (or {i})" for i, label in labels.items())
+    raise DataError(f"{path}: has no image variable '{requested}'; it has {available}")
 
 
 def _image(hdu: Any, source: str, how: ArrayReading) -> Recording:
@@ -152,9 +152,12 @@ def _image(hdu: Any, source: str, how: ArrayReading) -> Recording:
     if isinstance(limit, int | float) and not isinstance(limit, bool) and np.isfinite(limit) and limit > 0:
         full = float(limit)
     rate, rate_notes = _frame_rate(header)
-    names = _axes(header, stored.ndim)
-    facts = ArrayFacts(rate, text_of(header.get("BUNIT")), names, decoding, full, notes=(*notes, *rate_notes))
+    facts = ArrayFacts(
+        _axes(header, stored.ndim),
+        frame_rate=rate, units=text_of(header.get("BUNIT")), decoding=decoding, saturation=full, notes=(*notes, *rate_notes),
+    )  # fmt: skip
     array: Any = stored
+    # Without missing values integers stay integers; with them the result has NaN and is of floats.
     if unsigned and not missing:
         array, facts = _Shifted(stored, zero), replace(facts, decoding=Decoding())
     return of_array(array, source, how, facts)
@@ -203,7 +206,7 @@ def _frame_rate(header: Any) -> tuple[float | None, tuple[str, ...]]:
 
 
 def _axes(header: Any, count: int) -> tuple[str, ...]:
-    """Return names of the axes of an array in its order, where the cards say what the third and further ones are."""
+    """Return names of the axes of an array in its order, as far as the cards name the third and further axes."""
     names = ["x", "y"]
     for i in range(3, count + 1):
         kind = str(header.get(f"CTYPE{i}", "")).strip().upper()

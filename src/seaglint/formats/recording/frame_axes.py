@@ -1,6 +1,7 @@
-"""Order of the axes of an array: frames, rows, columns and channels, by a stated order, by names, or by their sizes.
+"""Axes of an array of images, and frame rates that files state.
 
-Frame rates that files state: by attributes, by evenly spaced times, and in their units.
+The order of frames, rows, columns and channels is stated by the user, or follows from names or sizes of the axes. Frame rates follow from
+attributes or from evenly spaced times, in their units.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ class AxisOrder:
     """Order of an array's axes."""
 
     letters: str  #: A letter of :data:`LETTERS` for each axis; ``1`` for an axis of length one that is left out.
-    guessed: bool  #: True where only the sizes say it.
+    guessed: bool  #: True where it follows from the sizes alone.
 
     def size(self, shape: Sequence[int], letter: str) -> int:
         """Return the length of an axis; 1 for one that is not there."""
@@ -71,7 +72,7 @@ def require_axes(axes: str) -> None:
 
 
 def layout_of(shape: Sequence[int], source: str, axes: str | None, names: Sequence[str] | None = None, default: str = "tyx") -> AxisOrder:
-    """Return the order of an array's axes: the stated one, that of its dimensions' names, or the usual one for its sizes.
+    """Return the order of an array's axes: as stated, by the names of its dimensions, or the usual one for its sizes.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def layout_of(shape: Sequence[int], source: str, axes: str | None, names: Sequen
     names : sequence of str, optional
         Names of the dimensions.
     default : str
-        Order of three axes where nothing says it.
+        Order of three axes without other information.
 
     Raises
     ------
@@ -113,7 +114,7 @@ def _fitted(shape: Sequence[int], source: str, axes: str) -> str:
 
 
 def _of_names(names: Sequence[str], shape: Sequence[int]) -> str | None:
-    """Return the order that names say, or None where they do not say all of it."""
+    """Return the order of the axes by their names; None unless all axes longer than one have known names."""
     letters = []
     for name, size in zip(names, shape, strict=True):
         letter = letter_of(str(name))
@@ -129,6 +130,7 @@ def _of_names(names: Sequence[str], shape: Sequence[int]) -> str | None:
 def _usual(shape: tuple[int, ...], source: str, default: str) -> str:
     """Return the usual order of a shape: channels last if there are few, frames first."""
     count = len(shape)
+    # A last axis of one is a channel, not a column.
     if count == 3 and shape[2] == 1 and shape[0] > 1 and shape[1] > 1:
         return "yx1"
     letters = ["?"] * count
@@ -182,7 +184,7 @@ class Ordered:
 
     def __getitem__(self, key: slice) -> NDArray[Any]:
         index: list[Any] = []
-        left = ""
+        remaining = ""
         for letter in self._layout.letters:
             if letter == "1":
                 index.append(0)
@@ -190,12 +192,12 @@ class Ordered:
                 index.append(self._channel)
             else:
                 index.append(key if letter == "t" else slice(None))
-                left += letter
+                remaining += letter
         block = np.asarray(self._array[tuple(index)])
-        order = [letter for letter in LETTERS if letter in left]
-        if left != "".join(order):
-            block = block.transpose([left.index(letter) for letter in order])
-        return block if "t" in left else block[np.newaxis]
+        order = [letter for letter in LETTERS if letter in remaining]
+        if remaining != "".join(order):
+            block = block.transpose([remaining.index(letter) for letter in order])
+        return block if "t" in remaining else block[np.newaxis]
 
 
 #: Seconds in a unit of time, by its spellings in lower case; the escaped one is how ImageJ writes a micro sign.
@@ -251,12 +253,13 @@ def rate_of_times(times: NDArray[Any], attributes: Mapping[Any, Any]) -> tuple[f
         if times.dtype.kind not in "uif":
             return None, None
         stated = attributes.get("units")
-        found = None if stated is None else seconds_in(stated.decode() if isinstance(stated, bytes) else stated)
-        if found is None:
+        unit_seconds = None if stated is None else seconds_in(stated.decode() if isinstance(stated, bytes) else stated)
+        if unit_seconds is None:
             if stated is None:
                 return None, "times have no units: they give no frame rate; give --frame-rate"
             return None, f"times are in {stated}, which is no unit of time that is read; give --frame-rate"
-        unit = found * float(np.ravel(attributes.get("scale_factor", 1.0))[0])
+        # Times may be packed as images are.
+        unit = unit_seconds * float(np.ravel(attributes.get("scale_factor", 1.0))[0])
         seconds, whole = times.astype(np.float64), bool(np.all(times == np.round(times)))
     steps = unit * np.diff(seconds)
     mean = float(np.mean(steps))
@@ -264,10 +267,8 @@ def rate_of_times(times: NDArray[Any], attributes: Mapping[Any, Any]) -> tuple[f
         return None, "times do not rise: they give no frame rate; give --frame-rate"
     rounding = unit if whole else 0.0
     if float(np.max(np.abs(steps - mean))) > max(SAME * mean, 1.001 * rounding):
-        return (
-            None,
-            f"frames are {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms apart: they have no one frame rate; give --frame-rate",
-        )
+        apart = f"frames are {1e3 * steps.min():.4g} to {1e3 * steps.max():.4g} ms apart"
+        return None, f"{apart}: they have no one frame rate; give --frame-rate"
     return 1.0 / mean, None
 
 

@@ -1,11 +1,9 @@
-"""Reader of HDF5, MATLAB's files of all versions among it.
+"""Readers of files of named arrays, of seaglint or of other programs: HDF5, MATLAB of all versions, NetCDF and Zarr.
 
 MATLAB stores the first axis of an array as the fastest one. Its version 7.3 is HDF5, whose last axis is the fastest: the axes there are
-reversed, and the attribute ``MATLAB_class`` says so. Arrays that MATLAB's ``h5write`` writes are reversed too, and nothing says so.
+reversed, as the attribute ``MATLAB_class`` shows. Arrays that MATLAB's ``h5write`` writes are reversed too, without any attribute.
 
-Readers of NetCDF and Zarr, of seaglint or of other programs.
-
-Attributes of a file's images: the band, and the directions of the pixels.
+Attributes of our own files, band and directions of the pixels, are read into a :class:`Source`.
 """
 
 from __future__ import annotations
@@ -27,6 +25,7 @@ from seaglint.formats.recording.frame_axes import RATE_NAMES, SAME, frame_rate_o
 from seaglint.formats.recording.stored_values import DEFAULT_FILLS, Decoding, in_type, of_attributes
 from seaglint.optics.band import Band
 from seaglint.store.netcdf import drop_quietly, open_netcdf
+from seaglint.store.outputs import library_errors, reason_of
 from seaglint.store.provenance import stored_band
 
 if TYPE_CHECKING:
@@ -34,10 +33,7 @@ if TYPE_CHECKING:
 
 
 #: Classes of MATLAB arrays that are numbers.
-_MATLAB_NUMBERS: Final = (
-    *("double", "single", "logical", "int8", "uint8", "int16", "uint16"),
-    *("int32", "uint32", "int64", "uint64"),
-)
+_MATLAB_NUMBERS: Final = (*("double", "single", "logical", "int8", "uint8", "int16", "uint16"), *("int32", "uint32", "int64", "uint64"))
 
 #: Axes that are turned by the corner where a picture begins (HDF5 image specification 1.2, DISPLAY_ORIGIN).
 _FLIPS: Final[dict[str, tuple[str, ...]]] = {"UL": (), "LL": ("y",), "UR": ("x",), "LR": ("y", "x")}
@@ -73,8 +69,8 @@ def open_hdf5(path: Path, how: ArrayReading, *, netcdf: bool = False) -> Recordi
             datasets[name] = item
 
     file.visititems(visit)
-    # Categories and palettes are no images; they are read where nothing else is there, or by name.
-    likely = {name: item for name, item in datasets.items() if not _is_beside(item, file)}
+    # Categories and palettes are no images; they are read in a file without other arrays, or by name.
+    likely = {name: item for name, item in datasets.items() if not _is_auxiliary(item, file)}
     name = choose(datasets if how.variable is not None or not likely else likely, how.variable, path)
     array, source = datasets[name], f"{path}:{name}"
     attributes = dict(array.attrs)
@@ -90,7 +86,8 @@ def open_hdf5(path: Path, how: ArrayReading, *, netcdf: bool = False) -> Recordi
         notes = (*notes, *unwritten_numbers(array, attributes))
     decoding, picture_notes = _picture(attributes, decoding, array.dtype, source)
     picture_notes = (*picture_notes, *_scale_elsewhere(array, file, attributes, source))
-    facts = ArrayFacts(rate, units, _names(array, attributes), decoding, notes=(*notes, *rate_notes, *picture_notes, *_unwritten(array)))
+    notes = (*notes, *rate_notes, *picture_notes, *_unwritten(array))
+    facts = ArrayFacts(_names(array, attributes), frame_rate=rate, units=units, decoding=decoding, notes=notes)
     if matlab is not None:
         return of_array(_Reversed(array), source, how, replace(facts, names=(), order="yxt"))
     return _turned(of_array(array, source, how, facts), text_of(attributes.get("DISPLAY_ORIGIN")), source)
@@ -101,8 +98,8 @@ def _is_array(item: Any) -> bool:
     return (matlab is None or matlab in _MATLAB_NUMBERS) and "MATLAB_empty" not in item.attrs and "MATLAB_sparse" not in item.attrs
 
 
-def _is_beside(item: Any, file: Any) -> bool:
-    """Return true for what stands beside images: palettes, scales of dimensions, flags, sparse arrays."""
+def _is_auxiliary(item: Any, file: Any) -> bool:
+    """Return true for arrays that are no images: palettes, scales of dimensions, flags, sparse arrays."""
     kind = text_of(item.attrs.get("CLASS"))
     parent = file[item.name.rpartition("/")[0] or "/"]
     return kind in ("PALETTE", "DIMENSION_SCALE") or "flag_meanings" in item.attrs or "MATLAB_sparse" in parent.attrs
@@ -119,7 +116,7 @@ def _rate_of_scale(array: Any) -> tuple[float | None, tuple[str, ...]]:
 
 
 def _scale_elsewhere(array: Any, file: Any, attributes: Attributes, source: str) -> tuple[str, ...]:
-    """Refuse a scale or offset of the file or group that differs from that of the array; note one that stands there alone."""
+    """Refuse a scale or offset of the file or group that differs from the array's; note one that the array lacks."""
     notes = []
     for holder in dict.fromkeys(("/", array.parent.name)):
         for name in ("scale_factor", "add_offset"):
@@ -134,7 +131,7 @@ def _scale_elsewhere(array: Any, file: Any, attributes: Attributes, source: str)
 
 
 def _names(array: Any, attributes: Attributes) -> tuple[str, ...]:
-    """Return the names of a dataset's dimensions: those of a colour picture, its labels, or those of its scales."""
+    """Return the names of a dataset's dimensions: of a colour picture, or from its labels or scales."""
     if text_of(attributes.get("IMAGE_SUBCLASS")) == "IMAGE_TRUECOLOR" and array.ndim == 3:
         return ("rgb", "y", "x") if text_of(attributes.get("INTERLACE_MODE")) == "INTERLACE_PLANE" else ("y", "x", "rgb")
     names = []
@@ -147,28 +144,35 @@ def _names(array: Any, attributes: Attributes) -> tuple[str, ...]:
 
 
 def with_default_fill(decoding: Decoding, attributes: Attributes, dtype: np.dtype[Any]) -> Decoding:
-    """Return a decoding that masks the NetCDF library's fill value of a type, where the file states none of its own."""
-    if "_FillValue" in attributes or "missing_value" in attributes:
+    """Return a decoding that masks the NetCDF library's fill value of a type, unless the file states one."""
+    if _states_missing(attributes):
         return decoding
     kind = dtype if decoding.unsigned is None else decoding.unsigned
-    # Unwritten floats hold 1e37, which no picture has. Fill values of integers may be data: they count as numbers, with a note.
+    # Unwritten floats hold about 1e37, which no picture has. Fill values of integers may be data: they count as numbers, with a note.
     fill = DEFAULT_FILLS.get(f"{kind.kind}{kind.itemsize}") if kind.kind == "f" else None
     return decoding if fill is None else replace(decoding, missing=(*decoding.missing, float(kind.type(fill))))
 
 
 def unwritten_numbers(array: Any, attributes: Attributes) -> tuple[str, ...]:
-    """Return a note where NetCDF's fill value of an integer type stands among the numbers, with nothing said of missing ones.
+    """Return a note where NetCDF's fill value of an integer type is among the numbers and no attribute states missing ones.
 
-    The first, middle and last frames are looked at. Full scale of unsigned numbers, which is their fill value, is reported as saturated.
+    Full scale of unsigned numbers, which is their fill value, is reported as saturated.
     """
     dtype = np.dtype(array.dtype)
     fill = DEFAULT_FILLS.get(f"{dtype.kind}{dtype.itemsize}")
-    if dtype.kind != "i" or fill is None or "_FillValue" in attributes or "missing_value" in attributes:
-        return ()
-    frames = sorted({0, array.shape[0] // 2, array.shape[0] - 1}) if len(array.shape) > 2 else [slice(None)]
-    if not any(bool(np.any(np.asarray(array[i]) == fill)) for i in frames):
+    if dtype.kind != "i" or fill is None or _states_missing(attributes) or not _occurs(array, fill):
         return ()
     return (f"{fill} occurs, which NetCDF writes where nothing was written, and counts as a number; --missing {fill} masks it",)
+
+
+def _states_missing(attributes: Attributes) -> bool:
+    return "_FillValue" in attributes or "missing_value" in attributes
+
+
+def _occurs(array: Any, number: Any) -> bool:
+    """Return true where a number is in the first, middle or last frame, which are read in place of all."""
+    frames = sorted({0, array.shape[0] // 2, array.shape[0] - 1}) if len(array.shape) > 2 else [slice(None)]
+    return any(bool(np.any(np.asarray(array[i]) == number)) for i in frames)
 
 
 def _picture(attributes: Attributes, decoding: Decoding, dtype: np.dtype[Any], source: str) -> tuple[Decoding, tuple[str, ...]]:
@@ -221,6 +225,7 @@ class _Reversed:
 
 def _turned(recording: Recording, origin: str | None, source: str) -> Recording:
     """Turn pictures whose first pixel is not the upper left one."""
+    # The upper left corner needs no turn; an unknown corner must not count as it.
     if origin is None or not _FLIPS.get(origin, ("?",)):
         return recording
     if origin not in _FLIPS:
@@ -246,7 +251,7 @@ def open_matlab(path: Path, how: ArrayReading) -> Recording:
         return open_hdf5(path, how)
     from scipy.io import loadmat, whosmat
 
-    try:
+    with library_errors(f"{path}: cannot be read as a MATLAB file", "save it with -v7.3, and the array as numbers"):
         sizes = {name: (tuple(shape), kind) for name, shape, kind in whosmat(str(path))}
         images = {
             name: shape
@@ -254,21 +259,16 @@ def open_matlab(path: Path, how: ArrayReading) -> Recording:
             if kind in _MATLAB_NUMBERS and sum(size > 1 for size in shape) >= 2 and min(shape) > 0
         }
         if not images:
-            held = ", ".join(f"{name} ({kind})" for name, (_, kind) in sizes.items()) or "nothing"
+            content = ", ".join(f"{name} ({kind})" for name, (_, kind) in sizes.items()) or "nothing"
             remedy = "save the array itself, in MATLAB: x = s.frames; save('x.mat', 'x', '-v7.3')"
-            raise DataError(f"{path}: holds no array of numbers with rows and columns, but {held}; {remedy}")
+            raise DataError(f"{path}: holds no array of numbers with rows and columns, but {content}; {remedy}")
         name = choose(images, how.variable, path)
         rates = [key for key in RATE_NAMES if sizes.get(key, ((), ""))[0] == (1, 1)]
         arrays: Any = loadmat(str(path), variable_names=[name, *rates])
         if name not in arrays:
             raise DataError(f"{path}: {name} cannot be read; save it with -v7.3")
-    except DataError:
-        raise
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read as a MATLAB file ({reason}); save it with -v7.3, and the array as numbers") from error
     rate = frame_rate_of({key: arrays[key] for key in rates})
-    return of_array(arrays[name], f"{path}:{name}", how, ArrayFacts(rate, order="yxt"))
+    return of_array(arrays[name], f"{path}:{name}", how, ArrayFacts(frame_rate=rate, order="yxt"))
 
 
 MOST_NAMED: Final = 16  #: Largest number of channels that a message names.
@@ -300,7 +300,7 @@ def open_zarr(path: Path, how: ArrayReading, *, ours: bool = False) -> Recording
     try:
         node: Any = zarr.open(str(path), mode="r")
     except Exception as error:
-        raise _unreadable(path, error) from error
+        raise DataError(f"{path}: cannot be read as Zarr ({reason_of(error)})") from error
     if isinstance(node, zarr.Array):
         return _of_zarr_array(node, str(path), how)
     try:
@@ -339,12 +339,10 @@ def _of_zarr_array(array: Any, source: str, how: ArrayReading) -> Recording:
     decoding, notes = of_attributes(attributes, np.dtype(array.dtype), source)
     names = tuple(attributes.get("_ARRAY_DIMENSIONS") or getattr(array.metadata, "dimension_names", None) or ())
     facts = ArrayFacts(
-        frame_rate_of(attributes),
-        None if notes else text_of(attributes.get("units")),
         tuple(map(str, names)) if all(names) else (),
-        decoding,
+        frame_rate=frame_rate_of(attributes), units=None if notes else text_of(attributes.get("units")), decoding=decoding,
         notes=(*notes, *_fill_notes(array, how.missing)),
-    )
+    )  # fmt: skip
     return of_array(array, source, replace(how, missing=(*how.missing, *_packed_fill(array))), facts)
 
 
@@ -352,14 +350,13 @@ def _packed_fill(array: Any) -> tuple[float, ...]:
     """Return the fill value of packed numbers of version 2 that no attribute calls missing: there xarray writes ``_FillValue`` so."""
     attributes, fill = dict(array.attrs), array.fill_value
     packed = array.metadata.zarr_format == 2 and ("scale_factor" in attributes or "add_offset" in attributes)
-    stated = "_FillValue" in attributes or "missing_value" in attributes
-    return () if not packed or stated or fill is None or fill == 0 else (fill,)
+    return () if not packed or _states_missing(attributes) or fill is None or fill == 0 else (fill,)
 
 
 def _fill_notes(array: Any, masked: tuple[float, ...]) -> tuple[str, ...]:
-    """Return notes on the fill value: it fills chunks that are not there, and is a number where it stands in one.
+    """Return notes on the fill value: it fills absent chunks, and counts as a number in present ones.
 
-    The first, middle and last frames are looked at. Version 3 has no reader that masks its usual fill value, 0.
+    Version 3 has no reader that masks its usual fill value, 0.
     """
     notes = []
     attributes = dict(array.attrs)
@@ -368,22 +365,16 @@ def _fill_notes(array: Any, masked: tuple[float, ...]) -> tuple[str, ...]:
     if there < whole:
         notes.append(unwritten_note(whole - there, whole, fill))
     dtype = np.dtype(array.dtype)
-    if fill is None or "_FillValue" in attributes or "missing_value" in attributes or not in_type([fill], dtype) or fill in masked:
+    if fill is None or _states_missing(attributes) or not in_type([fill], dtype) or fill in masked:
         return tuple(notes)
     if array.metadata.zarr_format == 3 and fill == 0:
         return tuple(notes)
-    frames = sorted({0, array.shape[0] // 2, array.shape[0] - 1}) if array.ndim > 2 else [slice(None)]
-    if there == whole and any(bool(np.any(np.asarray(array[i]) == fill)) for i in frames):
+    if there == whole and _occurs(array, fill):
         notes.append(
             f"the store's fill value {float(fill):.9g} also occurs as data and counts as a number, as no attribute calls it missing; "
             f"--missing {float(fill):.9g} masks it"
         )
     return tuple(notes)
-
-
-def _unreadable(path: Path, error: Exception) -> DataError:
-    reason = " ".join(str(error).split())[:200] or type(error).__name__
-    return DataError(f"{path}: cannot be read as Zarr ({reason})")
 
 
 def _images(dataset: Any) -> dict[str, Any]:
@@ -423,15 +414,9 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading, *, netcdf: bool = F
     if netcdf:
         notes = (*notes, *unwritten_numbers(_Lazy(chosen), attributes))
     facts = ArrayFacts(
-        rate,
-        units,
-        tuple(map(str, chosen.dims)),
-        decoding,
-        None if full is None else float(full),
-        channels=_channel_names(dataset, chosen),
-        notes=(*notes, *rate_notes),
-        blur_px=stored_blur(dataset, name),
-    )
+        tuple(map(str, chosen.dims)), _channel_names(dataset, chosen), blur_px=stored_blur(dataset, name),
+        frame_rate=rate, units=units, decoding=decoding, saturation=None if full is None else float(full), notes=(*notes, *rate_notes),
+    )  # fmt: skip
     return of_array(_Lazy(chosen), f"{source}:{name}", how, facts)
 
 
@@ -462,7 +447,7 @@ def _channel_names(dataset: Any, images: Any) -> tuple[str, ...]:
     return tuple(f"{value:g}" if isinstance(value, float) else str(value) for value in dataset[along].to_numpy().tolist())
 
 
-#: Variables of our files that a sensor made; the others are its aperture's radiance averaged over pixels, and what follows from it.
+#: Variables of our files that a sensor made; the others are its aperture's radiance averaged over pixels, or derived from it.
 _OF_SENSOR: Final = ("signal", "electrons")
 
 
@@ -473,7 +458,7 @@ def stored_blur(dataset: Any, name: str) -> float | None:
         stated = dataset.attrs.get("sensor_blur_px")
     if stated is not None:
         return float(stated)
-    # Of all our files those of a rendered scene state its air; a texture has the blur of what it was made from.
+    # Only files of a rendered scene state its air; the blur of a texture is the blur of its source.
     return 0.0 if name not in _OF_SENSOR and "atmosphere_table" in dataset.attrs else None
 
 
@@ -490,14 +475,13 @@ class _Lazy:
 def stored_frame_rate(dataset: Any, images: Any) -> float | None:
     """Return the frames per second [Hz] of images in a dataset.
 
-    That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
-    attributes.
+    Where it is even, the time coordinate overrules the attributes: a selection of every other frame has the attributes of all frames.
     """
     return _rate(dataset, images)[0]
 
 
 def _rate(dataset: Any, images: Any) -> tuple[float | None, tuple[str, ...]]:
-    """Return the frame rate [Hz] of images, and a note where it is not that of the attributes, or where times give none.
+    """Return the frame rate [Hz] of images, and a note where it differs from the attributes, or where times give no rate.
 
     Times are a coordinate along the images' own dimension: a file may have others, of its weather.
     """
@@ -521,10 +505,10 @@ class Source:
     """Attributes of a recording beside its pixel values."""
 
     band: Band | None = None
-    step: tuple[float, float] | None = None  #: Return the angle between columns and between rows [rad].
+    step: tuple[float, float] | None = None  #: Angle between columns and between rows [rad].
     azimuth_deg: FloatArray | None = None
     elevation_deg: FloatArray | None = None
-    frames: range | None = None  #: Return the numbers of the frames in the sequence that they belong to.
+    frames: range | None = None  #: Numbers of the frames in the sequence that they belong to.
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Source:
@@ -571,15 +555,10 @@ def source_of(path: Path) -> Source | None:
     DataError
         A file that cannot be read.
     """
-    try:
+    with library_errors(f"{path}: cannot be read", "is the file whole?"):
         if is_zarr(path):
             return _of_zarr(path)
         if path.suffix.lower() in (".nc", ".nc4"):
             with open_netcdf(path, decode_times=False) as dataset:
                 return Source.of(dataset)
-    except DataError:
-        raise
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
     return None

@@ -1,21 +1,18 @@
-"""Frames that can only be decoded in order: of videos and animations.
+"""Readers of pictures and videos: PNG, GIF, BMP, PGM and JPEG by Pillow, animated ones among them, and video files by PyAV.
 
-One file of pictures: its frames as stored, and what the file says of them.
-
-Reader of PNG, GIF, BMP, PGM and JPEG by Pillow, animated ones among them.
+Frames of videos and animations can only be decoded in order. A lossy codec is noted.
 
 References
 ----------
 PNG specification, third edition: IHDR, PLTE, tRNS, gAMA, pCAL (in the extensions), acTL and fcTL.
-
-Reader of video files, decoded forward; a lossy codec is noted.
 """
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,7 +22,7 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.optional import optional
-from seaglint.formats.recording.stored_values import PLAIN, Decoding, SeveralChannelsError, grey
+from seaglint.formats.recording.stored_values import PLAIN, SeveralChannelsError, ValueFacts, grey
 
 
 class ForwardFrames:
@@ -51,6 +48,7 @@ class ForwardFrames:
         DataError
             The file ends before, or its frames differ in shape.
         """
+        # Decoders cannot go back: an earlier frame begins a new pass.
         if start < self._next or self._next == 0:
             self._next, self._frames = 0, self._decode()
         block: list[NDArray[Any]] = []
@@ -67,8 +65,8 @@ class ForwardFrames:
 
 
 @dataclass(frozen=True)
-class PictureFile:
-    """Frames of one file."""
+class PictureFile(ValueFacts):
+    """Frames of one file as stored, and facts about their values."""
 
     path: Path  #: The file.
     #: ``frames``, ``rows``, ``columns``: Size.
@@ -79,11 +77,6 @@ class PictureFile:
     #: ``(start, stop) -> stored numbers``, shape (stop - start, rows, columns), with a further axis of channels for colours.
     read: Callable[[int, int], NDArray[Any]]
     colours: int = 0  #: Length of the axis of colours, grey and alpha (2), RGB (3) or RGBA (4); 0 without that axis.
-    frame_rate: float | None = None  #: [Hz].
-    units: str | None = None  #: Units of the values.
-    decoding: Decoding = PLAIN  #: Relation of stored numbers to values.
-    saturation: float | None = None  #: Value of full scale.
-    notes: tuple[str, ...] = ()  #: Sentences for the user.
 
 
 def channel_index(count: int, requested: str | None, source: object) -> int:
@@ -133,17 +126,14 @@ _UNEVEN_GIF: Final = 10.0  #: Largest difference between durations of a GIF's fr
 
 
 @dataclass(frozen=True)
-class _PngHeader:
-    """Header of a PNG: size, depth, kind of colours, and chunks that change the meaning of numbers."""
+class _PngHeader(ValueFacts):
+    """Header of a PNG: size, depth, kind of colours, and facts from chunks that change the meaning of numbers."""
 
     rows: int
     columns: int
     depth: int
     colour: int
     animated: bool = False
-    decoding: Decoding = PLAIN
-    units: str | None = None
-    notes: tuple[str, ...] = field(default=())
 
 
 def open_picture(path: Path) -> PictureFile:
@@ -248,9 +238,9 @@ def _numbers(image: Any, path: Path) -> NDArray[Any]:
     maximum = _netpbm(path)[0] if image.format == "PPM" else None
     if image.format == "JPEG" and image.mode == "CMYK":
         raise DataError(f"{path}: holds inks (CMYK), which are no measure of radiance; give the grey original")
-    turned = ImageOps.exif_transpose(image) if image.format == "JPEG" else image
+    upright = ImageOps.exif_transpose(image) if image.format == "JPEG" else image
     # A palette is a picture of colours, not numbers; 16-bit grey comes as 32-bit integers from some versions.
-    stored = np.asarray(turned.convert("RGB") if turned.mode in ("P", "PA") else turned)
+    stored = np.asarray(upright.convert("RGB") if upright.mode in ("P", "PA") else upright)
     if image.mode.startswith("I"):
         stored = stored.astype(np.uint16)
     if stored.dtype == np.bool_:
@@ -306,6 +296,7 @@ def _png_header(path: Path) -> _PngHeader | None:
                 if kind == b"IDAT":
                     break
                 content = file.read(length) if kind in _LOOKED_AT else b""
+                # A checksum of 4 bytes follows the content of a chunk.
                 file.seek(4 if content or not length else length + 4, 1)
                 if kind == b"IHDR":
                     columns, rows, depth, colour = struct.unpack(">IIBB", content[:10])
@@ -373,18 +364,12 @@ def _netpbm(path: Path) -> tuple[int | None, list[str]]:
         head = file.read(4096)
     words: list[bytes] = []
     at = 0
+    # Bitmaps (P1, P4) have no largest number: three words, not four.
     needed = 3 if head[:2] in (b"P1", b"P4") else 4
-    while len(words) < needed and at < len(head):
-        if head[at : at + 1] == b"#":
-            at = head.find(b"\n", at) + 1 or len(head)
-        elif head[at : at + 1].isspace():
-            at += 1
-        else:
-            end = at
-            while end < len(head) and not head[end : end + 1].isspace():
-                end += 1
-            words.append(head[at:end])
-            at = end
+    for match in re.finditer(rb"#[^\n]*|\S+", head):
+        if len(words) < needed and not match[0].startswith(b"#"):
+            words.append(match[0])
+            at = match.end()
     if len(words) < needed or not words[1].isdigit() or not words[2].isdigit():
         return None, []
     columns, rows = int(words[1]), int(words[2])
@@ -409,8 +394,8 @@ def _radiometric(path: Path) -> list[str]:
     """Return a note on the numbers of a thermal camera that some JPEG files carry beside their picture (FLIR)."""
     with path.open("rb") as file:
         head = file.read(65536)
-    there = b"\xff\xe1" in head and b"FLIR\x00" in head
-    return ["the camera's thermal numbers beside the picture (FLIR) are not read: export them as TIFF"] if there else []
+    thermal = b"\xff\xe1" in head and b"FLIR\x00" in head
+    return ["the camera's thermal numbers beside the picture (FLIR) are not read: export them as TIFF"] if thermal else []
 
 
 VIDEO_ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
@@ -430,12 +415,13 @@ def open_video(path: Path, channel: str | None) -> Recording:
             pixel = stream.codec_context.format
             bits = max(component.bits for component in pixel.components) if pixel is not None else 8
             rows, columns = stream.codec_context.height, stream.codec_context.width
-            # Counted, not trusted: headers of cut files tell the length that was planned.
+            # Packets are counted: headers of cut files state the length that was planned.
             packets = [(packet.pts, packet.time_base) for packet in container.demux(stream) if packet.size]
             frames, uneven = len(packets), _uneven(packets)
+            # PyAV's conversion stretches a limited range to the full one.
             narrow = getattr(stream.codec_context, "color_range", 0) == _LIMITED
     except Exception as error:
-        raise DataError(f"{path}: cannot be read as video ({str(error).splitlines()[0]})") from error
+        raise DataError(f"{path}: cannot be read as video ({first_line(error)})") from error
     if frames == 0:
         raise DataError(f"{path}: holds no frames")
     decoder = ForwardFrames(path, lambda: _decoded_frames(path, bits > 8, channel))
@@ -447,7 +433,7 @@ def open_video(path: Path, channel: str | None) -> Recording:
     if uneven is not None:
         notes.append(f"frames are {uneven[0]:.3g} to {uneven[1]:.3g} ms apart: they have no one frame rate; give --frame-rate")
         rate = None
-    saturation = 65535.0 if bits > 8 else 255.0  # what is deeper than 8 bits is widened to 16
+    saturation = 65535.0 if bits > 8 else 255.0  # numbers of more than 8 bits are widened to 16
     return Recording(
         f"{path} ({codec})", frames, rows, columns, decoder.read, float(rate) if rate else None, None, saturation, tuple(notes)
     )
@@ -459,6 +445,7 @@ def _uneven(packets: list[tuple[int | None, Any]]) -> tuple[float, float] | None
     if len(times) < max(len(packets), 3):
         return None
     steps = 1e3 * np.diff(times)
+    # Times are whole ticks of the stream's clock: two of them differ by up to two roundings.
     tick = 1e3 * float(packets[0][1])
     spread = float(steps.max() - steps.min())
     return (float(steps.min()), float(steps.max())) if spread > max(2.5 * tick, 0.02 * float(np.median(steps))) else None
@@ -478,4 +465,4 @@ def _decoded_frames(path: Path, deep: bool, channel: str | None) -> Iterator[NDA
     except DataError:
         raise
     except Exception as error:
-        raise DataError(f"{path}: frame {number} cannot be decoded ({str(error).splitlines()[0]})") from error
+        raise DataError(f"{path}: frame {number} cannot be decoded ({first_line(error)})") from error

@@ -1,14 +1,13 @@
-"""Pictures as recordings: one file or many in order; TIFF, and what Pillow reads.
+"""Opening of recordings: choice of the reader by path, and properties that the user states in place of the file.
 
-Opening of recordings: choice of the reader by path, and properties that the user states in place of the file.
+Pictures are one recording whether they are one file or many; many are read in the order of the numbers in their names.
 """
 
 from __future__ import annotations
 
 import glob
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,15 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import FrameArray, Recording
-from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.errors import DataError
 from seaglint.formats.recording import arrays, fits_images, pictures
-from seaglint.formats.recording import pictures as video
 from seaglint.formats.recording.arrays import ArrayReading, RawLayout, joined, open_raw, resolved
 from seaglint.formats.recording.frame_axes import require_axes
 from seaglint.formats.recording.labelled_arrays import is_zarr, open_hdf5, open_labelled_netcdf, open_matlab, open_zarr
 from seaglint.formats.recording.pictures import PictureFile, open_picture
 from seaglint.formats.recording.stored_values import Decoding, colour_notes, grey, require_channel
 from seaglint.formats.recording.tiff import open_tiff
+from seaglint.store.outputs import library_errors
 
 TIFF_ENDINGS = (".tif", ".tiff", ".btf", ".tf8")
 ENDINGS = (*TIFF_ENDINGS, *pictures.PICTURE_ENDINGS)
@@ -56,11 +55,11 @@ def open_images(paths: Sequence[Path], channel: str | None, missing: tuple[float
     pages = sum(file.frames for file in files)
     counted = "" if pages == len(paths) else f", {pages} pages"
     several = f"{first.path.parent} ({len(paths)} images {first.path.name} ... {paths[-1].name}{counted})"
-    own = [*first.notes, *first.decoding.notes]
+    notes = [*first.notes, *first.decoding.notes]
     if any(file.decoding != first.decoding for file in files):
-        own = [*first.notes, "the files state different scales or missing values, and each is read by its own"]
+        notes = [*first.notes, "the files state different scales or missing values, and each is read by its own"]
     whole = joined([_recording(file, channel) for file in files], str(first.path) if len(paths) == 1 else several)
-    whole = replace(whole, notes=(*_channel_note(first, channel), *own, *missing_numbers(paths)))
+    whole = replace(whole, notes=(*_channel_note(first, channel), *notes, *missing_numbers(paths)))
     decoded = first.decoding.dtype(first.dtype)
     return resolved(whole) if decoded.itemsize > 2 and decoded != np.float32 else whole
 
@@ -110,6 +109,7 @@ def missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
     if len(varying) != 1 or not all(key[varying[0]][0] == 0 for key in keys):
         return ()
     numbers = np.array([key[varying[0]][1] for key in keys])
+    # The smallest step is the rule: a sequence may keep every other frame.
     steps = np.diff(numbers)
     step = int(steps.min())
     if step < 1 or (steps == step).all():
@@ -203,7 +203,8 @@ def open_recording(
     if saturation is not None and not np.isfinite(saturation):
         raise DataError(f"saturation = {saturation:g}; give a finite number")
     how = ArrayReading(variable, channel, axes, tuple(float(number) for number in missing))
-    with _damage(path):
+    damage = (f"{path}: cannot be read", "is the file whole?")
+    with library_errors(*damage):
         recording = _open(Path(path), raw, how)
     notes = recording.notes
     if axes is not None and not Path(path).name.lower().endswith(_ARRAY_ENDINGS) and not Path(path).is_dir():
@@ -214,7 +215,7 @@ def open_recording(
     read_block = recording.read_block
 
     def read(start: int, stop: int) -> FrameArray:
-        with _damage(path):
+        with library_errors(*damage):  # frames are decoded when they are read, long after the file was opened
             return read_block(start, stop)
 
     return replace(
@@ -225,18 +226,6 @@ def open_recording(
         notes=notes,
         read_block=read,
     )
-
-
-@contextmanager
-def _damage(path: str | Path) -> Iterator[None]:
-    """Report exceptions of libraries at damaged files, which are of nearly any type, as an error of one line."""
-    try:
-        yield
-    except SeaglintError:
-        raise
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
 
 
 def _open(path: Path, raw: RawLayout | None, how: ArrayReading) -> Recording:
@@ -256,8 +245,8 @@ def _open(path: Path, raw: RawLayout | None, how: ArrayReading) -> Recording:
         return _with_missing(open_raw(path, raw if raw is not None else RawLayout.beside(path)), how)
     if ending in ENDINGS:
         return open_images([path], how.channel, how.missing)
-    if ending in video.VIDEO_ENDINGS:
-        return _with_missing(video.open_video(path, how.channel), how)
+    if ending in pictures.VIDEO_ENDINGS:
+        return _with_missing(pictures.open_video(path, how.channel), how)
     if ending in _NUMPY:
         return arrays.open_numpy(path, how)
     if ending in _HDF5:
@@ -286,7 +275,7 @@ def _open_folder(path: Path, how: ArrayReading) -> Recording:
 
         ours = is_sequence(path)
         if ours:
-            open_sequence(path).close()  # tells what is unfinished or damaged
+            open_sequence(path).close()  # raises the error of an unfinished or damaged sequence
         return open_zarr(path, how, ours=ours)
     files = sorted((f for f in path.iterdir() if f.is_file() and not f.name.startswith(".")), key=natural)
     chosen = [f for f in files if f.suffix.lower() in ENDINGS] or [f for f in files if f.name.lower().endswith(_SEVERAL)]

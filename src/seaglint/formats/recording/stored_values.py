@@ -1,7 +1,4 @@
-"""Values as files store them: full scale, and one channel of colour images.
-
-Values of stored numbers: missing values, valid range, scale and offset, and where white is zero.
-"""
+"""Values of the numbers that files of images store: missing values, valid range, scale and offset, white as zero, channels of colours."""
 
 from __future__ import annotations
 
@@ -40,8 +37,9 @@ def require_channel(channel: str) -> None:
 
 
 def _alike(colours: NDArray[Any]) -> bool:
-    """Return true where channels vary together: apart from a level of their own they differ by rounding, or by little of what they vary."""
+    """Return true where channels vary together: apart from a constant they differ by rounding, or by a small part of their variation."""
     step = 1.0 if colours.dtype.kind in "iu" else 0.0
+    # A constant difference is a level, not a colour: its deviation counts.
     first = colours[..., 0].astype(np.float64)
     largest = max(ALIKE * float(np.nanstd(first)), step)
     return all(float(np.nanstd(colours[..., i] - first)) <= largest for i in range(1, colours.shape[-1]))
@@ -55,8 +53,8 @@ def full_scale(dtype: np.dtype[Any]) -> float | None:
 def colour_notes(stored: NDArray[Any], channel: str | None) -> tuple[str, ...]:
     """Return notes on the first picture of several channels: which is read, whether they are averaged, and alpha that is ignored."""
     opaque = np.iinfo(stored.dtype).max if stored.dtype.kind in "iu" else 1
-    unseen = stored.shape[-1] in (2, 4) and bool(np.any(stored[..., -1] != opaque))
-    alpha = ("alpha, which is not full everywhere, is ignored: values are the stored numbers",) if unseen else ()
+    transparent = stored.shape[-1] in (2, 4) and bool(np.any(stored[..., -1] != opaque))
+    alpha = ("alpha, which is not full everywhere, is ignored: values are the stored numbers",) if transparent else ()
     if channel is not None:
         return (f"colour image, channel {channel}", *alpha)
     averaged = stored.shape[-1] > 2 and bool(np.ptp(stored[..., :3], axis=-1).any())
@@ -116,7 +114,7 @@ class Decoding:
     number, or ``white - number`` where white is zero.
     """
 
-    missing: tuple[float, ...] = ()  #: Stored numbers that stand for no value.
+    missing: tuple[float, ...] = ()  #: Stored numbers without a value.
     #: ``low``, ``high``: Valid range of the stored numbers.
     low: float | None = None
     high: float | None = None
@@ -150,12 +148,13 @@ class Decoding:
         return np.dtype(np.float32 if narrow and self.scale == 1.0 and self.offset == 0.0 else np.float64)
 
     def values(self, stored: NDArray[Any]) -> NDArray[Any]:
-        """Return the values of stored numbers; NaN where there is none."""
+        """Return the values of stored numbers; NaN for a missing value."""
         if self.unsigned is not None:
             stored = np.ascontiguousarray(stored).view(self.unsigned)
         if self.straight and not self.masks:
             return stored
         values = stored.astype(self.dtype(stored.dtype))
+        # In place, in the order of the relation: an array of a whole sequence is not copied for each step.
         if self.white is not None:
             np.subtract(self.white, values, out=values)
         if self.scale != 1.0:
@@ -167,7 +166,7 @@ class Decoding:
         return values
 
     def with_missing(self, numbers: Iterable[float], stored: np.dtype[Any]) -> Decoding:
-        """Return the decoding with further numbers that stand for no value, those that a type of stored numbers can hold."""
+        """Return the decoding with further numbers without a value, as far as the type of the stored numbers can hold them."""
         return replace(self, missing=tuple(dict.fromkeys((*self.missing, *in_type(numbers, stored)))))
 
     def _absent(self, stored: NDArray[Any]) -> NDArray[np.bool_]:
@@ -182,7 +181,7 @@ class Decoding:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences for the user: what is masked, scaled or inverted."""
+        """Return sentences for the user on masked, scaled or inverted numbers."""
         notes = []
         if self.missing:
             notes.append(f"stored values of {', '.join(f'{number:.9g}' for number in self.missing)} are missing values and are masked")
@@ -200,13 +199,24 @@ class Decoding:
 PLAIN: Final = Decoding()  #: Stored numbers that are the values.
 
 
+@dataclass(frozen=True, kw_only=True)
+class ValueFacts:
+    """Facts of a file about the values of its images."""
+
+    frame_rate: float | None = None  #: Frames per second [Hz].
+    units: str | None = None  #: Units of the values.
+    decoding: Decoding = PLAIN  #: Relation of stored numbers to values.
+    saturation: float | None = None  #: Value of full scale.
+    notes: tuple[str, ...] = ()  #: Sentences for the user.
+
+
 def in_type(numbers: Iterable[Any], dtype: np.dtype[Any]) -> tuple[float, ...]:
     """Return the numbers that a type can hold, each once and as the type rounds them; NaN needs no mask.
 
     >>> in_type([-9999.0, 1e20], np.dtype(np.int16))
     (-9999,)
     """
-    kept: dict[float, None] = {}
+    held: dict[float, None] = {}
     for number in numbers:
         value = float(number)
         if np.isnan(value):
@@ -214,15 +224,16 @@ def in_type(numbers: Iterable[Any], dtype: np.dtype[Any]) -> tuple[float, ...]:
         if dtype.kind in "iu":
             if not (np.isfinite(value) and value == int(value) and np.iinfo(dtype).min <= int(value) <= np.iinfo(dtype).max):
                 continue
-            kept[int(number) if isinstance(number, int | np.integer) else int(value)] = None
+            # A float cannot hold every integer of 64 bits: the number itself is taken where it is an integer.
+            held[int(number) if isinstance(number, int | np.integer) else int(value)] = None
         elif dtype.kind == "f":
             with np.errstate(over="ignore"):
-                kept[float(dtype.type(value))] = None
-    return tuple(kept)
+                held[float(dtype.type(value))] = None
+    return tuple(held)
 
 
 def of_attributes(attributes: Mapping[Any, Any], dtype: np.dtype[Any], source: str) -> tuple[Decoding, tuple[str, ...]]:
-    """Return the decoding that CF attributes state, and notes on attributes that are no CF ones: with any, units do not hold.
+    """Return the decoding that CF attributes state, and notes on attributes of other names: with any, units do not hold.
 
     ``_FillValue``, ``missing_value``, ``valid_min``, ``valid_max``, ``valid_range``, ``scale_factor``, ``add_offset`` and ``_Unsigned``
     (CF conventions 1.11, sections 2.5.1 and 8.1; NetCDF users' guide, appendix A).
@@ -242,10 +253,7 @@ def of_attributes(attributes: Mapping[Any, Any], dtype: np.dtype[Any], source: s
             return numbers
         return [int(n) + int(np.iinfo(kind).max) + 1 if float(n) < 0.0 and float(n) >= np.iinfo(signed).min else n for n in numbers]
 
-    missing = in_type(
-        as_stored([*_numbers(attributes, "_FillValue", source), *_numbers(attributes, "missing_value", source)]),
-        kind,
-    )
+    missing = in_type(as_stored([*_numbers(attributes, "_FillValue", source), *_numbers(attributes, "missing_value", source)]), kind)
     scale, offset = _single(attributes, "scale_factor", 1.0, source), _single(attributes, "add_offset", 0.0, source)
     low, high = _valid_range(attributes, kind, scale, offset, source, as_stored)
     notes = _other_names(attributes, scale, offset, source)
@@ -258,8 +266,8 @@ def _other_sign(word: Any, dtype: np.dtype[Any], source: str) -> np.dtype[Any] |
     text = (word.decode() if isinstance(word, bytes) else str(np.ravel(word)[0])).strip().lower()
     if text not in ("true", "false"):
         raise DataError(f"{source}: _Unsigned = '{text}'; allowed are true, false")
-    wanted = "u" if text == "true" else "i"
-    return None if dtype.kind == wanted else np.dtype(f"{dtype.byteorder if dtype.byteorder in '<>' else ''}{wanted}{dtype.itemsize}")
+    kind = "u" if text == "true" else "i"
+    return None if dtype.kind == kind else np.dtype(f"{dtype.byteorder if dtype.byteorder in '<>' else ''}{kind}{dtype.itemsize}")
 
 
 def _numbers(attributes: Mapping[Any, Any], name: str, source: str) -> list[Any]:
@@ -311,8 +319,10 @@ def _valid_range(
         of_values = packed and kind.kind in "iu" and given.dtype.kind == "f"
         low_high.append((number - offset) / scale if of_values else float(as_stored(numbers)[0]))
     low, high = low_high
+    # A negative scale turns a range of values round.
     if scale < 0.0 and low is not None and high is not None and low > high:
         low, high = high, low
+    # Checked after the turn: what is still empty cannot be satisfied.
     if low is not None and high is not None and low > high:
         raise DataError(f"{source}: the valid range {low:g} to {high:g} is empty; correct the attributes")
     # An end of the type's own range masks nothing.
@@ -325,7 +335,7 @@ def _valid_range(
 def _other_names(attributes: Mapping[Any, Any], scale: float, offset: float, source: str) -> tuple[str, ...]:
     """Refuse a second scale or offset that differs from the first; note one that CF does not know."""
     units = attributes.get("units")
-    # A gain beside counts is the camera's: the stored numbers are what the units say.
+    # A gain in addition to units of counts is the camera's: the stored numbers are in these units.
     counts = str(units.decode() if isinstance(units, bytes) else units).strip().lower() in _COUNTS
     lower = {str(name).lower(): (name, value) for name, value in attributes.items()}
     notes = []

@@ -1,8 +1,7 @@
-"""Facts that a TIFF states beside its pixels: rate, units, missing value and the line of its counts.
+"""Reader of TIFF: which pages are frames, which channel is read, the numbers of each page, and facts beside the pixels.
 
-Read are our own words, ImageJ's, OME's, GDAL's (tags 42112 and 42113) and the frame rate of CinemaDNG (tag 51044).
-
-Reader of TIFF: which pages are frames, which channel is read, and the numbers of each page.
+Facts are frame rate, units, missing value and the line of the counts, in the words of seaglint, ImageJ, OME and GDAL (tags 42112 and
+42113), and the frame rate of CinemaDNG (tag 51044).
 
 References
 ----------
@@ -30,7 +29,7 @@ from seaglint.base.free_form import JsonObject
 from seaglint.base.optional import optional
 from seaglint.formats.recording.frame_axes import AxisOrder, Ordered, one_rate, seconds_in
 from seaglint.formats.recording.pictures import PictureFile, channel_index, first_line
-from seaglint.formats.recording.stored_values import PLAIN, Decoding, in_type
+from seaglint.formats.recording.stored_values import Decoding, ValueFacts, in_type
 
 _STRAIGHT: Final = 0
 _UNCALIBRATED: Final = 20  #: ImageJ's numbers of a calibration by a straight line, and of none (``ij.measure.Calibration``).
@@ -41,18 +40,13 @@ _UNUSED: Final = {291: "GrayResponseCurve", 301: "TransferFunction", 50712: "Lin
 
 
 @dataclass(frozen=True)
-class TiffFacts:
-    """Frame rate [Hz], units, decoding of the numbers, full scale, and notes; None where the file does not say.
+class TiffFacts(ValueFacts):
+    """Facts of a TIFF about its values.
 
-    ``bands`` are scale, offset and units of each channel by GDAL, which states them one by one; None where it states none.
+    ``bands`` are scale, offset and units of each channel by GDAL, which states them one by one; None without them.
     """
 
-    frame_rate: float | None = None
-    units: str | None = None
-    decoding: Decoding = PLAIN
     bands: tuple[tuple[float, float, str | None], ...] | None = None
-    full_scale: float | None = None
-    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, file: Any, page: Any, source: str) -> TiffFacts:
@@ -87,10 +81,12 @@ class TiffFacts:
         first, offset = _one_line(lines, source)
         rate, notes = one_rate(_rates(file, page, own, imagej))
         decoding = Decoding(in_type(blanks, np.dtype(page.dtype)), scale=first, offset=offset, white=_white(page, source))
-        return cls(rate, units, decoding, bands if bands and not lines else None, _limit(file, page), (*notes, *_curves(page)))
+        # Counts of an export end at the largest value, which is no saturation: full scale holds without a line alone.
+        stated = bands if bands and not lines else None
+        return cls(stated, frame_rate=rate, units=units, decoding=decoding, saturation=_limit(file, page), notes=(*notes, *_curves(page)))
 
     def of_channel(self, index: int | None) -> TiffFacts:
-        """Return the facts of one channel, of the first where there is one; a channel without a line of GDAL's own has none."""
+        """Return the facts of one channel, by default of the first; a channel without a line of GDAL's has unscaled values."""
         if self.bands is None:
             return self
         place = 0 if index is None else index
@@ -98,9 +94,9 @@ class TiffFacts:
         return replace(self, units=units or self.units, decoding=replace(self.decoding, scale=scale, offset=zero))
 
     @property
-    def saturation(self) -> float | None:
-        """Value of full scale; None where a line makes the values, since counts of an export end at the largest value."""
-        return self.full_scale if self.decoding.scale == 1.0 and self.decoding.offset == 0.0 else None
+    def full_scale(self) -> float | None:
+        """Value of full scale; None for numbers with a line, since counts of an export end at the largest value."""
+        return self.saturation if self.decoding.scale == 1.0 and self.decoding.offset == 0.0 else None
 
 
 def _imagej_line(imagej: JsonObject, source: str) -> tuple[float, float] | None:
@@ -151,6 +147,7 @@ def _rates(file: Any, page: Any, own: JsonObject | None, imagej: JsonObject) -> 
         rates |= {} if rate is None else {"our own description": rate}
     elif interval is not None and unit is not None:
         rates["ImageJ's finterval"] = 1.0 / (interval * unit)
+    # A rational number: numerator and denominator.
     fraction = _tag(page, 51044)
     if fraction is not None:
         above, below = (float(part) for part in np.ravel(fraction)[:2]) if np.size(fraction) > 1 else (float(fraction), 1.0)
@@ -188,8 +185,8 @@ def _ome_interval(pixels: Any) -> float | None:
     if len(times) < 2 or sorted(times) != list(range(len(times))):
         return None
     steps = np.diff([times[i] for i in range(len(times))])
-    middle = float(np.median(steps))
-    return middle if middle > 0.0 and bool(np.all(np.abs(steps - middle) < 0.01 * middle)) else None
+    typical = float(np.median(steps))
+    return typical if typical > 0.0 and bool(np.all(np.abs(steps - typical) < 0.01 * typical)) else None
 
 
 def _one_line(lines: dict[str, tuple[float, float]], source: str) -> tuple[float, float]:
@@ -224,7 +221,7 @@ def _white(page: Any, source: str) -> float | None:
 
 
 def _limit(file: Any, page: Any) -> float | None:
-    """Return full scale: a white level (DNG), that of OME's significant bits, or that of the bits of a number."""
+    """Return full scale: a white level (DNG), or by OME's significant bits or the bits of a number."""
     white = _tag(page, 50717)
     if white is not None:
         return float(np.ravel(white)[0])
@@ -251,12 +248,12 @@ def _tag(page: Any, code: int) -> Any:
 
 
 def _own(text: Any) -> JsonObject | None:
-    """Our own metadata, or None for any other text."""
+    """Return our own metadata; None for any other text."""
     try:
-        found = json.loads(text)
+        table = json.loads(text)
     except (TypeError, ValueError):
         return None
-    return found if isinstance(found, dict) and {"variable", "attributes"} <= set(found) and isinstance(found["attributes"], dict) else None
+    return table if isinstance(table, dict) and {"variable", "attributes"} <= set(table) and isinstance(table["attributes"], dict) else None
 
 
 def _words(value: Any) -> str | None:
@@ -325,7 +322,7 @@ class _StackFrames:
 
 
 def open_tiff(path: Path, channel: str | None) -> PictureFile:
-    """Look at a TIFF: its frames, their size and type, and what it says of them.
+    """Look at a TIFF: its frames, their size and type, and the facts about them.
 
     Raises
     ------
@@ -352,7 +349,7 @@ def open_tiff(path: Path, channel: str | None) -> PictureFile:
 
 
 def _require_whole(file: Any, path: Path, frames: _StackFrames) -> None:
-    """Refuse a file of fewer images than its description names: where the end is cut off, tifffile takes what is there for all."""
+    """Refuse a file of fewer images than its description names: tifffile reads a file that is cut as if it were whole."""
     page = file.pages[0]
     named = 1
     if file.is_imagej:
@@ -382,21 +379,21 @@ def _shape_of(description: str) -> tuple[int, ...]:
 
 
 class _Messages(logging.Filter):
-    """Messages of tifffile, kept from the terminal: what matters is an error or a note here."""
+    """Messages of tifffile, recorded and not printed: important ones become errors or notes."""
 
     def __init__(self) -> None:
         super().__init__()
         self.texts: list[str] = []
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Keep a message, and print none."""
+        """Record a message, and print none."""
         self.texts.append(record.getMessage())
         return False
 
 
 @contextmanager
 def _silent() -> Iterator[_Messages]:
-    """Keep tifffile's messages from the terminal, for the caller to look at."""
+    """Record tifffile's messages for the caller instead of printing them."""
     logger, messages = logging.getLogger("tifffile"), _Messages()
     logger.addFilter(messages)
     try:
@@ -433,6 +430,7 @@ def _of_pages(file: Any, path: Path) -> _StackFrames:
         listed = ", ".join(f"{count} of {' x '.join(map(str, size))}" for size, count in sizes.items())
         raise DataError(f"{path}: holds pages of several sizes ({listed}), and nothing says which are frames; write frames of one size")
     notes = []
+    # Pyramids and masks are additional pages of one image, not frames.
     if reduced:
         notes.append(f"{reduced} page{'s' * (reduced != 1)} with a reduced version of another (NewSubfileType) left out")
     if masks:
@@ -441,7 +439,7 @@ def _of_pages(file: Any, path: Path) -> _StackFrames:
 
 
 def _require_alike(page: Any, first: Any, index: int, path: Path) -> None:
-    """Refuse a page whose numbers mean something else than those of the first."""
+    """Refuse a page whose numbers have another meaning than in the first page."""
     if page is first or tuple(page.shape) != tuple(first.shape):
         return
     if page.dtype != first.dtype or page.photometric != first.photometric or page.bitspersample != first.bitspersample:
@@ -521,6 +519,7 @@ def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts,
         notes.append(f"compression {page.compression.name} may be lossy: tails and correlations of the noise may be changed")
     palette = _palette(page) if kind == _PALETTE else None
     orientation = page.tags.get(274)
+    # Orientation 1 is the usual one and is not in the table.
     turn = _TURNS.get(1 if orientation is None else int(orientation.value))
     if turn is not None:
         notes.append(f"pictures are turned by the file's Orientation {int(orientation.value)}")
@@ -542,7 +541,7 @@ def _picture_file(path: Path, page: Any, frames: _StackFrames, facts: TiffFacts,
         path, frames.count or len(frames.keys), rows, columns, dtype if palette is None else palette.dtype, read,
         colours=3 if palette is not None else samples if coloured or alpha else 0,
         frame_rate=facts.frame_rate, units=facts.units, decoding=facts.decoding,
-        saturation=facts.saturation if palette is None else float(np.iinfo(palette.dtype).max),
+        saturation=facts.full_scale if palette is None else float(np.iinfo(palette.dtype).max),
         notes=(*notes, *facts.notes),
     )  # fmt: skip
 

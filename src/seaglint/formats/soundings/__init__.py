@@ -1,1 +1,1 @@
-"""Soundings of the air: readers of their formats, and what they are checked for."""
+"""Soundings of the air: readers of their formats, and checks of their content."""

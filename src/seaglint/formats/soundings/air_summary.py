@@ -21,11 +21,11 @@ from seaglint.formats.lowtran.deck import MODELS
 from seaglint.formats.soundings.sounding import continuations, read_sounding
 from seaglint.formats.soundings.sounding_checks import DRY_AIR, virtual_temperature
 
-INFRARED_CM: Final = 2500.0  #: Wavenumber of the refractivity that is told [cm-1]: 4 um.
+INFRARED_CM: Final = 2500.0  #: Wavenumber of the reported refractivity [cm-1]: 4 um.
 
 REFERENCE_HEIGHT: Final = 10.0  #: Height of the air that is compared with the sea [m].
 
-EYES: Final = (10.0, 100.0)  #: Heights of sensors whose horizon is told [m].
+EYES: Final = (10.0, 100.0)  #: Heights of sensors whose horizon is reported [m].
 
 FARTHEST: Final = 500e3  #: Arc up to which rays to the horizon are followed [m].
 
@@ -46,7 +46,7 @@ class AirSummary:
     lowest: float  #: Height of the lowest level given [m].
     misfit: float | None  #: Relative misfit of heights and pressures from the hydrostatic balance; None where levels are few.
     sea_kelvin: float  #: Temperature of the sea to compare with [K].
-    notes: tuple[str, ...] = field(default=())  #: What the reader did.
+    notes: tuple[str, ...] = field(default=())  #: Notes of the reader.
     ozone_top: float | None = None  #: Height of the highest level with ozone of the sounding [m]; None where all ozone is the model's.
 
     @property
@@ -73,7 +73,7 @@ class AirSummary:
 
     @property
     def air_minus_sea(self) -> float:
-        """Temperature of the air at 10 m less that of the sea [K]."""
+        """Temperature of the air at 10 m less the temperature of the sea [K]."""
         return float(np.interp(REFERENCE_HEIGHT, self.profile.height, self.profile.temperature)) - self.sea_kelvin
 
     @property
@@ -87,7 +87,7 @@ class AirSummary:
         return self.ozone_above(0.0)
 
     def ozone_above(self, height: float) -> float:
-        """Ozone of the air from the first level at or above a height on [Dobson units, from m]."""
+        """Return the ozone of the air from the first level at or above a height on [Dobson units, from m]."""
         air = self.profile
         above = air.height >= height
         rows = (air.height, air.pressure, air.temperature, air.gas[GASES.index("O3")])
@@ -113,16 +113,14 @@ class AirSummary:
         out.append(
             f"refractivity gradient to 100 m {self.lowest_gradient:+.0f}e-9 per m (standard -22e-9; -157e-9 bends rays like the Earth)"
         )
-        seen = ", ".join(
-            f"{1e-3 * arc:.1f} km from {height:g} m (standard {1e-3 * horizon_range(height):.1f})" for height, arc in self.horizons.items()
-        )
-        out.append(f"sea's horizon {seen}")
+        horizons = [(height, 1e-3 * arc, 1e-3 * horizon_range(height)) for height, arc in self.horizons.items()]
+        out.append(f"sea's horizon {', '.join(f'{arc:.1f} km from {h:g} m (standard {standard:.1f})' for h, arc, standard in horizons)}")
         ducts = ", ".join(f"{a:.0f}-{b:.0f} m" for a, b in self.ducts)
         out.append(f"ducts: {ducts}; air bends rays there less than that in its sums" if ducts else "ducts: none")
         return [*out, *(f"note: {note}" for note in self.notes)]
 
     def as_dict(self) -> JsonObject:
-        """Plain values, for JSON."""
+        """Return plain values, for JSON."""
         return {
             "name": self.profile.name,
             "kind": self.kind,
@@ -162,6 +160,7 @@ def summarise_air(
     """
     if not 200.0 <= sea_kelvin <= 350.0:
         raise DataError(f"sea_temperature = {sea_kelvin:g}: give a temperature of 200 to 350 K")
+    # A file of the name of a model takes precedence.
     if source in MODELS and not Path(source).exists():
         profile = model_profile(source)
         return AirSummary(profile, profile.height.size, "model atmosphere", 1e5, 0.0, _misfit(profile, profile.height.size), sea_kelvin)
@@ -219,14 +218,15 @@ def moment_of(time: datetime | str | None) -> datetime | None:
 
 
 def _is_continuation(note: str) -> bool:
-    """Return true for a note of which the continuations say more."""
+    """Return true for a note that a continuation repeats with its share of the water."""
     return (" ends at " in note and not note.startswith("ozone")) or note.startswith("humidity begins")
 
 
 def _misfit(profile: AirProfile, count: int) -> float:
-    """Relative difference of the height of levels from that of their pressures."""
+    """Return the relative difference of the heights of levels from the hydrostatic heights by their pressures, up to 30 km [1]."""
     z, p, t = profile.height[:count], profile.pressure[:count], profile.temperature[:count]
     warm = virtual_temperature(t, p, profile.relative_humidity[:count])
+    # Gravity falls with height: geometric heights grow over geopotential ones.
     gravity = 9.80665 * (6_356_766.0 / (6_356_766.0 + 0.5 * (z[1:] + z[:-1]))) ** 2
     thick = DRY_AIR * 0.5 * (warm[1:] + warm[:-1]) / gravity * np.log(p[:-1] / p[1:])
     low = z[1:] <= 30e3

@@ -1,10 +1,9 @@
-"""Reader of a sonde's ascent or descent in NetCDF: ARM's ``sondewnpn``, AVAPS drops and their like, one level a record.
+"""Soundings of the air from files of any known format, checked and made levels from the sea up.
 
-Reader of soundings in NetCDF: ERA5's pressure levels at a place, as the Climate Data Store writes them; sondes by their own reader.
+Formats are tables, lists of stations and archives, and NetCDF: a sonde's ascent or descent, one level a record (ARM's ``sondewnpn``, AVAPS
+drops and similar files), or ERA5's pressure levels at a place, as the Climate Data Store writes them.
 
-Soundings of the air as people have them: tables, lists of stations and archives, NetCDF of sondes and of ERA5.
-
-Parts of a sounding that are continued: humidity below its first and above its last one, air above its last level.
+A model atmosphere continues the air above the last level, and humidity above its last value; below its first value humidity is constant.
 """
 
 from __future__ import annotations
@@ -63,7 +62,7 @@ def is_sonde(data: Any) -> bool:
 
 
 def _columns(data: Any) -> list[SoundingColumn]:
-    """Variables that hold a quantity of a sounding, by name and unit."""
+    """Return the variables that hold a quantity of a sounding, by name and unit."""
     out = []
     for place, name in enumerate(map(str, data.variables)):
         variable = data[name]
@@ -105,7 +104,7 @@ def read_sonde(path: Path, data: Any) -> RawSounding:
         long = [str(name) for name in variable.dims if variable.sizes[name] > 1]
         if len(long) > 1:
             raise DataError(f"{path}: {column.name} has the dimensions {', '.join(long)}; give a file of one sonde")
-        numbers[column.place] = np.asarray(variable.values, dtype=np.float64).ravel()
+        numbers[column.place] = _floats(data, column.name)
     missing = [what for what in ("pressure", "height", "temperature", "humidity") if what not in {c.quantity for c in columns}]
     if missing:
         raise DataError(f"{path}: variables are {', '.join(str(v) for v in data.variables)}; missing: {', '.join(missing)}")
@@ -121,7 +120,6 @@ def read_sonde(path: Path, data: Any) -> RawSounding:
     return with_ozone(sounding_of(form, columns, numbers, steps, geopotential=geopotential), ozone, numbers)
 
 
-LEVELS: Final = ("pressure_level", "level", "isobaricInhPa", "plev", "isobaric")
 TIMES: Final = ("valid_time", "time")
 HEIGHTS: Final = ("z", "gh", "geopotential", "geopotential_height")
 TEMPERATURES: Final = ("t", "ta", "temperature")
@@ -137,50 +135,46 @@ def read_netcdf_sounding(path: Path, place: tuple[float, float] | None, time: da
     Raises
     ------
     DataError
-        Variables missing, or many places without one that was asked for.
+        Variables missing, or many places and no requested one.
     """
     with open_netcdf(path, decode_times=False) as plain:
         if is_sonde(plain):
             return read_sonde(path, plain)
     with open_netcdf(path, decode_times=True) as data:
-        names = {what: _first(data, known) for what, known in (("level", LEVELS), ("height", HEIGHTS), ("temperature", TEMPERATURES))}
+        needed = {"level": LEVEL_DIMENSIONS, "height": HEIGHTS, "temperature": TEMPERATURES}
+        names = {what: _first(data, known) for what, known in needed.items()}
         moist = next((name for name in MOISTURES if name in data), None)
-        missing = [
-            f"{what} ({', '.join(known[:2])})"
-            for what, known in (("level", LEVELS), ("height", HEIGHTS), ("temperature", TEMPERATURES))
-            if names[what] is None
-        ] + ([] if moist else ["humidity (q, r)"])
+        missing = [f"{what} ({', '.join(known[:2])})" for what, known in needed.items() if names[what] is None]
+        missing += [] if moist else ["humidity (q, r)"]
         if missing or moist is None:
             raise DataError(f"{path}: variables are {', '.join(str(v) for v in data.variables)}; missing: {', '.join(missing)}")
         at, notes = _selected(path, data, place, time, remedy)
-        column = {what: np.asarray(at[name].values, dtype=np.float64).ravel() for what, name in names.items() if name is not None}
+        column = {what: _floats(at, name) for what, name in names.items() if name is not None}
         height = column["height"]
         units = str(data[names["height"]].attrs.get("units", ""))
         if names["height"] in ("z", "geopotential") and units != "m":
-            height = height / 9.80665
+            height = height / 9.80665  # geopotential [m2 s-2] over standard gravity is geopotential height
         pressure = column["level"]
         if str(data[names["level"]].attrs.get("units", "hPa")) == "Pa" or pressure.max() > 2000.0:
             pressure = 0.01 * pressure
-        humidity = np.asarray(at[moist].values, dtype=np.float64).ravel()
+        humidity = _floats(at, moist)
         ozone = ozone_columns(path, *numeric_variables(data), what="variable")
-        amounts = {one.place: np.asarray(at[one.name].values, dtype=np.float64).ravel() for one in ozone}
-        if not pressure.size == height.size == humidity.size == column["temperature"].size or any(
-            v.size != pressure.size for v in amounts.values()
-        ):
+        amounts = {one.place: _floats(at, one.name) for one in ozone}
+        if len({values.size for values in (pressure, height, humidity, column["temperature"], *amounts.values())}) > 1:
             raise DataError(f"{path}: its variables have more dimensions than level, time, latitude and longitude; select one member")
+        relative = MOISTURES[moist] == "relative_humidity_percent"
         raw = RawSounding(
-            "ERA5 pressure levels",
-            pressure,
-            height,
-            column["temperature"],
-            MOISTURES[moist],
-            humidity if MOISTURES[moist] == "relative_humidity_percent" else np.maximum(humidity, 0.0),
-            True,
-            {"pressure": str(names["level"]), "height": str(names["height"]), "temperature": str(names["temperature"]), "humidity": moist},
-            notes,
-            resolution=(0.01, 5.0),
-        )
+            kind="ERA5 pressure levels", pressure=pressure, height=height, temperature=column["temperature"], humidity=MOISTURES[moist],
+            # Packing makes dry air slightly drier than 0.
+            humidity_value=humidity if relative else np.maximum(humidity, 0.0), geopotential=True,
+            names={"pressure": str(names["level"]), "humidity": moist} | {what: str(names[what]) for what in ("height", "temperature")},
+            notes=notes, resolution=(0.01, 5.0),
+        )  # fmt: skip
         return with_ozone(raw, ozone, amounts, packed=True)
+
+
+def _floats(data: Any, name: str) -> FloatArray:
+    return np.asarray(data[name].values, dtype=np.float64).ravel()
 
 
 def _first(data: Any, known: tuple[str, ...]) -> str | None:
@@ -208,6 +202,7 @@ def _selected(path: Path, data: Any, place: tuple[float, float] | None, time: da
     lats, lons = np.asarray(data[latitude].values), np.asarray(data[longitude].values)
     i = int(np.argmin(np.abs(lats - place[0])))
     j = int(np.argmin(np.abs((lons - place[1] + 180.0) % 360.0 - 180.0)))
+    # The nearest point of a grid that covers the place is at most half a step away; coarse grids get some room.
     step = float(np.max(np.abs(np.diff(lats)))) if lats.size > 1 else 0.25
     away = max(abs(float(lats[i]) - place[0]), abs((float(lons[j]) - place[1] + 180.0) % 360.0 - 180.0))
     if away > max(1.0, 2.0 * step):
@@ -230,7 +225,7 @@ MOST_LEVELS: Final = 2_000_000  #: Largest number of levels that a file may have
 
 @dataclass(frozen=True, eq=False)
 class Sounding:
-    """Sounding from the sea up, as understood."""
+    """Sounding from the sea up, after all checks."""
 
     #: ``path``, ``kind``: File and format.
     path: str
@@ -239,10 +234,10 @@ class Sounding:
     height: FloatArray
     pressure: FloatArray
     temperature: FloatArray
-    #: Over water [%, (levels,)]; NaN above the highest level that has one, where a model atmosphere continues it.
+    #: Relative humidity over water [%, (levels,)]; NaN above its highest value, where a model atmosphere continues it.
     relative_humidity: FloatArray
-    notes: tuple[str, ...]  #: What was chosen, left out, turned, filled or continued, a sentence each.
-    reported: tuple[str, ...]  #: Those of the notes that a user of the result needs to see.
+    notes: tuple[str, ...]  #: Sentences on levels that were chosen, left out, reordered, filled or continued.
+    reported: tuple[str, ...]  #: Notes that a user of the result needs to read.
     digest: str  #: SHA-256 of the file.
     lowest_given: float  #: Height of the file's own lowest level [m].
     given: int  #: Number of levels of the file that are used.
@@ -267,7 +262,7 @@ class Sounding:
         return None if self.ozone_ppmv is None else float(self.height[np.isfinite(self.ozone_ppmv)][-1])
 
     def humidity(self, model: str) -> FloatArray:
-        """Relative humidity over water [%, (levels,)], continued by a model atmosphere above the highest level that has one."""
+        """Return relative humidity over water [%, (levels,)], continued by a model atmosphere above its highest value."""
         return continued_humidity(model, self.height, self.pressure, self.temperature, self.relative_humidity)
 
     def profile(self, model: str) -> AirProfile:
@@ -308,7 +303,7 @@ def read_sounding(
     Raises
     ------
     DataError
-        In one line: what cannot be used, and what is suspected.
+        In one line: the value that cannot be used, and the suspected reason.
     """
     path = Path(path)
     with storage_errors(path, "give a file that can be read"):
@@ -328,7 +323,7 @@ def _bytes_of(path: Path) -> bytes:
 
 
 def _raw(path: Path, content: bytes, place: tuple[float, float] | None, time: datetime | None, remedy: str) -> RawSounding:
-    """Rows of the file by the reader of its layout, which its content shows."""
+    """Return the rows of the file by the reader of its layout, which is recognised by its content."""
     if content.startswith(NETCDF_MAGIC) or path.suffix.lower() in (".nc", ".nc4", ".cdf"):
         return read_netcdf_sounding(path, place, time, remedy)
     from seaglint.formats.soundings import text_soundings
@@ -380,10 +375,11 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
         reported.append(text)
 
     raw = _with_values(path, raw, report)
+    # Units come first: all further checks compare values in their units.
     check_units(path, raw)
     raw = with_ozone_in_ppmv(path, raw)
-    raw, turned = upwards(path, raw)
-    if turned:
+    raw, reversed_order = upwards(path, raw)
+    if reversed_order:
         notes.append("levels stand from the top down in the file and are turned round")
     humidity = raw.relative_humidity()
     raw, filled = _with_heights(path, raw, humidity)
@@ -395,7 +391,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
     inside = (raw.height >= 0.0) & (raw.height <= TOP_M)
     if not inside.all():
         report(f"{int((~inside).sum())} of {inside.size} levels lie below the sea or above 100 km and are left out")
-        raw, humidity = raw.kept(inside), humidity[inside]
+        raw, humidity = raw.at(inside), humidity[inside]
     if raw.height.size:
         raw, humidity, done, lost = in_order(path, raw, humidity)
         notes.extend(done)
@@ -417,6 +413,7 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
             "or take a station at the coast"
         )
     height, pressure, kelvin, given = raw.height, raw.pressure, raw.temperature, raw.height.size
+    # The air between the sea and the first level is continued with its temperature and humidity, hydrostatically.
     if lowest > 0.0:
         warm = float(virtual_temperature(kelvin[0], pressure[0], humidity[0]))
         at_sea = float(pressure[0]) * math.exp(GRAVITY * lowest / (DRY_AIR * warm))
@@ -435,13 +432,13 @@ def _understood(path: Path, raw: RawSounding, digest: str) -> Sounding:
 
 
 def _with_values(path: Path, raw: RawSounding, report: Callable[[str], None]) -> RawSounding:
-    """Leave out the levels without pressure or temperature, which hold nothing of the air."""
+    """Leave out the levels without pressure or temperature."""
     no_pressure, no_kelvin = ~np.isfinite(raw.pressure), ~np.isfinite(raw.temperature)
-    left = no_pressure | no_kelvin
-    usable = int(np.sum(~left & np.isfinite(raw.humidity_value)))
+    unusable = no_pressure | no_kelvin
+    usable = int(np.sum(~unusable & np.isfinite(raw.humidity_value)))
     if usable < 2:
         raise DataError(f"{path}: has {usable} levels with pressure, temperature and humidity; a sounding needs 2 at least")
-    if left.any():
+    if unusable.any():
         reasons = [
             f"{int(np.sum(where))} {what}"
             for where, what in (
@@ -451,8 +448,8 @@ def _with_values(path: Path, raw: RawSounding, report: Callable[[str], None]) ->
             )
             if where.any()
         ]
-        report(f"{int(left.sum())} of {left.size} levels have missing values and are left out ({', '.join(reasons)} missing)")
-    return raw.kept(~left)
+        report(f"{int(unusable.sum())} of {unusable.size} levels have missing values and are left out ({', '.join(reasons)} missing)")
+    return raw.at(~unusable)
 
 
 def _with_heights(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, int]:
@@ -464,15 +461,16 @@ def _with_heights(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[R
         raise DataError(f"{path}: has no heights; give them for one level at least, in metres above the sea")
     warm = virtual_temperature(raw.temperature, raw.pressure, whole_humidity(raw.pressure, humidity))
     step = DRY_AIR / GRAVITY * 0.5 * (warm[1:] + warm[:-1]) * np.log(raw.pressure[:-1] / raw.pressure[1:])
-    own = np.maximum.accumulate(np.concatenate([[0.0], np.cumsum(step)]))
+    by_pressure = np.maximum.accumulate(np.concatenate([[0.0], np.cumsum(step)]))
     if not raw.geopotential:
-        own = geometric_height(own)
-    offset = np.interp(own, own[known], (raw.height - own)[known])
-    return replace(raw, height=np.where(known, raw.height, own + offset)), int((~known).sum())
+        by_pressure = geometric_height(by_pressure)
+    # The difference to the given heights is interpolated, so that the filled heights join them.
+    offset = np.interp(by_pressure, by_pressure[known], (raw.height - by_pressure)[known])
+    return replace(raw, height=np.where(known, raw.height, by_pressure + offset)), int((~known).sum())
 
 
 def _without_gaps(path: Path, height: FloatArray, humidity: FloatArray, report: Callable[[str], None]) -> FloatArray:
-    """Relative humidity [%], linear in height between known levels and constant below the first; NaN above the last."""
+    """Return relative humidity [%], linear in height between known levels and constant below the first; NaN above the last."""
     known = np.isfinite(humidity)
     if known.all():
         return humidity
@@ -488,7 +486,7 @@ def _without_gaps(path: Path, height: FloatArray, humidity: FloatArray, report: 
 
 
 def _whole_ozone(height: FloatArray, ozone: FloatArray, note: Callable[[str], None], report: Callable[[str], None]) -> FloatArray | None:
-    """Ozone [1e-6 of the volume], linear in height between known levels and constant below the first; NaN above the last."""
+    """Return ozone [1e-6 of the volume], linear in height between known levels and constant below the first; NaN above the last."""
     known = np.flatnonzero(np.isfinite(ozone))
     if not known.size:
         report("ozone is missing from the sea to 100 km; it is that of the model atmosphere")
@@ -500,7 +498,7 @@ def _whole_ozone(height: FloatArray, ozone: FloatArray, note: Callable[[str], No
     if first:
         note(f"ozone begins at {height[first]:.0f} m; below it is that of this level")
     top = float(height[last])
-    # most of the ozone lies around 22 km: a sounding that ends below gives the smaller part of it
+    # Most of the ozone lies around 22 km: a sounding that ends below has the smaller part of it, which is reported.
     (report if top < LOW_TOP else note)(f"ozone ends at {1e-3 * top:.1f} km; the model atmosphere's goes on above, joined to it over 5 km")
     out = np.interp(height, height[known], ozone[known])
     out[last + 1 :] = np.nan
@@ -508,7 +506,7 @@ def _whole_ozone(height: FloatArray, ozone: FloatArray, note: Callable[[str], No
 
 
 def geometric_height(geopotential: FloatArray) -> FloatArray:
-    """Height [m] of a geopotential height H [m]: ``R H / (R - H)``, R = 6356.766 km (US Standard Atmosphere 1976, Eq. 19).
+    """Return the height [m] of a geopotential height H [m]: ``R H / (R - H)``, R = 6356.766 km (US Standard Atmosphere 1976, Eq. 19).
 
     >>> round(float(geometric_height(np.array(10_000.0))), 1)
     10015.8
@@ -519,11 +517,11 @@ def geometric_height(geopotential: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Continuation:
-    """Part of the air that the sounding does not have."""
+    """Part of the air outside the sounding."""
 
-    height: float  #: Height from which on it is, or up to which [m].
+    height: float  #: Lower end of the part, or its upper end [m].
     share: float  #: Share of the precipitable water there [1].
-    text: str  #: What ends where, and the share.
+    text: str  #: Sentence on the end of the sounding, with the share.
     below: bool = False  #: True for the part below that height.
 
 

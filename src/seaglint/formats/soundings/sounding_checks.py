@@ -1,11 +1,10 @@
-"""Heights and pressures of soundings that contradict each other.
+"""Checks of soundings: hydrostatic agreement of heights and pressures, order of the levels, and mistaken units.
 
-Order of a sounding's levels: one ascent from the ground up, with heights that rise and pressures that fall.
+Levels are one ascent from the ground up, with heights that rise and pressures that fall. Pressures rounded to 0.1 hPa repeat aloft, where a
+second of ascent changes less; all of these levels count. Heights decide their order, and their pressures are interpolated in height within
+the rounding of the file.
 
-Pressures rounded to 0.1 hPa repeat aloft, where a second of ascent changes less; all of these levels count. Heights decide their order,
-and their pressures are interpolated in height within the rounding of the file.
-
-Units of soundings that were mistaken: values that no air has in the unit of their column, and the unit in which air has them.
+Values that are impossible in the unit of their column are refused with the unit in which they are possible.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from seaglint.air.profile.air_profile import saturation_density
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.formats.soundings.sounding_columns import VAPOUR_CONSTANT, RawSounding
+from seaglint.formats.soundings.sounding_columns import VAPOUR_CONSTANT, ZERO_C, RawSounding
 
 DRY_AIR: Final = 287.05  #: Specific gas constant of dry air [J kg-1 K-1].
 
@@ -34,14 +33,17 @@ SURFACE_PRESSURES: Final = (850.0, 1100.0)  #: Pressures at the sea [hPa]; hurri
 
 
 def virtual_temperature(temperature: ArrayLike, pressure: ArrayLike, humidity: ArrayLike) -> FloatArray:
-    """Temperature of dry air of the same density [K], from temperature [K], pressure [hPa] and relative humidity [%]."""
+    """Return the temperature of dry air of the same density [K], from temperature [K], pressure [hPa] and relative humidity [%]."""
     t = np.asarray(temperature, dtype=np.float64)
     vapour = 1e-5 * saturation_density(t) * VAPOUR_CONSTANT * t * np.asarray(humidity) / 100.0
     return np.asarray(t / (1.0 - 0.378 * np.minimum(vapour / np.asarray(pressure), 0.5)))
 
 
 def whole_humidity(pressure: FloatArray, humidity: FloatArray) -> FloatArray:
-    """Relative humidity [%] without gaps, for the weight of the air alone: linear in log pressure, and as the pressure above the last."""
+    """Return relative humidity [%] without gaps, for the weight of the air alone.
+
+    It is linear in the logarithm of pressure, and proportional to the pressure above the last value.
+    """
     known = np.isfinite(humidity)
     if known.all():
         return humidity
@@ -52,7 +54,7 @@ def whole_humidity(pressure: FloatArray, humidity: FloatArray) -> FloatArray:
 
 
 def hydrostatic_thickness(raw: RawSounding, humidity: FloatArray) -> FloatArray:
-    """Thickness of the layers between levels that their pressures give [m, (levels - 1,)]."""
+    """Return the thickness of the layers between levels by their pressures [m, (levels - 1,)]."""
     warm = virtual_temperature(raw.temperature, raw.pressure, humidity)
     mean = 0.5 * (warm[1:] + warm[:-1])
     # gravity falls with height as geometric heights grow over geopotential ones
@@ -61,7 +63,7 @@ def hydrostatic_thickness(raw: RawSounding, humidity: FloatArray) -> FloatArray:
 
 
 def check_hydrostatics(path: Path, raw: RawSounding, humidity: FloatArray) -> float:
-    """Refuse heights and pressures that contradict each other by over 2 % between levels; the result is the whole's relative misfit.
+    """Return the relative misfit of heights and pressures of a whole sounding [1]; refuse contradictions of over 2 % between levels.
 
     Raises
     ------
@@ -78,6 +80,7 @@ def check_hydrostatics(path: Path, raw: RawSounding, humidity: FloatArray) -> fl
         given, ours = z[end] - z[start], sums[end] - sums[start]
         if abs(given - ours) > HYDROSTATIC * max(ours, given) + _slack(raw, start, end):
             _refuse(path, raw, start, end, float(ours))
+    # The lowest pressure is reduced to the sea at the temperature of its level.
     at_sea = float(p[0] * np.exp(GRAVITY * z[0] / (DRY_AIR * raw.temperature[0])))
     low, high = SURFACE_PRESSURES
     if not low <= at_sea <= high:
@@ -89,15 +92,16 @@ def check_hydrostatics(path: Path, raw: RawSounding, humidity: FloatArray) -> fl
 
 
 def span_misfit(raw: RawSounding, temperature: FloatArray) -> float:
-    """Largest relative misfit of heights from the hydrostatic ones of dry air of some temperatures [K], over spans of a kilometre [1].
+    """Return the largest relative misfit of heights from hydrostatic ones of dry air of given temperatures [K], over spans of 1 km [1].
 
-    Rounding of the file is taken off. The result is NaN where fewer than two levels have heights.
+    Rounding of the file is subtracted. The result is NaN where fewer than two levels have heights.
     """
+    # Dry air is enough to compare units: humidity changes a thickness by less than a unit does.
     known = np.flatnonzero(np.isfinite(raw.height) & np.isfinite(temperature) & (temperature > 1.0) & (raw.pressure > 0.0))
     known = known[np.argsort(raw.height[known], kind="stable")]
     if known.size < 2:
         return float("nan")
-    part = raw.kept(known)
+    part = raw.at(known)
     p = np.minimum.accumulate(part.pressure)
     kelvin = temperature[known]
     steps = DRY_AIR / GRAVITY * 0.5 * (kelvin[1:] + kelvin[:-1]) * np.log(p[:-1] / p[1:])
@@ -111,13 +115,13 @@ def span_misfit(raw: RawSounding, temperature: FloatArray) -> float:
 
 
 def _spans(height: FloatArray, sums: FloatArray) -> Iterator[tuple[int, int]]:
-    """Pairs of levels that lie a span apart by their heights or by their pressures; the last pair overlaps the one below where it must."""
+    """Yield pairs of levels a span apart by their heights or by their pressures; the last pair may overlap the one below."""
     first, last = 0, height.size - 1
     while first < last:
         ends = (int(np.searchsorted(height, height[first] + SPAN)), int(np.searchsorted(sums, sums[first] + SPAN)))
         end = max(min(ends), first + 1)
         if end > last:
-            # two levels close to each other differ by their noise
+            # Two levels close to each other differ by their noise: the last span is made as long as the others.
             lower = (int(np.searchsorted(height, height[last] - SPAN, "right")), int(np.searchsorted(sums, sums[last] - SPAN, "right")))
             first, end = min(first, max(max(lower) - 1, 0)), last
         yield first, end
@@ -125,7 +129,7 @@ def _spans(height: FloatArray, sums: FloatArray) -> Iterator[tuple[int, int]]:
 
 
 def _slack(raw: RawSounding, first: int, last: int) -> float:
-    """Error of a thickness that rounding of pressures and heights explains [m]."""
+    """Return the error of a thickness that rounding of pressures and heights explains [m]."""
     scale = DRY_AIR * 273.0 / GRAVITY
     step_p, step_z = raw.resolution
     return float(scale * 0.5 * step_p * (1.0 / raw.pressure[first] + 1.0 / raw.pressure[last]) + step_z)
@@ -150,14 +154,14 @@ def _refuse(path: Path, raw: RawSounding, first: int, last: int, ours: float) ->
 
 FALL: Final = 0.125  #: Rise of the logarithm of pressure beyond which more than one level is another ascent: a fall of about a kilometre.
 
-#: Rise of the logarithm of pressure in one step, from which levels go on rising, that tells a second launch: a fall of some 65 m.
+#: Rise of the logarithm of pressure in one step, after which levels rise on, that shows a second launch: a fall of some 65 m.
 RESTART: Final = 0.008
 
 GROUND: Final = 0.012  #: Difference of the logarithm of pressure from the first level within which a level is near the ground: some 100 m.
 
 RESTARTED: Final = 3  #: Least number of levels after such a step that lie below those before it; fewer are faults of single levels.
 
-JUMP: Final = 0.7  #: Share of such a rise in a single step by which another sounding is told from a descent.
+JUMP: Final = 0.7  #: Share of such a rise in a single step that distinguishes another sounding from a descent.
 
 NOISE_HPA: Final = 0.2  #: Rise of pressure, under rising heights, that a sensor's noise explains [hPa].
 
@@ -169,22 +173,22 @@ LOST: Final = 0.25  #: Largest share of levels that may fall back.
 
 
 def upwards(path: Path, raw: RawSounding) -> tuple[RawSounding, bool]:
-    """Return the levels from the ground up, and whether they were turned round.
+    """Return the levels from the ground up, and true where the file has them from the top down.
 
     Raises
     ------
     DataError
         The file holds an ascent and a descent, or several soundings.
     """
-    turned = bool(raw.pressure[0] < raw.pressure[-1])
-    if turned:
-        raw = raw.kept(np.arange(raw.pressure.size)[::-1])
+    reversed_order = bool(raw.pressure[0] < raw.pressure[-1])
+    if reversed_order:
+        raw = raw.at(np.arange(raw.pressure.size)[::-1])
     log_p = np.log(raw.pressure)
     least = np.minimum.accumulate(log_p)
-    _refuse_restart(path, raw, log_p, least, turned)
+    _refuse_restart(path, raw, log_p, least, reversed_order)
     back = np.flatnonzero(log_p[1:] - least[:-1] > FALL) + 1
     if back.size < 2:
-        return raw, turned
+        return raw, reversed_order
     lowest = int(np.argmin(log_p[: back[0]]))
     highest = lowest + int(np.argmax(log_p[lowest:]))
     steps = np.diff(log_p[lowest : highest + 1])
@@ -192,20 +196,20 @@ def upwards(path: Path, raw: RawSounding) -> tuple[RawSounding, bool]:
     size = raw.pressure.size
     low, high = raw.pressure[lowest], raw.pressure[highest]
     if np.max(steps) > JUMP * (log_p[highest] - log_p[lowest]):
-        row = size - place + 1 if turned else place + 1
+        row = size - place + 1 if reversed_order else place + 1
         raise DataError(
             f"{path}: pressure rises again from {low:g} to {high:g} hPa at level {row} of {size}; is it one ascent? "
             "two soundings in one file, or levels out of order: give one, in order"
         )
-    row = size - lowest if turned else lowest + 1
+    row = size - lowest if reversed_order else lowest + 1
     raise DataError(
         f"{path}: pressure falls to {low:g} hPa at level {row} of {size} and rises again to {high:g} hPa; is it one ascent? "
         "ascent and descent in one file: give one of them"
     )
 
 
-def _refuse_restart(path: Path, raw: RawSounding, log_p: FloatArray, least: FloatArray, turned: bool) -> None:
-    """Refuse an ascent that begins again near the ground: a launch that was given up stands before the whole one, however short it was."""
+def _refuse_restart(path: Path, raw: RawSounding, log_p: FloatArray, least: FloatArray, reversed_order: bool) -> None:
+    """Refuse an ascent that begins again near the ground, after an abandoned launch of any length."""
     size = log_p.size
     for place in (np.flatnonzero(np.diff(log_p) > RESTART) + 1).tolist():
         above = least[place - 1]
@@ -213,7 +217,7 @@ def _refuse_restart(path: Path, raw: RawSounding, log_p: FloatArray, least: Floa
         if log_p[place] < log_p[0] - GROUND:
             continue
         if after.size == RESTARTED and bool(np.all(after > above)) and bool(np.all(np.diff(after) < RESTART)):
-            row = size - place + 1 if turned else place + 1
+            row = size - place + 1 if reversed_order else place + 1
             raise DataError(
                 f"{path}: pressure rises again from {np.exp(above):.4g} to {raw.pressure[place]:g} hPa at level {row} of {size}; is it one "
                 "ascent? two soundings in one file, or levels out of order: give one, in order"
@@ -221,7 +225,7 @@ def _refuse_restart(path: Path, raw: RawSounding, log_p: FloatArray, least: Floa
 
 
 def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatArray, list[str], list[str]]:
-    """Return levels whose heights rise and pressures fall strictly, with what was done and what was left out, a sentence each.
+    """Return levels whose heights rise and pressures fall strictly, with notes on changes and on omissions.
 
     Raises
     ------
@@ -232,6 +236,7 @@ def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSou
     step_p, step_z = raw.resolution
     risen = np.concatenate([[0.0], raw.pressure[1:] - np.minimum.accumulate(raw.pressure)[:-1]])
     fallen = np.concatenate([[0.0], np.maximum.accumulate(raw.height)[:-1] - raw.height[1:]])
+    # Rounding alone moves neighbouring levels by up to one step.
     falls = (risen > max(1.5 * step_p, NOISE_HPA)) | (fallen > max(1.5 * step_z, NOISE_M))
     falls |= (fallen > 1.5 * step_z) & (risen > 1.01 * step_p)  # both agree that the balloon sank
     if falls.any():
@@ -241,12 +246,12 @@ def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSou
                 f"{path}: {count} of {falls.size} levels do not rise with falling pressure; is it one ascent, with the right columns?"
             )
         lost.append(f"{count} of {falls.size} levels fall back below others and are left out")
-        raw, humidity = raw.kept(~falls), humidity[~falls]
+        raw, humidity = raw.at(~falls), humidity[~falls]
     order = np.argsort(raw.height, kind="stable")
     moved = int(np.sum(order != np.arange(order.size)))
     if moved:
         done.append(f"{moved} of {order.size} levels stand out of order within rounding and noise; heights decide their order")
-        raw, humidity = raw.kept(order), humidity[order]
+        raw, humidity = raw.at(order), humidity[order]
     raw, humidity, merged = _merged(raw, humidity)
     if merged:
         done.append(f"{merged} of {order.size} levels repeat a height and are averaged with the level there")
@@ -260,7 +265,7 @@ def in_order(path: Path, raw: RawSounding, humidity: FloatArray) -> tuple[RawSou
 
 
 def _merged(raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatArray, int]:
-    """Average the levels of one height; the count is that of the levels that are merged into another."""
+    """Average the levels of one height, and return the number of levels that are merged into another."""
     z = raw.height
     first = np.flatnonzero(np.concatenate([[True], np.diff(z) > SAME_M]))
     merged = int(z.size - first.size)
@@ -269,6 +274,7 @@ def _merged(raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatA
 
     def mean(values: FloatArray) -> FloatArray:
         known = np.isfinite(values)
+        # Missing values do not count in the mean of a height.
         count = np.add.reduceat(known.astype(np.float64), first)
         total = np.add.reduceat(np.where(known, values, 0.0), first)
         return np.where(count > 0.0, total / np.maximum(count, 1.0), np.nan)
@@ -285,9 +291,9 @@ def _merged(raw: RawSounding, humidity: FloatArray) -> tuple[RawSounding, FloatA
 
 
 def _falling(raw: RawSounding) -> tuple[FloatArray, int]:
-    """Pressures that fall strictly [hPa], and the number of levels whose pressure repeats one or lies above one below.
+    """Return pressures that fall strictly [hPa], and the number of levels whose pressure repeats or exceeds one below.
 
-    A run of equal pressures P stands for pressures from P + s/2 down to P - s/2, where s is the rounding: in the middle between the last
+    A run of equal pressures P represents pressures from P + s/2 down to P - s/2, where s is the rounding: in the middle between the last
     level of a run and the first of the next lies the middle of their pressures. Between these ends the logarithm of pressure is linear in
     height. An end that no run follows has the hydrostatic pressure, within the rounding.
     """
@@ -304,6 +310,7 @@ def _falling(raw: RawSounding) -> tuple[FloatArray, int]:
     between = 0.5 * (z[ends[:-1]] + z[starts[1:]])
     z_low, z_high = np.concatenate([[z[0]], between]), np.concatenate([between, [z[-1]]])
     scale = DRY_AIR * raw.temperature[starts] / GRAVITY
+    # Ratio of the pressures at both ends of a run, hydrostatic at the temperature of its first level.
     thin = np.exp(-np.maximum(z_high - z_low, SAME_M) / scale)
     p_low, p_high = value.copy(), value.copy()
     p_low[1:] += np.minimum(gap, half[1:])
@@ -316,11 +323,9 @@ def _falling(raw: RawSounding) -> tuple[FloatArray, int]:
     return np.where(count[run] > 1, smooth, p), int(np.sum(count - 1))
 
 
-ZERO_C: Final = 273.15
+WARMEST_K: Final = 345.0  #: Largest temperature of real air [K].
 
-WARMEST_K: Final = 345.0  #: Temperatures above are no air's [K].
-
-COLDEST_K: Final = 130.0  #: Temperatures below are no air's up to 100 km [K].
+COLDEST_K: Final = 130.0  #: Smallest temperature of real air up to 100 km [K].
 
 ABOVE_AIR: Final = 0.5  #: Excess of a dew point over the temperature that rounding and sensors explain [K].
 
@@ -328,7 +333,7 @@ DRIEST_LOW: Final = 20.0  #: Dew-point depression above 700 hPa that no whole so
 
 
 def check_units(path: Path, raw: RawSounding) -> None:
-    """Refuse values that speak of another unit.
+    """Refuse values that show another unit.
 
     Raises
     ------
@@ -361,19 +366,20 @@ def _span(values: FloatArray) -> str:
 
 
 def _fahrenheit(number: FloatArray) -> FloatArray:
-    """Kelvin of numbers in Fahrenheit."""
+    """Return the temperature of numbers in Fahrenheit [K]."""
     return np.asarray((number - 32.0) / 1.8 + ZERO_C)
 
 
 def _is_fahrenheit(raw: RawSounding) -> bool:
-    """True where numbers taken as Celsius contradict heights and pressures, and taken as Fahrenheit agree with them."""
+    """Return true where numbers read as Celsius contradict heights and pressures, and read as Fahrenheit agree with them."""
+    # Fahrenheit must fit clearly better than Celsius before it is suspected.
     given = span_misfit(raw, raw.temperature)
     other = span_misfit(raw, _fahrenheit(raw.temperature - ZERO_C))
     return bool(given > HYDROSTATIC > other and other < 0.5 * given)
 
 
 def _check_temperatures(path: Path, raw: RawSounding) -> None:
-    """Refuse temperatures that no air has."""
+    """Refuse temperatures that are impossible in air."""
     name, kelvin = raw.names["temperature"], raw.temperature
     high, low = float(np.max(kelvin)), float(np.min(kelvin))
     if high > 400.0 and low - ZERO_C > 150.0:
@@ -392,7 +398,7 @@ def _check_temperatures(path: Path, raw: RawSounding) -> None:
 
 
 def _check_humidity(path: Path, raw: RawSounding) -> None:
-    """Refuse relative humidities that are a share, or none."""
+    """Refuse relative humidities that are a share, or impossible."""
     name, value = raw.names["humidity"], raw.humidity_value
     high, low = float(np.nanmax(value)), float(np.nanmin(value))
     deep = bool(np.max(raw.pressure[np.isfinite(value)]) > 500.0)
@@ -404,10 +410,10 @@ def _check_humidity(path: Path, raw: RawSounding) -> None:
 
 
 def _check_dew_points(path: Path, raw: RawSounding) -> None:
-    """Refuse dew points above the temperature of the air, with what they may be instead."""
+    """Refuse dew points above the temperature of the air, with the suspected quantity or unit."""
     name = raw.names["humidity"]
     known = np.isfinite(raw.humidity_value)
-    part = raw.kept(known)
+    part = raw.at(known)
     value, kelvin = part.humidity_value, part.temperature
     if float(np.max(value)) > 400.0:
         raise DataError(f"{path}: {name} is {float(np.max(value)) - ZERO_C:g} in Celsius; are dew points in kelvin?")
@@ -426,13 +432,13 @@ def _check_dew_points(path: Path, raw: RawSounding) -> None:
 
 
 def _dew_suspicion(raw: RawSounding, number: FloatArray) -> str:
-    """Question about numbers that are no dew points in their unit."""
+    """Return a question about numbers that are no dew points in their unit."""
     in_fahrenheit = bool(np.all(_fahrenheit(number) <= raw.temperature + ABOVE_AIR))
     if float(np.min(number)) >= -0.01:
         if in_fahrenheit and float(np.min(number)) > DRIEST_LOW:
             return "are dew points in Fahrenheit?"
         if bool(np.any(raw.temperature < 278.0)):
-            # above what saturated air holds it is no mixing ratio; a dew-point depression exceeds that in any cold and dry air
+            # A mixing ratio is below that of saturated air; a dew-point depression exceeds it in any cold and dry air.
             partial = 1e-5 * saturation_density(raw.temperature) * VAPOUR_CONSTANT * raw.temperature
             saturated = 1e3 * 0.62198 * partial / np.maximum(raw.pressure - partial, 1e-3)
             too_much = np.mean(number > 1.1 * saturated + 0.02)

@@ -1,8 +1,6 @@
-"""Levels of a sounding as a file gives them, missing values as NaN.
+"""Columns of soundings by the names and units that programs give them, and the levels of a file, missing values as NaN.
 
-Columns of soundings by the names and units that programs give them.
-
-Ozone in files of soundings: the units that are read, and values that speak of another one.
+Ozone is read in several units; values that are impossible in their unit are refused with the unit in which they are plausible.
 """
 
 from __future__ import annotations
@@ -20,20 +18,20 @@ from seaglint.air.profile.air_profile import saturation_density
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 
-#: Numbers that stand for a missing value of any quantity.
+#: Codes of a missing value of any quantity.
 MISSING: Final = (9999.0, 99999.0, -999.0, -999.9, -999.99, -9999.0, -9999.9, -8888.0, -99999.0, 9999.9, -32768.0, 32767.0)
 
-#: Further numbers that stand for a missing pressure, temperature or humidity; a height of -99 m may be real.
+#: Further codes of a missing pressure, temperature or humidity; a height of -99 m may be real.
 BELOW_ZERO: Final = (-99.0, -99.9, -99.99, -888.0)
 
-#: Further numbers that stand for a missing temperature or humidity; 999.9 hPa and 999 m may be real.
+#: Further codes of a missing temperature or humidity; 999.9 hPa and 999 m may be real.
 BEYOND_AIR: Final = (999.0, 999.9, 999.99)
 
 Quantity = Literal["pressure", "height", "temperature", "humidity"]
 
 LARGEST: Final = 1e9  #: Numbers beyond are fill values such as 1e20.
 
-#: Texts that stand for a missing value, in lower case; so do texts of nothing but ``-``, ``/``, ``*`` or ``.``.
+#: Texts of a missing value, in lower case; texts of ``-``, ``/``, ``*`` or ``.`` alone are missing values too.
 MISSING_TEXTS: Final = frozenset({"", "nan", "na", "n/a", "null", "none", "m", "missing", "nil"})
 
 Humidity = Literal["dewpoint_k", "relative_humidity_percent", "mixing_ratio_g_kg", "specific_humidity"]
@@ -54,13 +52,13 @@ class RawSounding:
     humidity: Humidity
     humidity_value: FloatArray  #: Its values, NaN where missing.
     geopotential: bool  #: True for geopotential heights.
-    names: dict[str, str]  #: Columns of the file by quantity: pressure, height, temperature, humidity, and ozone where it has that.
-    notes: tuple[str, ...] = ()  #: What the reader chose.
+    names: dict[str, str]  #: Columns of the file by quantity: pressure, height, temperature, humidity, and ozone if present.
+    notes: tuple[str, ...] = ()  #: Choices of the reader.
     resolution: tuple[float, float] = (0.1, 1.0)  #: Steps that pressures [hPa] and heights [m] are rounded to.
     ozone: FloatArray | None = None  #: Ozone, NaN where missing; None for files without it.
     ozone_unit: str = "ppmv"  #: Its unit, ``ppmv`` for parts per million of the volume of air.
 
-    def kept(self, where: NDArray[np.bool_] | NDArray[np.intp]) -> RawSounding:
+    def at(self, where: NDArray[np.bool_] | NDArray[np.intp]) -> RawSounding:
         """Return some of the levels."""
         return replace(
             self,
@@ -72,12 +70,13 @@ class RawSounding:
         )
 
     def relative_humidity(self) -> FloatArray:
-        """Relative humidity over water [%], 0 to 100; NaN where missing."""
+        """Return the relative humidity over water [%], 0 to 100; NaN where missing."""
         match self.humidity:
             case "relative_humidity_percent":
                 out = self.humidity_value
             case "dewpoint_k":
                 dew = np.minimum(self.humidity_value, self.temperature)
+                # Vapour pressure is density times temperature: the gas constant cancels in the ratio.
                 out = 100.0 * saturation_density(dew) * dew / (saturation_density(self.temperature) * self.temperature)
             case _:
                 ratio = 1e-3 * self.humidity_value
@@ -90,7 +89,7 @@ class RawSounding:
 
 
 def with_other_humidity(raw: RawSounding, other: Humidity, values: FloatArray) -> RawSounding:
-    """Return a sounding whose levels without humidity have that of another quantity of the file, as relative humidity.
+    """Fill levels without humidity from another quantity of the file, as relative humidity.
 
     Parameters
     ----------
@@ -101,6 +100,7 @@ def with_other_humidity(raw: RawSounding, other: Humidity, values: FloatArray) -
     values : ndarray
         Its values, NaN where missing.
     """
+    # Both quantities become relative humidity, in which they can be mixed.
     gaps = ~np.isfinite(raw.humidity_value)
     further = replace(raw, humidity=other, humidity_value=values).relative_humidity()
     count = int(np.sum(gaps & np.isfinite(further)))
@@ -112,7 +112,7 @@ def with_other_humidity(raw: RawSounding, other: Humidity, values: FloatArray) -
 
 
 def without_missing(values: FloatArray, what: Quantity) -> FloatArray:
-    """Return values of a quantity with NaN for the numbers that stand for none."""
+    """Return values of a quantity with NaN for codes of missing values."""
     out = np.array(values, dtype=np.float64)
     none = MISSING if what == "height" else (*MISSING, *BELOW_ZERO) if what == "pressure" else (*MISSING, *BELOW_ZERO, *BEYOND_AIR)
     out[np.isin(out, none) | (np.abs(out) > LARGEST)] = np.nan
@@ -129,7 +129,7 @@ def others_left(count: int) -> str:
 
 
 def is_missing_text(text: str) -> bool:
-    """Return true for a text that stands for a missing value.
+    """Return true for the text of a missing value.
 
     >>> is_missing_text("/////"), is_missing_text("-99")
     (True, False)
@@ -137,7 +137,7 @@ def is_missing_text(text: str) -> bool:
     return text.lower() in MISSING_TEXTS or set(text) <= {text[0]} <= set("-/*.")
 
 
-#: Names of quantities without their unit, the preferred first; a bare name is one that says enough without a unit.
+#: Names of quantities without their unit, the preferred first; a bare name needs no unit.
 PRESSURE: Final = ("pressure", "pres", "press", "p", "pc", "pm", "air_pressure", "prs")
 HEIGHT: Final = ("height", "altitude", "alt", "z", "geometric_height", "height_msl", "altitude_msl", "zmsl")
 GEOPOTENTIAL: Final = (
@@ -213,13 +213,14 @@ def plain_name(text: str) -> str:
     >>> plain_name("geopotential height_m"), plain_name("Temp [°C]"), plain_name("Hgt/MSL")
     ('geopotential_height_m', 'temp_c', 'hgt_msl')
     """
+    # Signs of degrees, also damaged ones, and points of abbreviations carry no meaning.
     name = re.sub(r"[°º\ufffd'\"]|\.(?=\s|$)", "", text.strip().lower())
     name = name.replace("g/kg", "g_kg").replace("/", "_")
     return re.sub(r"[\s()\[\],:;_]+", "_", name).strip("_")
 
 
 def plain_unit(text: str) -> str | None:
-    """Return the unit of a text, None where it is none of a sounding's.
+    """Return the unit of a text; None for a unit that soundings do not have.
 
     >>> plain_unit("°C"), plain_unit("[mb]"), plain_unit("gpm"), plain_unit("m/s")
     ('c', 'hpa', 'm', None)
@@ -233,7 +234,7 @@ class SoundingColumn:
 
     place: int  #: Column of the file, from 0.
     kind: str  #: Kind of :data:`QUANTITIES`.
-    unit: str | None  #: Its unit; None for a temperature or dew point that says none.
+    unit: str | None  #: Its unit; None for a temperature or dew point without one.
     name: str  #: Name in the file.
     geopotential: bool  #: True for geopotential heights.
     rank: int  #: Place of the name among those of its kind, the preferred first.
@@ -244,12 +245,12 @@ class SoundingColumn:
         return QUANTITIES[self.kind][0]  # type: ignore[return-value]
 
     def in_si(self, values: FloatArray) -> FloatArray:
-        """Values in hPa, m, K, %, g/kg, kg/kg, or K of a depression."""
+        """Return values in hPa, m, K, %, g/kg, kg/kg, or K of a depression."""
         unit = self.unit
         if unit is None:
             known = values[np.isfinite(values)]
             unit = "k" if known.size and float(np.median(known)) >= KELVIN_FROM else "c"
-        if self.kind == "depression":
+        if self.kind == "depression":  # a difference of temperatures has no zero point
             return values / 1.8 if unit == "f" else values
         match unit:
             case "c":
@@ -280,7 +281,7 @@ class SoundingColumn:
 
 
 def sounding_column(place: int, name: str, unit: str | None = None) -> SoundingColumn | None:
-    """Return the meaning of a column by its name and the unit that stands apart from it; None for other columns."""
+    """Return the meaning of a column by its name and the separate unit; None for other columns."""
     plain = plain_name(name)
     if plain in FIXED:
         kind, own = FIXED[plain]
@@ -299,22 +300,22 @@ def sounding_column(place: int, name: str, unit: str | None = None) -> SoundingC
 
 
 def _readings(plain: str) -> list[tuple[str, str | None]]:
-    """Name and unit of a plain name, whole and with its last words as the unit."""
-    out: list[tuple[str, str | None]] = [(plain, None)]
+    """Return readings of a plain name as name and unit: whole without a unit, then with its last words as the unit."""
+    return [(plain, None), *_splits(plain, UNITS)]
+
+
+def _splits(plain: str, units: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Return splits of a plain name into name and unit, where its last one or two words are a unit."""
     words = plain.split("_")
-    for n in (1, 2):
-        if len(words) > n:
-            own = UNITS.get("_".join(words[-n:]))
-            if own is not None:
-                out.append(("_".join(words[:-n]), own))
-    return out
+    splits = [("_".join(words[:-n]), units.get("_".join(words[-n:]))) for n in (1, 2) if len(words) > n]
+    return [(name, unit) for name, unit in splits if unit is not None]
 
 
 def columns_of(names: list[str], units: list[str] | None = None) -> list[SoundingColumn]:
     """Return the columns that hold quantities of a sounding."""
     given = [plain_unit(unit) for unit in units] if units and len(units) == len(names) else [None] * len(names)
-    found = [sounding_column(i, name, unit) for i, (name, unit) in enumerate(zip(names, given, strict=True))]
-    return [column for column in found if column is not None]
+    columns = (sounding_column(i, name, unit) for i, (name, unit) in enumerate(zip(names, given, strict=True)))
+    return [column for column in columns if column is not None]
 
 
 def sounding_of(
@@ -341,44 +342,39 @@ def sounding_of(
     steps : mapping
         Steps that the values are rounded to, by column of the file.
     notes : tuple of str
-        What the reader chose.
+        Choices of the reader.
     geopotential : bool
         True where heights are geopotential whatever their name.
     """
     chosen: dict[Quantity, SoundingColumn] = {}
     values: dict[Quantity, FloatArray] = {}
     humidities: list[tuple[SoundingColumn, FloatArray]] = []
+    # Humidities in their order of preference; other quantities by the rank of the name alone.
     order = list(HUMIDITIES)
     for column in sorted(columns, key=lambda c: (order.index(c.kind) if c.kind in order else 0, c.rank)):
         what = column.quantity
-        here = column.in_si(without_missing(numbers[column.place], what))
+        given = column.in_si(without_missing(numbers[column.place], what))
         if what == "humidity":
-            humidities.append((column, here))
-        if what not in chosen or np.isfinite(here).sum() > np.isfinite(values[what]).sum():
-            chosen[what], values[what] = column, here
+            humidities.append((column, given))
+        if what not in chosen or np.isfinite(given).sum() > np.isfinite(values[what]).sum():
+            chosen[what], values[what] = column, given
     wet = chosen["humidity"]
     height = values.get("height", np.full(values["pressure"].size, np.nan))
     step_p = steps[chosen["pressure"].place] * chosen["pressure"].factor
     step_z = steps[chosen["height"].place] * chosen["height"].factor if "height" in chosen else 1.0
 
-    def humidity_of(column: SoundingColumn, here: FloatArray) -> FloatArray:
-        return values["temperature"] - here if column.kind == "depression" else here
+    def humidity_of(column: SoundingColumn, given: FloatArray) -> FloatArray:
+        return values["temperature"] - given if column.kind == "depression" else given
 
     raw = RawSounding(
-        form,
-        values["pressure"],
-        height,
-        values["temperature"],
-        HUMIDITIES[wet.kind],
-        humidity_of(wet, values["humidity"]),
-        geopotential or ("height" in chosen and chosen["height"].geopotential),
-        {"height": "height"} | {str(what): column.name for what, column in chosen.items()},
-        notes,
-        resolution=(step_p, step_z),
-    )
-    for column, here in humidities:
+        kind=form, pressure=values["pressure"], height=height, temperature=values["temperature"],
+        humidity=HUMIDITIES[wet.kind], humidity_value=humidity_of(wet, values["humidity"]),
+        geopotential=geopotential or ("height" in chosen and chosen["height"].geopotential),
+        names={"height": "height"} | {str(what): column.name for what, column in chosen.items()}, notes=notes, resolution=(step_p, step_z),
+    )  # fmt: skip
+    for column, given in humidities:
         if column is not wet:
-            raw = with_other_humidity(raw, HUMIDITIES[column.kind], humidity_of(column, here))
+            raw = with_other_humidity(raw, HUMIDITIES[column.kind], humidity_of(column, given))
     return raw
 
 
@@ -399,11 +395,11 @@ MOLAR: Final = 28.9644 / 47.9982  #: Molar mass of air over that of ozone [1].
 
 FURTHER_MISSING: Final = (99.9, 99.99, 9000.0)  #: Further numbers for a missing value in ozonesondes' files.
 
-MOST_PPMV: Final = 20.0  #: Ozone above is no air's [1e-6 of the volume]; the most of the stratosphere is some 12.
+MOST_PPMV: Final = 20.0  #: Largest ozone of real air [1e-6 of the volume]; the most of the stratosphere is some 12.
 
-MOST_LOW_PPMV: Final = 1.0  #: Ozone above is no air's below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4.
+MOST_LOW_PPMV: Final = 1.0  #: Largest ozone of real air below the level of :data:`LOW_HPA` [1e-6 of the volume]; foul air has up to 0.4.
 
-#: Ozone of which half of the levels lie below is no air's [1e-6 of the volume]; tropical air over oceans has some 0.01.
+#: Smallest median of ozone in real air [1e-6 of the volume]; tropical air over oceans has some 0.01.
 LEAST_PPMV: Final = 1e-3
 
 LOW_HPA: Final = 500.0
@@ -420,7 +416,7 @@ class OzoneColumn:
     unit: str  #: One of :data:`RANKS`.
 
     def in_ppmv(self, values: FloatArray, pressure: FloatArray) -> FloatArray:
-        """Values as parts per million of the volume of air, at pressures [hPa].
+        """Return values as parts per million of the volume of air, at pressures [hPa].
 
         >>> OzoneColumn(0, "ozone_mpa", "mPa").in_ppmv(np.array([10.0]), np.array([50.0]))
         array([2.])
@@ -428,7 +424,7 @@ class OzoneColumn:
         match self.unit:
             case "kg/kg":
                 return 1e6 * MOLAR * values
-            case "mPa":
+            case "mPa":  # partial over total pressure, 1 mPa being 1e-5 hPa
                 return 10.0 * values / np.where(pressure > 0.0, pressure, np.nan)
             case "ppbv":
                 return 1e-3 * values
@@ -443,13 +439,8 @@ def _is_ozone(plain: str) -> bool:
 
 
 def _base_and_unit(plain: str) -> tuple[str, str | None]:
-    """Name without its unit, and that."""
-    words = plain.split("_")
-    for n in (1, 2):
-        unit = OZONE_UNITS.get("_".join(words[-n:])) if len(words) > n else None
-        if unit is not None:
-            return "_".join(words[:-n]), unit
-    return plain, None
+    """Return a name without its unit, and the unit."""
+    return next(iter(_splits(plain, OZONE_UNITS)), (plain, None))
 
 
 #: Names of the amount of ozone, without its unit; an ozone column of another name is one of errors, currents or flags.
@@ -469,7 +460,7 @@ def ozone_columns(
     path : Path
         The file.
     names, units : sequence of str
-        Names of the columns, and units that stand apart from them.
+        Names of the columns, and units that are separate from them.
     where : str
         Place of the names in the file, with a colon and a blank, for errors.
     what : str
@@ -482,23 +473,22 @@ def ozone_columns(
     """
     known, unknown = [], []
     plain = [plain_name(name) for name in names]
-    apart = units if units is not None and len(units) == len(names) else [""] * len(names)
+    separate = units if units is not None and len(units) == len(names) else [""] * len(names)
     for place, name in enumerate(plain):
         if not _is_ozone(name):
             continue
         base, own = _base_and_unit(name)
-        beside = OZONE_UNITS.get(plain_name(re.sub(r"\s+", "_", apart[place].strip())))
-        if base not in AMOUNTS or (own or beside) is None:
+        other = OZONE_UNITS.get(plain_name(re.sub(r"\s+", "_", separate[place].strip())))
+        if base not in AMOUNTS or (own or other) is None:
             unknown.append(place)
             continue
-        if own is not None and beside is not None and own != beside:
-            raise DataError(
-                f"{path}: {where}the {what} {names[place]} is in {own} by its name and in {apart[place]} by its unit; give {OZONE_ALLOWED}"
-            )
-        known.append(OzoneColumn(place, names[place], str(own or beside)))
+        if own is not None and other is not None and own != other:
+            both = f"is in {own} by its name and in {separate[place]} by its unit"
+            raise DataError(f"{path}: {where}the {what} {names[place]} {both}; give {OZONE_ALLOWED}")
+        known.append(OzoneColumn(place, names[place], str(own or other)))
     if unknown and not known:
         place = unknown[0]
-        given = f"in '{apart[place].strip()}'" if apart[place].strip() else "in no unit that is known"
+        given = f"in '{separate[place].strip()}'" if separate[place].strip() else "in no unit that is known"
         raise DataError(
             f"{path}: {where}the {what} {names[place]} holds ozone {given}; ozone is read as {OZONE_ALLOWED}: "
             f"name the {what} so with its values in that unit, or leave it out"
@@ -510,18 +500,18 @@ def ozone_columns(
 
 
 def with_ozone(raw: RawSounding, columns: Sequence[OzoneColumn], numbers: Mapping[int, FloatArray], *, packed: bool = False) -> RawSounding:
-    """Return a sounding with the ozone of its file: of several columns that with most values, the preferred unit first.
+    """Return a sounding with the ozone of its file: of several columns the one with most values, the preferred unit first.
 
     Parameters
     ----------
     raw : RawSounding
         The sounding, at the levels of the columns.
     columns : sequence of OzoneColumn
-        Columns of ozone; without any the sounding is returned as it is.
+        Columns of ozone; without any the sounding is returned unchanged.
     numbers : mapping
         Values as written, by column of the file.
     packed : bool
-        True for analyses, whose packing may make values slightly negative; these are none.
+        True for analyses, whose packing may make values slightly negative; these are set to 0.
     """
     best: OzoneColumn | None = None
     values = np.full(raw.pressure.size, np.nan)
@@ -545,7 +535,7 @@ def with_ozone_in_ppmv(path: Path, raw: RawSounding) -> RawSounding:
     Raises
     ------
     DataError
-        Values that no air has, with a suspicion of the unit.
+        Values that are impossible in air, with a suspicion of the unit.
     """
     if raw.ozone is None:
         return raw
@@ -557,7 +547,7 @@ def with_ozone_in_ppmv(path: Path, raw: RawSounding) -> RawSounding:
 
 
 def _check(path: Path, column: OzoneColumn, given: FloatArray, ppmv: FloatArray, pressure: FloatArray) -> None:
-    """Refuse ozone that no air has."""
+    """Refuse ozone that is impossible in air."""
     low = pressure > LOW_HPA
     limit = np.where(low, MOST_LOW_PPMV, MOST_PPMV)
     known = np.isfinite(ppmv)
@@ -586,7 +576,7 @@ def _check(path: Path, column: OzoneColumn, given: FloatArray, ppmv: FloatArray,
 
 
 def _suspicion(column: OzoneColumn, given: float, pressure: float, limit: float) -> str:
-    """Question about the unit in which a value would be some air's."""
+    """Return a question about the unit in which a value would be possible in air."""
     other = [
         unit
         for unit in RANKS

@@ -1,8 +1,8 @@
-"""Reader of soundings as tables under a line of column names: CSV of any separator, and lists in columns under lines of a header.
+"""Readers of soundings as text.
 
-Readers of soundings as programs of the weather services write them: SHARPpy, bufkit, the Iowa mesonet's JSON, AVAPS's raw record.
-
-Readers of soundings as lists in fixed columns: University of Wyoming's text list, IGRA version 2.
+- Tables under a line of column names: CSV of any separator, and lists in columns under lines of a header.
+- Files of programs of the weather services: SHARPpy, bufkit, the Iowa mesonet's JSON, AVAPS's raw record.
+- Lists in fixed columns: University of Wyoming's text list, IGRA version 2.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.formats.soundings.sounding_columns import (
+    ZERO_C,
     OzoneColumn,
     Quantity,
     RawSounding,
@@ -38,11 +39,11 @@ from seaglint.store.outputs import parsed_json
 
 NEEDED: Final = "height_m, pressure_hpa, temperature_k (or temperature_c), relative_humidity_percent (or dewpoint_k, dewpoint_c)"
 
-HEADER_LINES: Final = 300  #: Lines of a file among which the line of column names is looked for.
+HEADER_LINES: Final = 300  #: Lines of a file in which the line of column names is searched.
 
 MOST_SHOWN: Final = 300  #: Characters of column names that an error shows.
 
-SAMPLE: Final = 2000  #: Rows at either end by which the rounding of a long table is found.
+SAMPLE: Final = 2000  #: Rows at either end from which the rounding of a long table is estimated.
 
 #: Names of two words in lists whose columns single blanks part.
 _TWO_WORDS: Final = re.compile(
@@ -108,7 +109,7 @@ def _split(path: Path, number: int, line: str, separator: str | None) -> list[st
 
 
 def _heading(path: Path, lines: list[tuple[int, str]]) -> _Heading:
-    """Line that names pressure and temperature; without one the first line, whose missing columns are then named."""
+    """Return the line that names pressure and temperature; without one the first line, for the error on its missing columns."""
     for place, (_, line) in enumerate(lines[:HEADER_LINES]):
         for separator in SEPARATORS:
             if separator is not None and separator not in line:
@@ -129,6 +130,7 @@ def _as_heading(path: Path, lines: list[tuple[int, str]], place: int, separator:
     while first < len(lines) and _is_rule(lines[first][1]):
         first += 1
     if first < len(lines):
+        # A line of texts alone below the names holds their units.
         below = _split(path, lines[first][0], lines[first][1], separator)
         if below and not any(_is_number(cell) for cell in below) and any(not is_missing_text(cell) for cell in below if cell):
             units, first = below, first + 1
@@ -148,7 +150,7 @@ def _counts(rows: list[str]) -> bool:
 
 
 def _aligned(line: str, names: list[str], units: list[str] | None, count: int) -> tuple[list[str], list[str] | None]:
-    """Names and units of columns that blanks part, as many as the cells of a row: names may hold single blanks."""
+    """Return names and units of columns separated by blanks, as many as the cells of a row: names may hold single blanks."""
     spaced = [name.strip() for name in re.split(r"\s{2,}|\t", line.strip()) if name.strip()]
     joined = _TWO_WORDS.sub(r"\1_\2", line).split()
     for candidate in (names, joined, spaced):
@@ -157,7 +159,7 @@ def _aligned(line: str, names: list[str], units: list[str] | None, count: int) -
             break
     else:
         if units is not None and len(units) == count > len(names):
-            # one name, as of a time in minutes and seconds, stands over several columns at the left
+            # One name, as of a time in minutes and seconds, covers several columns at the left.
             names = [*[""] * (count - len(names)), *names]
     return names, units if units is not None and len(units) == len(names) else None
 
@@ -192,15 +194,10 @@ def _require(path: Path, heading: _Heading, columns: list[SoundingColumn]) -> No
 
 
 def _alike(given: list[str], used: list[str], missing: list[str]) -> str:
-    """Columns that look like missing ones."""
+    """Return questions about given columns that look like missing ones."""
     begins = {
-        "p": "pressure_hpa",
-        "h": "height_m",
-        "z": "height_m",
-        "a": "height_m",
-        "t": "temperature_k",
-        "d": "dewpoint_k",
-        "r": "relative_humidity_percent",
+        **dict.fromkeys("hza", "height_m"),
+        **{"p": "pressure_hpa", "t": "temperature_k", "d": "dewpoint_k", "r": "relative_humidity_percent"},
     }
     hints = []
     for name in given:
@@ -213,12 +210,12 @@ def _alike(given: list[str], used: list[str], missing: list[str]) -> str:
 def _numbers(
     path: Path, heading: _Heading, rows: list[tuple[int, str]], columns: list[SoundingColumn | OzoneColumn]
 ) -> tuple[dict[int, FloatArray], dict[int, float]]:
-    """Values of the columns as written, NaN where missing, and the steps that they are rounded to, by column of the file."""
+    """Return values of the columns as written, NaN where missing, and the steps that they are rounded to, by column of the file."""
     places = [column.place for column in columns]
     if heading.separator is None:
         _require_whole(path, rows, len(heading.names))
     try:
-        # a table of nothing but numbers, ten times as fast as cell by cell
+        # A table of numbers alone is read ten times as fast as cell by cell.
         values = np.loadtxt([line for _, line in rows], delimiter=heading.separator, usecols=places, ndmin=2, comments=None)
         numbers = {place: values[:, i] for i, place in enumerate(places)}
         sample = [*rows[:SAMPLE], *rows[SAMPLE:][-SAMPLE:]]
@@ -234,7 +231,7 @@ def _numbers(
 
 
 def _require_whole(path: Path, rows: list[tuple[int, str]], count: int) -> None:
-    """Refuse rows whose cells blanks part and that have more or fewer than the names: which one is missing nobody knows."""
+    """Refuse rows separated by blanks with more or fewer cells than names: the missing column cannot be known."""
     for number, line in rows:
         cells = len(line.split())
         if cells != count:
@@ -257,21 +254,20 @@ def _is_number(text: str) -> bool:
 
 
 def _with_point(text: str) -> str:
-    """Text of a number with a decimal point, where it has one decimal comma."""
+    """Return the text of a number with a decimal point in place of one decimal comma."""
     return text.replace(",", ".") if text.count(",") == 1 and "." not in text else text
 
 
 def _number(path: Path, line: int, name: str, text: str) -> float:
     if is_missing_text(text):
         return float("nan")
-    try:
-        return plain_number(_with_point(text))
-    except ValueError:
-        raise DataError(f"{path}: line {line}: {plain_name(name)} = '{text}' is not a number") from None
+    if not _is_number(text):
+        raise DataError(f"{path}: line {line}: {plain_name(name)} = '{text}' is not a number")
+    return plain_number(_with_point(text))
 
 
 def rounding(texts: list[str]) -> float:
-    """Step that numbers are rounded to, from the digits after their points.
+    """Return the step that numbers are rounded to, from the digits after their points.
 
     >>> rounding(["1013.2", "1000"])
     0.1
@@ -287,7 +283,7 @@ NAMES_OF: Final[dict[str, str]] = {"pressure": "PRES", "height": "HGHT", "temper
 
 
 def nearest_time(times: Sequence[datetime | None], time: datetime | None) -> int:
-    """Return the place of the time nearest to a requested one; without it the first."""
+    """Return the index of the time nearest to a requested one; 0 without a request."""
     if time is None:
         return 0
     gaps = [abs((t - time).total_seconds()) if t is not None else np.inf for t in times]
@@ -315,7 +311,7 @@ def _listed_number(path: Path, line: int, text: str) -> float:
 
 
 def is_sharppy(lines: list[str]) -> bool:
-    """True for SHARPpy's text: levels between ``%RAW%`` and ``%END%``."""
+    """Return true for SHARPpy's text: levels between ``%RAW%`` and ``%END%``."""
     return any(line.strip() == "%RAW%" for line in lines[:100])
 
 
@@ -350,11 +346,12 @@ def read_sharppy(path: Path, lines: list[str], time: datetime | None) -> RawSoun
 
 
 def _of_station(kind: str, columns: FloatArray, notes: tuple[str, ...], steps: tuple[float, float]) -> RawSounding:
-    """Rows of hPa, geopotential metres and two temperatures in Celsius."""
+    """Return the sounding of a station: columns of hPa, geopotential metres and two temperatures in Celsius."""
     what: tuple[Quantity, ...] = ("pressure", "height", "temperature", "humidity")
     pressure, height, kelvin, dew = (without_missing(values, name) for values, name in zip(columns, what, strict=True))
     return RawSounding(
-        kind, pressure, height, kelvin + 273.15, "dewpoint_k", dew + 273.15, True, dict(NAMES_OF), notes, resolution=steps
+        kind=kind, pressure=pressure, height=height, temperature=kelvin + ZERO_C, humidity="dewpoint_k", humidity_value=dew + ZERO_C,
+        geopotential=True, names=dict(NAMES_OF), notes=notes, resolution=steps,
     )  # fmt: skip
 
 
@@ -369,15 +366,14 @@ def _title_time(lines: list[str]) -> datetime | None:
 def _short_time(day: str, hour: str, minute: str) -> datetime | None:
     try:
         year = int(day[:2])
-        return datetime(
-            (2000 if year < 70 else 1900) + year, int(day[2:4]), int(day[4:]), int(hour) % 24, int(minute), tzinfo=UTC
-        )  # fmt: skip
+        year += 2000 if year < 70 else 1900  # years of two digits: 70 to 99 are of the last century
+        return datetime(year, int(day[2:4]), int(day[4:]), int(hour) % 24, int(minute), tzinfo=UTC)
     except ValueError:
         return None
 
 
 def is_bufkit(lines: list[str]) -> bool:
-    """True for bufkit's and GEMPAK's list: the names of its quantities after ``SNPARM =``."""
+    """Return true for bufkit's and GEMPAK's list: the names of its quantities after ``SNPARM =``."""
     return any(line.strip().startswith("SNPARM") for line in lines[:50])
 
 
@@ -435,12 +431,13 @@ def _distance(lines: list[str], place: tuple[float, float]) -> float:
         latitude, longitude = (float(_header_value(lines, key)) for key in ("SLAT", "SLON"))
     except ValueError:
         return float("inf")
+    # In degrees of latitude: degrees of longitude are shorter by the cosine of the latitude.
     east = (longitude - place[1] + 180.0) % 360.0 - 180.0
     return float(np.hypot(latitude - place[0], east * np.cos(np.radians(place[0]))))
 
 
 def _bufkit_values(path: Path, lines: list[str], start: int, end: int, names: list[str]) -> tuple[FloatArray, list[str]]:
-    """Values of a block, (levels, names), and their texts: numbers that follow the repeated names."""
+    """Return values of a block, (levels, names), and their texts: numbers that follow the repeated names."""
     first = next((i for i in range(start, end) if lines[i].split()[:1] == [names[0]]), None)
     if first is None:
         raise DataError(f"{path}: line {start + 1}: the block has no values under {names[0]}; give a whole file")
@@ -460,7 +457,7 @@ def _bufkit_values(path: Path, lines: list[str], start: int, end: int, names: li
 
 
 def is_iem_json(text: str) -> bool:
-    """True for the JSON of the Iowa Environmental Mesonet's archive: profiles of levels."""
+    """Return true for the JSON of the Iowa Environmental Mesonet's archive: profiles of levels."""
     return text.lstrip()[:1] == "{" and '"profiles"' in text
 
 
@@ -472,16 +469,17 @@ def read_iem_json(path: Path, text: str, time: datetime | None) -> RawSounding:
     DataError
         No JSON, or no levels in it.
     """
-    held = parsed_json(path, text, "give the answer of the archive as it came")
-    profiles = [one for one in held.get("profiles") or [] if isinstance(one, dict) and one.get("profile")]
+    content = parsed_json(path, text, "give the answer of the archive as it came")
+    profiles = [one for one in content.get("profiles") or [] if isinstance(one, dict) and one.get("profile")]
     if not profiles:
         raise DataError(f"{path}: its profiles hold no levels; give another hour of the archive")
     times = [_iso_time(str(one.get("valid", ""))) for one in profiles]
     chosen = nearest_time(times, time)
     levels = profiles[chosen]["profile"]
     cells = [[_json_cell(path, level, key) for key in ("pres", "hght", "tmpc", "dwpc")] for level in levels]
-    steps = (rounding([repr(row[0]).removesuffix(".0") for row in cells]), rounding([repr(row[1]).removesuffix(".0") for row in cells]))
-    return _of_station("Iowa mesonet's JSON", np.array(cells).T, choice_note("the sounding", times[chosen], len(profiles) - 1, time), steps)
+    step_p, step_z = (rounding([repr(row[i]).removesuffix(".0") for row in cells]) for i in (0, 1))
+    note = choice_note("the sounding", times[chosen], len(profiles) - 1, time)
+    return _of_station("Iowa mesonet's JSON", np.array(cells).T, note, (step_p, step_z))
 
 
 def _json_cell(path: Path, level: Any, key: str) -> float:
@@ -502,7 +500,7 @@ def _iso_time(text: str) -> datetime | None:
 
 
 def is_avaps_record(lines: list[str]) -> bool:
-    """True for the raw record of the AVAPS receiver: lines that begin with ``AVAPS-D``."""
+    """Return true for the raw record of the AVAPS receiver: lines that begin with ``AVAPS-D``."""
     return any(line.startswith("AVAPS-D") for line in lines[:200])
 
 
@@ -526,18 +524,13 @@ def read_avaps_record(path: Path, lines: list[str]) -> RawSounding:
     if not rows:
         raise DataError(f"{path}: has no samples of a sonde (AVAPS-D lines of kind S or P); give the record of a drop")
     pressure, height, celsius, humidity = np.array(rows).T
-    celsius[celsius == 99.0] = np.nan
+    celsius[celsius == 99.0] = np.nan  # a missing temperature; 99 % of humidity is real
     return RawSounding(
-        "AVAPS (raw record)",
-        without_missing(pressure, "pressure"),
-        without_missing(height, "height"),
-        without_missing(celsius, "temperature") + 273.15,
-        "relative_humidity_percent",
-        without_missing(humidity, "humidity"),
-        True,
-        {what: what for what in NAMES_OF},
-        resolution=(0.01, 0.01),
-    )
+        kind="AVAPS (raw record)", pressure=without_missing(pressure, "pressure"), height=without_missing(height, "height"),
+        temperature=without_missing(celsius, "temperature") + ZERO_C,
+        humidity="relative_humidity_percent", humidity_value=without_missing(humidity, "humidity"),
+        geopotential=True, names={what: what for what in NAMES_OF}, resolution=(0.01, 0.01),
+    )  # fmt: skip
 
 
 _IGRA_HEAD = re.compile(r"^#[A-Z0-9]{11} \d{4} ")
@@ -546,12 +539,8 @@ _WIDTH = 7  #: Width of a column of Wyoming's list.
 
 
 def is_wyoming_list(lines: list[str]) -> bool:
-    """True for University of Wyoming's list: names in columns of seven under a rule."""
-    return _names_line(lines) is not None
-
-
-def _names_line(lines: list[str]) -> int | None:
-    return next((i for i, line in enumerate(lines[:200]) if _is_names_line(line)), None)
+    """Return true for University of Wyoming's list: names in columns of seven under a rule."""
+    return any(_is_names_line(line) for line in lines[:200])
 
 
 def _is_names_line(line: str) -> bool:
@@ -561,9 +550,9 @@ def _is_names_line(line: str) -> bool:
 
 def _wyoming_time(lines: list[str]) -> datetime | None:
     """Return the time of the last title among lines, as ``... Observations at 00Z 01 Jul 2024``."""
-    found = [match for line in lines for match in [_WYOMING_TITLE.search(line)] if match]
+    titles = [match for line in lines for match in [_WYOMING_TITLE.search(line)] if match]
     try:
-        return datetime.strptime(" ".join(found[-1].groups()), "%H %d %b %Y").replace(tzinfo=UTC) if found else None
+        return datetime.strptime(" ".join(titles[-1].groups()), "%H %d %b %Y").replace(tzinfo=UTC) if titles else None
     except ValueError:
         return None
 
@@ -584,6 +573,7 @@ def read_wyoming_list(path: Path, lines: list[str], time: datetime | None = None
     head = heads[chosen]
     lines = lines[: heads[chosen + 1] if chosen + 1 < len(heads) else len(lines)]
     names = lines[head].split()
+    # Only a list whose names still fill columns of seven is cut at fixed places.
     fixed = len(lines[head].rstrip()) % _WIDTH in (0, _WIDTH - 1) and lines[head].rstrip()[: _WIDTH * 2].split() == names[:2]
     rows: list[list[float]] = []
     for line in lines[head + 1 :]:
@@ -600,23 +590,11 @@ def read_wyoming_list(path: Path, lines: list[str], time: datetime | None = None
         rows.append(row)
     if not rows:
         raise DataError(f"{path}: has the names of University of Wyoming's list and no rows under them")
-    kinds: dict[str, Quantity] = {"PRES": "pressure", "HGHT": "height"}
-    values = np.array(rows)
-    column = {name: without_missing(values[:, i], kinds.get(name, "humidity")) for i, name in enumerate(names)}
-    if "DWPT" not in column:
+    if "DWPT" not in names:
         raise DataError(f"{path}: columns are {', '.join(names)}; missing: DWPT")
-    return RawSounding(
-        "University of Wyoming's list",
-        column["PRES"],
-        column["HGHT"],
-        column["TEMP"] + 273.15,
-        "dewpoint_k",
-        column["DWPT"] + 273.15,
-        True,
-        {"pressure": "PRES", "height": "HGHT", "temperature": "TEMP", "humidity": "DWPT"},
-        choice_note("the sounding", times[chosen], len(heads) - 1, time),
-        resolution=(0.1, 1.0),
-    )
+    columns = np.array(rows)[:, [names.index(name) for name in NAMES_OF.values()]].T
+    note = choice_note("the sounding", times[chosen], len(heads) - 1, time)
+    return _of_station("University of Wyoming's list", columns, note, (0.1, 1.0))
 
 
 def _wyoming_row(text: str, count: int, fixed: bool) -> list[float] | None:
@@ -634,7 +612,7 @@ def _wyoming_row(text: str, count: int, fixed: bool) -> list[float] | None:
 
 
 def is_igra(lines: list[str]) -> bool:
-    """True for the Integrated Global Radiosonde Archive, version 2: a line that begins with ``#`` and the station."""
+    """Return true for the Integrated Global Radiosonde Archive, version 2: a line that begins with ``#`` and the station."""
     return bool(lines) and bool(_IGRA_HEAD.match(lines[0]))
 
 
@@ -665,22 +643,18 @@ def read_igra(path: Path, lines: list[str], time: datetime | None = None) -> Raw
     if not rows:
         raise DataError(f"{path}: line {first}: the ascent has no levels")
     values = np.array(rows)
+    # Before scaling: the codes are in the units of the file.
     values[np.isin(values, (-9999.0, -8888.0))] = np.nan
-    kelvin = 0.1 * values[:, 2] + 273.15
+    kelvin = 0.1 * values[:, 2] + ZERO_C
     dew, humidity = kelvin - 0.1 * values[:, 4], 0.1 * values[:, 3]
+    # The quantity with more values is the main one; the other one fills its gaps.
     by_dew = bool(np.isfinite(dew).sum() >= np.isfinite(humidity).sum())
     raw = RawSounding(
-        "IGRA version 2",
-        0.01 * values[:, 0],
-        values[:, 1],
-        kelvin,
-        "dewpoint_k" if by_dew else "relative_humidity_percent",
-        dew if by_dew else humidity,
-        True,
-        {"pressure": "PRESS", "height": "GPH", "temperature": "TEMP", "humidity": "DPDP" if by_dew else "RH"},
-        choice_note("the ascent", times[chosen], len(heads) - 1, time),
-        resolution=(1.0, 1.0),
-    )
+        kind="IGRA version 2", pressure=0.01 * values[:, 0], height=values[:, 1], temperature=kelvin,
+        humidity="dewpoint_k" if by_dew else "relative_humidity_percent", humidity_value=dew if by_dew else humidity, geopotential=True,
+        names={"pressure": "PRESS", "height": "GPH", "temperature": "TEMP", "humidity": "DPDP" if by_dew else "RH"},
+        notes=choice_note("the ascent", times[chosen], len(heads) - 1, time), resolution=(1.0, 1.0),
+    )  # fmt: skip
     other = humidity if by_dew else dew
     return with_other_humidity(raw, "relative_humidity_percent" if by_dew else "dewpoint_k", other)
 

@@ -1,9 +1,7 @@
-"""Cases of a CSV file: columns are checked and read as numbers, and written again with results beside them.
+"""CSV files that a user gives as input: tables of cases, written again with results, and keyframes of a moving sensor or object.
 
-UTF-8 (with or without its mark), columns parted by comma, semicolon or tab, quoted text and either line ending are read; the output
-keeps separator and line ending. What is not asked for passes through as text, so nothing of it is rounded or lost.
-
-Reader of keyframes of a moving sensor or object from a CSV file.
+Cases are UTF-8 text (with or without its mark) with comma, semicolon or tab between the cells, quoted text and either line ending; the
+output has the separator and line ending of the input. Columns that are not requested are copied as text, so that no digit is rounded.
 """
 
 from __future__ import annotations
@@ -11,17 +9,16 @@ from __future__ import annotations
 import csv
 import difflib
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.formats.tables.table_text import csv_text, plain_number, read_cell_lines
+from seaglint.formats.tables.table_text import TextTable, csv_text, plain_number, read_cell_lines
 from seaglint.store.outputs import read_text, refuse_existing, write_text
 
 _SEPARATORS: Final = (",", ";", "\t")
@@ -49,20 +46,12 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Cases:
-    """Rows of a CSV file, as text."""
+class Cases(TextTable):
+    """Rows of a CSV file, as text; each row is a case."""
 
-    path: Path  #: The file, for messages.
-    header: list[str]  #: Headings in their order, without blanks around them.
-    rows: list[list[str]]  #: One list of cells per case, in order.
-    lines: list[int]  #: Line of the file that each case ends on, counted from 1.
     #: ``separator``, ``line_end``: Separator and line end of the file, used again for the output.
     separator: str = ","
     line_end: str = "\n"
-
-    def __len__(self) -> int:
-        """Return the number of cases."""
-        return len(self.rows)
 
     def require(self, names: Sequence[str]) -> None:
         """Refuse a file that lacks any of these columns."""
@@ -73,15 +62,11 @@ class Cases:
                 f"needed: {', '.join(names)}; found: {', '.join(self.header)}"
             )
 
-    def text(self, name: str) -> list[str]:
-        """Return the cells of a column without surrounding blanks."""
-        at = self.header.index(name)
-        return [row[at].strip() for row in self.rows]
-
     def numbers(self, name: str) -> FloatArray:
         """Return the cells of a column as finite numbers [(cases,)]."""
         cells = self.text(name)
         written = "".join(cells)
+        # NumPy converts the whole column at once; cell by cell only if one of them is no plain number, to find the first that is wrong.
         try:
             if not written.isascii() or "_" in written:
                 raise ValueError
@@ -104,19 +89,6 @@ class Cases:
         known = set(allowed)
         self.check(np.array([cell in known for cell in cells]), name, lambda i: f"'{cells[i]}' is not one of {', '.join(allowed)}")
         return cells
-
-    def check(self, good: NDArray[np.bool_], name: str, say: Callable[[int], str]) -> None:
-        """Refuse the first bad case, with row, line and column, and state how many more there are."""
-        bad = np.flatnonzero(~good)
-        if bad.size == 0:
-            return
-        first = int(bad[0])
-        more = f" ({bad.size - 1} more row{'s' if bad.size > 2 else ''} like it)" if bad.size > 1 else ""
-        raise DataError(f"{self.where(first)}, column {name}: {say(first)}{more}")
-
-    def where(self, case: int) -> str:
-        """Return file, row and line of a case, for messages."""
-        return f"{self.path}, row {case + 1} (line {self.lines[case]})"
 
 
 def _number(cell: str) -> float:
@@ -147,6 +119,7 @@ def read_cases(path: str | Path) -> Cases:
         raise DataError(f"{path}: line 1: the file is empty; the first line must name the columns")
     if "\0" in text:
         raise DataError(f"{path}: is not text; save it as 'CSV UTF-8'")
+    # The line of headings shows separator and line end of the file.
     first, _, _ = text.lstrip().partition("\n")
     separator = max(_SEPARATORS, key=first.count)
     header, rows, lines = _rows(path, text, separator)
@@ -170,17 +143,18 @@ def cases_of_columns(columns: Mapping[str, Sequence[Any]]) -> Cases:
     """
     if not isinstance(columns, Mapping):
         raise DataError("cases: give a CSV file or columns by name, such as {'wind_speed_m_s': [2, 5]}")
-    held = {str(name): np.atleast_1d(np.asarray(values)) for name, values in columns.items()}
-    sizes = {name: values.size for name, values in held.items() if values.ndim == 1}
-    if not held or len(sizes) < len(held) or len(set(sizes.values())) > 1:
+    arrays = {str(name): np.atleast_1d(np.asarray(values)) for name, values in columns.items()}
+    sizes = {name: values.size for name, values in arrays.items() if values.ndim == 1}
+    if not arrays or len(sizes) < len(arrays) or len(set(sizes.values())) > 1:
         given = ", ".join(f"{name} {size}" for name, size in sizes.items()) or "none"
         raise DataError(f"cases: columns have different numbers of values ({given}); give lists of one length by name")
-    cells = [[str(value) for value in values.tolist()] for values in held.values()]
+    cells = [[str(value) for value in values.tolist()] for values in arrays.values()]
     rows = [list(row) for row in zip(*cells, strict=True)]
-    return Cases(Path("cases"), list(held), rows, list(range(1, len(rows) + 1)))
+    return Cases(Path("cases"), list(arrays), rows, list(range(1, len(rows) + 1)))
 
 
 def _rows(path: Path, text: str, separator: str) -> tuple[list[str], list[list[str]], list[int]]:
+    # The whole text goes to one reader, not its lines one by one: a quoted cell may hold line ends.
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     header: list[str] = []
     rows, lines = [], []

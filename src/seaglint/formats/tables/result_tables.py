@@ -1,7 +1,4 @@
-"""Files of a detection run: JSON, tidy tables as CSV or Parquet, and the picture of the operating characteristic.
-
-Tables of the likelihood of glint: chances, strata and ways as CSV.
-"""
+"""Files of results: files of a detection run (JSON, tidy tables as CSV or Parquet, a picture), and tables of the likelihood of glint."""
 
 from __future__ import annotations
 
@@ -48,8 +45,8 @@ class DetectionFiles:
             require_parquet()
         tables = ".parquet" if ending == ".parquet" else ".csv"
         base = output.with_suffix("") if ending else output
-        beside = base.with_name(base.name + "_roc")
-        files = cls(Path(f"{base}.json"), Path(f"{base}{tables}"), Path(f"{beside}{tables}"), Path(f"{beside}.png"), overwrite)
+        roc = base.with_name(base.name + "_roc")
+        files = cls(Path(f"{base}.json"), Path(f"{base}{tables}"), Path(f"{roc}{tables}"), Path(f"{roc}.png"), overwrite)
         inputs = list(inputs)
         for path in files.paths:
             refuse_existing(path, overwrite=overwrite, inputs=inputs)

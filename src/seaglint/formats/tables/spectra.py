@@ -1,8 +1,6 @@
-"""Reader of a sensor's spectral response from a CSV file.
+"""Spectra as CSV: a sensor's response, the spectrum of a radiometer, and measured and computed spectra of one scene side by side.
 
-Reader of a radiometer's spectrum: CSV with a column of wavenumber or wavelength and a column of radiance in a named unit.
-
-Spectra of one scene side by side, for a file of numbers and for a picture.
+The file of a radiometer has a column of wavenumber or wavelength and a column of radiance whose name states its unit.
 """
 
 from __future__ import annotations
@@ -18,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.formats.tables.table_text import plain_number, read_cell_lines, read_text_table
+from seaglint.formats.tables.table_text import plain_number, read_cell_lines, read_table
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 
@@ -26,7 +24,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 def read_response(path: str | Path, *, whole: bool = False) -> Band:
     """Read a CSV file with the columns ``wavelength_um`` and ``response``; lines that begin with ``#`` are comments.
 
-    Zeros at the ends are cut off, unless the ``whole`` table is wanted.
+    Zeros at the ends are cut off, unless the ``whole`` table is requested.
 
     Raises
     ------
@@ -52,7 +50,7 @@ def read_response(path: str | Path, *, whole: bool = False) -> Band:
         raise DataError(f"{path}: {error}") from None
 
 
-PLACES: Final = ("wavenumber_cm", "wavelength_um")  #: Columns that say where a sample lies.
+PLACES: Final = ("wavenumber_cm", "wavelength_um")  #: Columns of the spectral place of a sample.
 
 #: Columns of radiance per wavenumber, and their factors to W m-2 sr-1 per cm-1.
 PER_CM: Final = {"radiance_w_m2_sr_cm": 1.0, "radiance_mw_m2_sr_cm": 1e-3, "radiance_w_cm2_sr_cm": 1e4}
@@ -67,8 +65,6 @@ UNITS: Final = (*PER_CM, *PER_UM, KELVIN)
 HOTTEST_K: Final = 6500.0
 
 _RESOLUTION = re.compile(r"resolution(?:_cm)?\s*[:=]\s*([0-9.eE+-]+)")
-
-_HINT: Final = f"it needs a column {' or '.join(PLACES)} and one of {', '.join(UNITS)}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,16 +87,15 @@ def read_spectrum(path: str | Path) -> MeasuredLight:
         A missing or damaged file, a radiance without a unit, negative or missing numbers.
     """
     path = Path(path)
-    table = read_text_table(path, (f"one of {', '.join(PLACES)}", f"one of {', '.join(UNITS)}"))
-    place, unit = table.one_of(*PLACES), _unit_of(table.columns, f"{path}: line {table.header_line}")
-    high = HOTTEST_K if unit == KELVIN else np.inf
-    where = np.array([table.number(row, place, 1e-3) for row in table.rows])
-    values = np.array([table.number(row, unit, 0.0, high) for row in table.rows])
+    table = read_table(path, (f"one of {', '.join(PLACES)}", f"one of {', '.join(UNITS)}"))
+    place, unit = table.one_of(*PLACES), _unit_of(tuple(table.header), f"{path}: line {table.header_line}")
+    where = table.column(place, 1e-3)
+    values = table.column(unit, 0.0, HOTTEST_K if unit == KELVIN else np.inf)
     stated = None
-    if "resolution_cm" in table.columns:
-        stated = max(table.number(row, "resolution_cm", 1e-6) for row in table.rows)
+    if "resolution_cm" in table.header:
+        stated = float(table.column("resolution_cm", 1e-6).max())
     else:
-        for comment in read_cell_lines(path, _HINT)[1]:
+        for comment in table.comments:
             if match := _RESOLUTION.search(comment):
                 stated = _positive(match[1], f"{path}: the comment '{comment}'")
     return _spectrum(str(path), place, unit, where, values, stated)
@@ -143,8 +138,8 @@ def _unit_of(names: tuple[str, ...], where: str) -> str:
     if known:
         raise DataError(f"{where}: columns {' and '.join(known)} are both there; leave one")
     bare = [name for name in names if name.startswith(("radiance", "brightness", "temperature"))]
-    said = f"'{bare[0]}' names no unit that is known" if bare else f"columns are {', '.join(names)}; none is a radiance with its unit"
-    raise DataError(f"{where}: {said}; name the column one of {', '.join(UNITS)}")
+    fault = f"'{bare[0]}' names no unit that is known" if bare else f"columns are {', '.join(names)}; none is a radiance with its unit"
+    raise DataError(f"{where}: {fault}; name the column one of {', '.join(UNITS)}")
 
 
 def _positive(text: str, where: str) -> float:
@@ -169,9 +164,13 @@ def _spectrum(name: str, place: str, unit: str, where: FloatArray, values: Float
     if unit in PER_CM:
         light = PER_CM[unit] * values
     elif unit in PER_UM:
-        light = PER_UM[unit] * values * 1e4 / nu**2
+        light = (
+            PER_UM[unit] * values * 1e4 / nu**2
+        )  # |d lambda / d nu| = 1e4 / nu^2, lambda in um and nu in cm-1  # |d lambda / d nu| = 1e4 / nu^2, lambda in um and nu in cm-1
     else:
-        cold = values <= 0.0
+        cold = (
+            values <= 0.0
+        )  # Planck's law divides by the temperature: 0 K is radiance 0  # Planck's law divides by the temperature: 0 K is radiance 0
         light = np.where(cold, 0.0, planck_wavenumber(nu, np.where(cold, 1.0, values)))
     return MeasuredLight(name, nu, light, unit, stated)
 

@@ -1,8 +1,6 @@
-"""Reader and writer of CSV: cells by line, tables with a line of column names, errors that name file, line and column.
+"""Tables as text files: readers of CSV whose errors name file, line and column, and writers of CSV and Parquet.
 
-Writer of columns of numbers as a CSV file, completely or not at all.
-
-Rows of results as tables: CSV or Parquet, written completely or not at all.
+Every output is written completely or not at all.
 """
 
 from __future__ import annotations
@@ -10,12 +8,13 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
@@ -67,12 +66,12 @@ def cells_of(path: Path, number: int, line: str, separator: str = ",", remedy: s
 def read_cell_lines(path: Path, hint: str, separators: str = ",;\t") -> tuple[list[CellLine], list[str]]:
     """Read the lines of a CSV file, one or more, and its comments; empty lines are skipped, lines that begin with ``#`` are comments.
 
-    The first line shows which of the ``separators`` parts the cells.
+    The separator of the cells is the one of ``separators`` that the first line has most often.
 
     Raises
     ------
     DataError
-        Naming the file and, where there is one, the line; the message of an empty or missing file ends with ``hint``.
+        With the file and, if the error is in a line, its number; the message of an empty or missing file ends with ``hint``.
     """
     lines = [(number, line) for number, line in enumerate(read_text(path, hint).splitlines(), 1) if line.strip()]
     comments = [line.lstrip()[1:].strip() for _, line in lines if line.lstrip().startswith("#")]
@@ -83,86 +82,105 @@ def read_cell_lines(path: Path, hint: str, separators: str = ",;\t") -> tuple[li
     return [CellLine(n, line, [cell.strip() for cell in cells_of(path, n, line, separator)]) for n, line in lines], comments
 
 
-def csv_text(rows: Iterable[Iterable[object]], separator: str = ",", line_end: str = "\n") -> str:
-    """Return rows of cells as CSV, quoted where a cell needs it; None is an empty cell."""
-    text = io.StringIO(newline="")
-    csv.writer(text, delimiter=separator, lineterminator=line_end).writerows(rows)
-    return text.getvalue()
-
-
-@dataclass(frozen=True)
-class TableRow:
-    """Cells of one line by column name, as text."""
-
-    line: int
-    cells: dict[str, str]
-
-
 @dataclass(frozen=True)
 class TextTable:
-    """Text of a CSV file: comments, column names, rows."""
+    """Cells of a CSV file as text, under a line of column names."""
 
-    path: Path
-    header_line: int
-    columns: tuple[str, ...]
-    rows: tuple[TableRow, ...]
+    path: Path  #: The file, for messages.
+    header: Sequence[str]  #: Column names in their order, without blanks around them.
+    rows: list[list[str]]  #: One list of cells per row, in order.
+    lines: list[int]  #: Line of the file on which each row ends, counted from 1.
+    header_line: int = field(default=1, kw_only=True)  #: Line of the column names, counted from 1.
+    comments: list[str] = field(default_factory=list, kw_only=True)  #: Texts behind ``#``.
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.rows)
+
+    def text(self, name: str) -> list[str]:
+        """Return the cells of a column without surrounding blanks."""
+        at = self.header.index(name)
+        return [row[at].strip() for row in self.rows]
+
+    def where(self, row: int) -> str:
+        """Return file, row and line of a row, for messages."""
+        return f"{self.path}, row {row + 1} (line {self.lines[row]})"
+
+    def check(self, good: NDArray[np.bool_], name: str, message: Callable[[int], str]) -> None:
+        """Refuse the first bad row, with row, line and column, and state the number of further bad rows."""
+        bad = np.flatnonzero(~good)
+        if bad.size == 0:
+            return
+        first = int(bad[0])
+        more = f" ({bad.size - 1} more row{'s' if bad.size > 2 else ''} like it)" if bad.size > 1 else ""
+        raise DataError(f"{self.where(first)}, column {name}: {message(first)}{more}")
 
     def error(self, line: int, text: str) -> DataError:
         """Return an error at a line of this file."""
         return DataError(f"{self.path}: line {line}: {text}")
 
-    def require(self, *names: str) -> None:
+    def require_columns(self, *names: str) -> None:
         """Refuse a file that lacks these columns."""
-        missing = [name for name in names if name not in self.columns]
+        missing = [name for name in names if name not in self.header]
         if missing:
-            raise self.error(self.header_line, f"columns are {', '.join(self.columns)}; missing: {', '.join(missing)}")
+            raise self.error(self.header_line, f"columns are {', '.join(self.header)}; missing: {', '.join(missing)}")
 
     def one_of(self, *names: str) -> str:
         """Return the one of these columns that the file has."""
-        present = [name for name in names if name in self.columns]
+        present = [name for name in names if name in self.header]
         if len(present) != 1:
             what = "both" if present else "none"
-            raise self.error(self.header_line, f"columns are {', '.join(self.columns)}; {what} of {', '.join(names)}: give one of them")
+            raise self.error(self.header_line, f"columns are {', '.join(self.header)}; {what} of {', '.join(names)}: give one of them")
         return present[0]
 
-    def number(self, row: TableRow, column: str, low: float = -math.inf, high: float = math.inf) -> float:
+    def number(self, row: int, column: str, low: float = -math.inf, high: float = math.inf) -> float:
         """Return a finite number within a range."""
-        text = row.cells.get(column, "")
+        text = self.rows[row][self.header.index(column)] if column in self.header else ""
         try:
             value = plain_number(text)
         except ValueError:
-            raise self.error(row.line, f"{column} = '{text}' is not a number") from None
+            raise self.error(self.lines[row], f"{column} = '{text}' is not a number") from None
         if not low <= value <= high:  # also where it is NaN
             allowed = f"{low:g} to {high:g}" if math.isfinite(high) else f"{low:g} or more"
-            raise self.error(row.line, f"{column} = {text} is outside the range allowed: {allowed}")
+            raise self.error(self.lines[row], f"{column} = {text} is outside the range allowed: {allowed}")
         if not math.isfinite(value):
-            raise self.error(row.line, f"{column} = {text} is not a finite number")
+            raise self.error(self.lines[row], f"{column} = {text} is not a finite number")
         return value
 
+    def column(self, name: str, low: float = -math.inf, high: float = math.inf) -> FloatArray:
+        """Return the numbers of a column, each finite and within a range [(rows,)]."""
+        return np.array([self.number(row, name, low, high) for row in range(len(self))])
 
-def read_text_table(path: str | Path, needed: Sequence[str]) -> TextTable:
+
+def read_table(path: str | Path, needed: Sequence[str]) -> TextTable:
     """Read a CSV file with a line of column names; empty lines and lines that begin with ``#`` are skipped.
 
-    Commas, semicolons or tabs part the cells. Messages name the columns ``needed`` where the file is empty or missing.
+    Cells are separated by commas, semicolons or tabs. Messages name the columns ``needed`` if the file is empty or missing.
 
     Raises
     ------
     DataError
-        Naming the file and, where there is one, the line.
+        With the file and, if the error is in a line, its number.
     """
     path, hint = Path(path), f"it needs columns {', '.join(needed)}"
-    (head, *rest), _ = read_cell_lines(path, hint)
+    (head, *rest), comments = read_cell_lines(path, hint)
     names = tuple(head.cells)
     if len(set(names)) < len(names):
         raise DataError(f"{path}: line {head.number}: a column name stands twice: {', '.join(names)}")
-    rows = []
-    for number, _, cells in rest:
-        if len(cells) != len(names):
-            raise DataError(f"{path}: line {number}: {len(cells)} cells under {len(names)} column names; is the file whole?")
-        rows.append(TableRow(number, dict(zip(names, cells, strict=True))))
-    if not rows:
+    for line in rest:
+        if len(line.cells) != len(names):
+            raise DataError(f"{path}: line {line.number}: {len(line.cells)} cells under {len(names)} column names; is the file whole?")
+    if not rest:
         raise DataError(f"{path}: has column names and no rows; {hint}")
-    return TextTable(path, head.number, names, tuple(rows))
+    cells, numbers = [line.cells for line in rest], [line.number for line in rest]
+    return TextTable(path, names, cells, numbers, header_line=head.number, comments=comments)
+
+
+def csv_text(rows: Iterable[Iterable[object]], separator: str = ",", line_end: str = "\n") -> str:
+    """Return rows of cells as CSV, quoted where a cell needs it; None is an empty cell."""
+    text = io.StringIO(newline="")
+    csv.writer(text, delimiter=separator, lineterminator=line_end).writerows(rows)
+    return text.getvalue()
 
 
 def write_columns(columns: Mapping[str, FloatArray], output: str | Path, *, overwrite: bool = False) -> Path:
@@ -189,15 +207,21 @@ def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     StorageError
         No room or no rights.
     """
-    if path.suffix == ".parquet":
-        columns = {name: [row[name] for row in rows] for name in rows[0]}
-        # a column of numbers and text, as some cases have it, is text
-        mixed = {
-            name: len({type(v) for v in values if v is not None} - {int, float}) > 1 or _both(values) for name, values in columns.items()
-        }
-        write_parquet({n: [None if v is None else str(v) for v in c] if mixed[n] else c for n, c in columns.items()}, path)
+    if path.suffix != ".parquet":
+        write_text(csv_text([rows[0], *(row.values() for row in rows)]), path)
         return
-    write_text(csv_text([rows[0], *(row.values() for row in rows)]), path)
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    # A Parquet column has one type: a column of numbers and text, as some cases have it, becomes text.
+    mixed = {
+        name: len({type(v) for v in values if v is not None} - {int, float}) > 1 or _is_mixed(values) for name, values in columns.items()
+    }
+    write_parquet({n: [None if v is None else str(v) for v in c] if mixed[n] else c for n, c in columns.items()}, path)
+
+
+def _is_mixed(values: Sequence[Any]) -> bool:
+    """Return true for a column that has both numbers and other values; truth values are no numbers."""
+    kinds = {isinstance(v, int | float) and not isinstance(v, bool) for v in values if v is not None}
+    return len(kinds) > 1
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
@@ -209,11 +233,6 @@ def read_rows(path: Path) -> list[dict[str, str]]:
         A file that is missing or no text.
     """
     return list(csv.DictReader(io.StringIO(read_text(path, "make it again"), newline="")))
-
-
-def _both(values: Sequence[Any]) -> bool:
-    kinds = {isinstance(v, int | float) and not isinstance(v, bool) for v in values if v is not None}
-    return len(kinds) > 1
 
 
 def require_parquet() -> Any:

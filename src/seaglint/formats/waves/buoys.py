@@ -1,25 +1,21 @@
-"""Reader of CDIP's NetCDF of buoys (``067p1_rt.nc``, ``067p1_historic.nc``, ``067p1_d01.nc``), and of files with its names.
+"""Readers of the wave spectra of CDIP, Datawell, Sofar Spotter and TRIAXYS buoys; NDBC's are read in another file.
 
-Moments a1, b1, a2, b2 are the cosine and sine parts about the direction waves come FROM, clockwise from true north, divided by the energy:
-``waveMeanDirection = atan2(b1, a1)``. Where the file has mean directions, spreads or heights as well, they must agree with moments and
-energies. Records whose primary flag is questionable, bad or missing are not used.
+- CDIP: NetCDF (``067p1_rt.nc``, ``067p1_historic.nc``, ``067p1_d01.nc``), and files with its names. Moments a1, b1, a2, b2 are the cosine
+  and sine parts about the direction waves come FROM, clockwise from true north, divided by the energy:
+  ``waveMeanDirection = atan2(b1, a1)``. Where the file has mean directions, spreads or heights as well, they must agree with moments and
+  energies. Records whose primary flag is questionable, bad or missing are not used.
+- Datawell Waverider: ``.spt`` files of one record, whose name gives place and time (``buoy}2024-09-09T01h15Z.spt``). Bands have energy
+  relative to the largest, mean direction waves come FROM and width of the directions [deg].
+- Sofar Spotter: JSON of the programming interface, CSV of the dashboard. Both give the moments of every band, a1, b1, a2, b2, about the
+  direction waves travel TO, counter-clockwise from east: ``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would
+  rebuild them from mean direction and width alone, and uses the times of the wave heights, which differ from the times of the spectra by
+  an hour in older files.
+- TRIAXYS: text. Directions are where waves come FROM, 0 and 360 degrees both listed.
 
 References
 ----------
 CDIP, "CDIP Wave Observations in NetCDF", cdip.ucsd.edu; UNESCO/IOC 2013, Manuals and Guides 54(3): flags 1 good, 2 not evaluated,
 3 questionable, 4 bad, 9 missing.
-
-Reader of Datawell Waverider ``.spt`` files of one record, whose name gives place and time (``buoy}2024-09-09T01h15Z.spt``).
-
-Bands have energy relative to the largest, mean direction waves come FROM and width of the directions [deg].
-
-Reader of Sofar Spotter data: JSON of the programming interface, CSV of the dashboard.
-
-Both give the moments of every band, a1, b1, a2, b2, about the direction waves travel TO, counter-clockwise from east:
-``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would rebuild them from mean direction and width alone, and
-takes the times of the wave heights for those of the spectra, which lie an hour apart in older files.
-
-Reader of TRIAXYS buoys' spectra as text. Directions are where waves come FROM, 0 and 360 degrees both listed.
 """
 
 from __future__ import annotations
@@ -44,9 +40,9 @@ from seaglint.formats.waves.wave_records import (
     Bins,
     Cosine,
     DirectionalMoments,
-    Held,
     Plain,
     WaveChoice,
+    WaveRecords,
     as_utc,
     open_dataset,
     parsed,
@@ -80,7 +76,7 @@ _AGREE_HEIGHT: Final = 0.25  # share of the height: another unit of energy is at
 _NARROWEST, _WIDEST_CDIP = 1.0, 80.0  # deg: the limits of the cosine to a power
 
 
-def read_cdip(path: Path, choice: WaveChoice) -> Held:
+def read_cdip(path: Path, choice: WaveChoice) -> WaveRecords:
     """Read the good record nearest to the requested time.
 
     Raises
@@ -109,7 +105,7 @@ def read_cdip(path: Path, choice: WaveChoice) -> Held:
             return _cdip_bands(record.load(), path)
 
     places = [None if value is None else np.full((1, 1), value) for value in place]
-    return Held(bands, None if time is None else times[index : index + 1], (site,), *places, note=note)
+    return WaveRecords(bands, None if time is None else times[index : index + 1], (site,), *places, note=note)
 
 
 def _times(data: Any, name: str, path: Path) -> NDArray[np.datetime64]:
@@ -192,6 +188,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
     name = "waveFrequency" if "waveFrequency" in data.variables else str(dims[0])
     frequency, energy = frequency_of(data, name, path), energy_of(data, CDIP_DENSITY, path)
     good = np.isin(_flags(data, "waveFrequencyFlagPrimary", frequency.size), _USED)
+    # Bands of CDIP have different widths: sums of energy need the width of each.
     width = numbers_of(data, "waveBandwidth") if "waveBandwidth" in data.variables else np.gradient(frequency)
     variance = np.where(np.isfinite(energy), energy, 0.0) * width
     if variance[~good].sum() > LOST_SHARE * variance.sum():
@@ -199,6 +196,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
             f"{path}: bands with {100 * variance[~good].sum() / variance.sum():.0f} % of the energy are flagged (waveFrequencyFlagPrimary; "
             f"{100 * LOST_SHARE:.0f} % allowed); choose another time"
         )
+    # The height by the widths and the height by the frequencies must agree: a wrong unit of either shows.
     between = np.trapezoid(np.where(np.isfinite(energy), energy, 0.0), frequency)
     height, without = (4.0 * float(np.sqrt(abs(value))) for value in (variance.sum(), between))
     if abs(height - without) > max(_AGREE_HEIGHT * without, 0.1):
@@ -211,7 +209,7 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
     )
     mean = None if direction is None else degrees_of(data, direction, path)
     widths = None if spread is None else degrees_of(data, spread, path)
-    turned = direction is not None and travels_to(data, direction)
+    direction_is_to = direction is not None and travels_to(data, direction)
     if all(moment in data.variables and np.any(np.isfinite(numbers_of(data, moment))) for moment in _MOMENTS):
         a1, b1, a2, b2 = (numbers_of(data, moment) for moment in _MOMENTS)
         first, second = a1 + 1j * b1, a2 + 1j * b2
@@ -219,10 +217,10 @@ def _cdip_bands(data: Any, path: Path) -> Bands:
         if direction is None and "waveMeanDirection" in data.variables and data["waveMeanDirection"].size == 1:
             whole = degrees_of(data, "waveMeanDirection", path).ravel() - np.degrees(np.angle(np.nansum(variance * first)))
             _require_near(np.abs((whole + 180.0) % 360.0 - 180.0), np.ones(1), "moments and waveMeanDirection", path, _AGREE_WHOLE_DEG)
-            turned = travels_to(data, "waveMeanDirection")
-        return DirectionalMoments(frequency[good], energy[good], (first if turned else -first)[good], second[good])
+            direction_is_to = travels_to(data, "waveMeanDirection")
+        return DirectionalMoments(frequency[good], energy[good], (first if direction_is_to else -first)[good], second[good])
     if mean is not None and widths is not None and np.any(np.isfinite(mean) & np.isfinite(widths)):
-        come_from, widths = _filled(frequency, variance, mean + 180.0 if turned else mean, widths, path)
+        come_from, widths = _filled(frequency, variance, mean + 180.0 if direction_is_to else mean, widths, path)
         return Cosine(frequency[good], energy[good], come_from[good], widths[good])
     return Plain(frequency[good], energy[good])
 
@@ -237,6 +235,7 @@ def _filled(
         raise DataError(
             f"{path}: lacks directions for {100 * lost:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time"
         )
+    # Directions are interpolated as unit vectors, so that 359 and 1 deg have 0 deg between them.
     source = order[known[order]]
     vectors, sizes = (np.interp(frequency, frequency[source], values[source]) for values in (np.exp(1j * np.radians(come_from)), widths))
     return np.degrees(np.angle(vectors)) % 360.0, np.clip(sizes, _NARROWEST, _WIDEST_CDIP)
@@ -261,6 +260,7 @@ def _require_agreement(
 ) -> None:
     """Refuse moments that are not divided by the energy, or contradict mean directions or spreads."""
     known = np.isfinite(first) & np.isfinite(second) & (variance > 0.0)
+    # Moments divided by the energy are at most 1.
     size = np.maximum(np.abs(first), np.abs(second))
     if np.any(known) and np.average(size[known] > _AGREE_ONE, weights=variance[known]) > LOST_SHARE:
         raise DataError(f"{path}: moments reach {size[known].max():.3g}, and 1 is the most; divide them by the energy density")
@@ -282,7 +282,7 @@ _NAME: Final = re.compile(r"^(.*)\}(\d{4}-\d{2}-\d{2})T(\d{2})h(\d{2})Z?$")
 _WIDEST: Final = (80.0, 81.1)  # deg: the cosine's limit, and sqrt(2) rad, the width of bands without any direction
 
 
-def read_datawell(path: Path) -> Held:
+def read_datawell(path: Path) -> WaveRecords:
     """Read the only record of a file."""
     name = _NAME.match(path.stem)
     if name is None:
@@ -295,7 +295,7 @@ def read_datawell(path: Path) -> Held:
     limit, most = _WIDEST
     if np.any(width > most):
         raise DataError(f"{path}: a width of {width.max():g} deg is above {most:g} deg, that of no direction at all; is the file whole?")
-    return Held(
+    return WaveRecords(
         lambda *_: Cosine(frequency, energy, directions, np.minimum(width, limit)), np.array([moment], "datetime64[ns]"), (name[1],)
     )
 
@@ -307,13 +307,13 @@ _AGAIN: Final = "give a Spotter's file as its dashboard or programming interface
 Record = Mapping[str, Any]
 
 
-def read_spotter_json(path: Path) -> Held:
+def read_spotter_json(path: Path) -> WaveRecords:
     """Read the records of ``data.frequencyData``."""
     records = parsed(path, "a Spotter's JSON", lambda: outputs.read_json(path, _AGAIN)["data"]["frequencyData"])
-    return _held(path, "a Spotter's JSON", records)
+    return _records(path, "a Spotter's JSON", records)
 
 
-def read_spotter_csv(path: Path) -> Held:
+def read_spotter_csv(path: Path) -> WaveRecords:
     """Read the records of a table with a column for each band and quantity: ``f_0``, ``a1_0``, ``varianceDensity_0`` and so on."""
 
     def parse() -> list[Record]:
@@ -321,7 +321,7 @@ def read_spotter_csv(path: Path) -> Held:
         header = [name.split("(")[0].strip() for name in head.cells]
         return [_record(dict(zip(header, line.cells, strict=True))) for line in rest]
 
-    return _held(path, "a Spotter's CSV", parsed(path, "a Spotter's CSV", parse))
+    return _records(path, "a Spotter's CSV", parsed(path, "a Spotter's CSV", parse))
 
 
 def _record(row: Mapping[str, str]) -> Record:
@@ -332,14 +332,14 @@ def _record(row: Mapping[str, str]) -> Record:
     return record | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
 
 
-def _held(path: Path, kind: str, records: Sequence[Record]) -> Held:
-    def parse() -> Held:
+def _records(path: Path, kind: str, records: Sequence[Record]) -> WaveRecords:
+    def parse() -> WaveRecords:
         times = np.array([as_utc(record["timestamp"]) for record in records], dtype="datetime64[ns]")
         places = [np.array([[float(record[name])] for record in records]) for name in ("latitude", "longitude")]
-        return Held(lambda moment, _: _spotter_bands(path, records[moment]), times, ("1",), *places)
+        return WaveRecords(lambda moment, _: _spotter_bands(path, records[moment]), times, ("1",), *places)
 
-    held: Held = parsed(path, kind, parse)
-    return held
+    result: WaveRecords = parsed(path, kind, parse)
+    return result
 
 
 def _spotter_bands(path: Path, record: Record) -> Bands:
@@ -348,7 +348,7 @@ def _spotter_bands(path: Path, record: Record) -> Bands:
         raise DataError(
             f"{path}: the record of {record['timestamp']} lacks one of {', '.join(_COLUMNS)} in some bands; ask for all of them"
         )
-    # From counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
+    # The Spotter's angles theta: from counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
     return DirectionalMoments(frequency, energy, 1j * np.conj(a1 + 1j * b1), -np.conj(a2 + 1j * b2))
 
 
@@ -356,7 +356,7 @@ _TYPE = re.compile(r"^\s*TYPE\s*=\s*(.*?)\s*$", re.MULTILINE)
 _ZONE = re.compile(r"^\s*DATE\s*=.*\((.*?)\)", re.MULTILINE)
 
 
-def read_triaxys(path: Path) -> Held:
+def read_triaxys(path: Path) -> WaveRecords:
     """Read the only record of a file."""
     header = parsed(path, "a TRIAXYS file", lambda: path.read_text(encoding="utf-8")[:4096])
     kind, zone = _TYPE.search(header), _ZONE.search(header)
@@ -375,7 +375,7 @@ def read_triaxys(path: Path) -> Held:
         if values.ndim == 1:
             return Plain(frequency, values)
         directions = np.asarray(data["dir"].values, dtype=np.float64)
-        once = directions < 360.0 - 1e-6
+        once = directions < 360.0 - 1e-6  # 0 and 360 are both in the file: one of them is left out
         return Bins(frequency, directions[once], values[:, once])
 
-    return Held(bands, np.asarray(data["time"].values).astype("datetime64[ns]"))
+    return WaveRecords(bands, np.asarray(data["time"].values).astype("datetime64[ns]"))

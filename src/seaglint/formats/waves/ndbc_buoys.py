@@ -1,34 +1,20 @@
-"""Dates of NDBC text files of every generation, of weather and of waves: years of two or four digits, with or without minutes.
+"""Reader of NDBC wave spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF, also MHKiT's.
 
-Directional moments of buoys: from mean and principal direction and the lengths r1 and r2, as NDBC gives them.
+Mean and principal directions alpha1 and alpha2 are where waves come FROM, in degrees clockwise from north, r1 and r2 the lengths of the two
+moments, in 0-1 or, in historical text files, in hundredths. Each file is read separately and the moments are used unchanged: a truncated
+Fourier series of them, as wavespectra builds, has negative energies.
 
-Directions alpha1 and alpha2 are where waves come FROM, in degrees clockwise from north, and r1 and r2 the lengths of the two moments, in
-0-1 or, in historical files, in hundredths.
+Text files: historical ones have the frequencies in their headings, realtime files a frequency in brackets after each value. Years have two
+digits up to 1998, minutes come in 2005, and from 2007 headings begin with ``#``. Further lines that begin with ``#``, and a line of units,
+are skipped. Records may be in any order. Dates of NDBC's weather files have the same forms.
 
-Variables of a buoy's NetCDF with what their attributes say: units, the sense of directions, and which north.
-
-An attribute that is missing or empty says nothing, and the format's own convention holds. One that changes the meaning of the numbers is
-honoured where that is certain, else refused.
-
-Text files of NDBC spectra of every generation: times of their records, and the values of one record by frequency.
-
-Historical files have the frequencies in their headings, realtime files a frequency in brackets after each value. Years have two digits
-up to 1998, minutes come in 2005, and from 2007 headings begin with ``#``. Further lines that begin with ``#``, and a line of units, are
-skipped. Records may be in any order.
+NetCDF: attributes state units, the sense of directions, and which north. Without an attribute, or with an empty one, the format's
+convention holds. One that changes the meaning of the numbers is honoured where that is certain, else refused.
 
 References
 ----------
-NDBC, "Measurement descriptions and units", ndbc.noaa.gov/measdes.shtml.
-
-Reader of NDBC spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF, also MHKiT's.
-
-Mean and principal directions alpha1 and alpha2 are where waves come FROM, r1 and r2 the lengths of the two moments. Each file is read by
-itself and the moments are taken as they are: a truncated Fourier series of them, as wavespectra builds, has negative energies. Historical
-text files have r1 and r2 in hundredths, all others in 0-1.
-
-References
-----------
-NDBC, "Nondirectional and directional wave data analysis procedures", Technical Document 96-01; ndbc.noaa.gov/measdes.shtml.
+NDBC, "Nondirectional and directional wave data analysis procedures", Technical Document 96-01;
+"Measurement descriptions and units", ndbc.noaa.gov/measdes.shtml.
 """
 
 from __future__ import annotations
@@ -49,7 +35,7 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.formats.tables.table_text import plain_number
-from seaglint.formats.waves.wave_records import Bands, DirectionalMoments, Held, Plain, WaveChoice, held_by, parsed
+from seaglint.formats.waves.wave_records import Bands, DirectionalMoments, Plain, WaveChoice, WaveRecords, netcdf_records, parsed
 
 _WHOLE: Final = re.compile(r"\d{1,4}")
 _PIVOT: Final = 70  # NDBC's first buoys are of the 1970s
@@ -116,10 +102,10 @@ def moment_of(cells: Sequence[str]) -> datetime:
     return datetime(full_year(year), month, day, hour, minute)
 
 
-LengthUnit = Literal["ones", "hundredths", "unknown"]  #: Unit of r1 and r2 as the file says it.
+LengthUnit = Literal["ones", "hundredths", "unknown"]  #: Unit of r1 and r2 as the file states it.
 
 _NINES: Final = (99.0, 999.0, 9999.0)
-_CERTAIN: Final = 2.0  # lengths that all are at most 0.02 are of no sea
+_CERTAIN: Final = 2.0  # in hundredths: no sea has only lengths of 0.02 or less
 
 
 def energy_known(energy: FloatArray) -> FloatArray:
@@ -193,7 +179,7 @@ _FILLED: Final = -999.0  # -999, -999.9, -999.99 and -9999, where no attribute s
 
 
 def unit_of(data: Any, name: str) -> str:
-    """Return the units of a variable, spelled in one way; empty where the file does not say.
+    """Return the units of a variable in a uniform spelling; empty without units in the file.
 
     Examples
     --------
@@ -232,8 +218,8 @@ def energy_of(data: Any, name: str, path: Path) -> FloatArray:
 def degrees_of(data: Any, name: str, path: Path) -> FloatArray:
     """Return directions as the file has them [deg]; other units, and magnetic north, are refused."""
     attributes = data[name].attrs
-    said = " ".join(str(attributes.get(key, "")) for key in ("units", "long_name", "standard_name", "description", "comment", "reference"))
-    if _MAGNETIC.search(said) and "true" not in said.lower():
+    words = " ".join(str(attributes.get(key, "")) for key in ("units", "long_name", "standard_name", "description", "comment", "reference"))
+    if _MAGNETIC.search(words) and "true" not in words.lower():
         raise DataError(f"{path}: {name} is relative to magnetic north, and true north is read; add the declination and say degrees_true")
     unit = unit_of(data, name)
     if unit and not _DEGREES.fullmatch(unit):
@@ -242,20 +228,20 @@ def degrees_of(data: Any, name: str, path: Path) -> FloatArray:
 
 
 def travels_to(data: Any, name: str) -> bool:
-    """Return true where the standard name of directions says that waves travel TO them."""
+    """Return true if waves travel TO the directions by their standard name."""
     return "to_direction" in str(data[name].attrs.get("standard_name", ""))
 
 
 def from_degrees_of(data: Any, name: str, path: Path) -> FloatArray:
-    """Return directions waves come FROM [deg, 0 to 360], turned where the file says that they travel TO them."""
+    """Return directions waves come FROM [deg, 0 to 360], turned by 180 deg if the file states where waves travel TO."""
     values = degrees_of(data, name, path)
     return np.where(values <= 360.0, (values + 180.0) % 360.0, values) if travels_to(data, name) else values
 
 
 def length_unit_of(data: Any, names: tuple[str, str], path: Path) -> LengthUnit:
-    """Return the unit of r1 and r2 as their attributes say it."""
+    """Return the unit of r1 and r2 by their attributes."""
     units = {unit_of(data, name) for name in names}
-    said = " ".join(str(data[name].attrs.get(key, "")) for name in names for key in ("long_name", "description", "comment")).lower()
+    words = " ".join(str(data[name].attrs.get(key, "")) for name in names for key in ("long_name", "description", "comment")).lower()
     ones, hundredths = units & _ONES, units & _HUNDREDTHS
     if units - _ONES - _HUNDREDTHS - {""} or (ones and hundredths):
         raise DataError(
@@ -263,7 +249,7 @@ def length_unit_of(data: Any, names: tuple[str, str], path: Path) -> LengthUnit:
         )
     if hundredths:
         return "hundredths"
-    return "ones" if ones or "nondimensional" in said or "dimensionless" in said else "unknown"
+    return "ones" if ones or "nondimensional" in words or "dimensionless" in words else "unknown"
 
 
 _PAIR: Final = re.compile(r"(\S+)\s*\(\s*([0-9.]+)\s*\)")
@@ -319,6 +305,7 @@ class SpectralText:
 
     def _values(self, row: SpectralRow) -> tuple[FloatArray, FloatArray]:
         """Return frequencies and values of a row."""
+        # A record of fewer bands than most of the others is cut.
         usual = Counter(row.bands for row in self.rows).most_common(1)[0][0]
         if row.frequencies is None:
             pairs, rest = _PAIR.findall(row.text), _PAIR.sub(" ", row.text).split()
@@ -353,7 +340,7 @@ def read_spectral_text(path: Path) -> SpectralText:
     Raises
     ------
     DataError
-        Headings that are not those of a spectrum, a date that there is not, or no records; with the line.
+        Headings of another kind of file, an impossible date, or no records; with the line.
     """
     content = path.read_bytes()
     if content.startswith(b"\x1f\x8b"):
@@ -409,7 +396,7 @@ _NDBC: Final = ("spectral_wave_density", "mean_wave_dir", "principal_wave_dir", 
 MHKIT: Final = ("swden", "swdir", "swdir2", "swr1", "swr2")
 
 
-def read_text(path: Path, choice: WaveChoice) -> Held:
+def read_text(path: Path, choice: WaveChoice) -> WaveRecords:
     """Read the records of a buoy's text files, which have many times, so that one must be requested."""
     files = _five(path)
     moment = choice.require_time(str(path))
@@ -428,15 +415,15 @@ def read_text(path: Path, choice: WaveChoice) -> Held:
         alpha1, alpha2, r1, r2 = (_column(_read(file), moment, frequency) for file in files[1:])
         return moments_of(frequency, energy, (alpha1, alpha2, r1, r2), "unknown" if table.historical else "ones", f"{path} at {moment}")
 
-    return Held(bands, table.times[index : index + 1], (_station(files[0]),))
+    return WaveRecords(bands, table.times[index : index + 1], (_station(files[0]),))
 
 
-def read_netcdf(path: Path) -> Held:
+def read_netcdf(path: Path) -> WaveRecords:
     """Read the records of a buoy's NetCDF file."""
     return _read_netcdf(path, _NDBC)
 
 
-def read_mhkit(path: Path) -> Held:
+def read_mhkit(path: Path) -> WaveRecords:
     """Read the records of NetCDF with the names of MHKiT's ``wave.io.ndbc.request_directional_data``.
 
     MHKiT divides r1 and r2 by 100 and keeps NDBC's nines, so that a missing one is 9.99.
@@ -444,7 +431,7 @@ def read_mhkit(path: Path) -> Held:
     return _read_netcdf(path, MHKIT)
 
 
-def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> Held:
+def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> WaveRecords:
     """Read NetCDF whose five variables have the names of energy, alpha1, alpha2, r1 and r2."""
     density, alpha1, alpha2, r1, r2 = names
 
@@ -457,7 +444,7 @@ def _read_netcdf(path: Path, names: tuple[str, str, str, str, str]) -> Held:
         directions = from_degrees_of(data, alpha1, path).ravel(), degrees_of(data, alpha2, path).ravel()
         return moments_of(frequency, energy, (*directions, *lengths), unit, str(path))
 
-    return held_by(path, density, convert)
+    return netcdf_records(path, density, convert)
 
 
 def is_common_part(path: Path) -> bool:
@@ -472,7 +459,7 @@ def _station(path: Path) -> str:
 
 
 def _five(path: Path) -> list[Path]:
-    """Return the names of the five files, from that of any of them or from their common part; each may be packed by gzip."""
+    """Return the names of the five files, from any one of them or from their common part; each may be packed by gzip."""
     historical = _HISTORICAL.match(path.name)
     if historical is not None:
         return [_present(path.with_name(f"{historical[1]}{letter}{historical[3]}")) for letter in _LETTERS]
@@ -485,7 +472,7 @@ def _five(path: Path) -> list[Path]:
 
 
 def _present(path: Path) -> Path:
-    """Return the file of this name that exists, as text or packed; the name itself where there is none."""
+    """Return the file of this name that exists, as text or packed; the name itself if neither exists."""
     plain = path.with_name(path.name.removesuffix(".gz"))
     packed = plain.with_name(f"{plain.name}.gz")
     return next((file for file in (path, plain, packed) if file.is_file()), path)

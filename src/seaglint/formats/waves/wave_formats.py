@@ -1,28 +1,19 @@
-"""Reader of ERA5 two-dimensional wave spectra (NetCDF, parameter 251.140, d2fd), before and after the new layout of September 2024.
+"""Reader of wave spectra from a file: its format, the record nearest to a time and place, and its spectrum.
 
-Files hold the decimal logarithm of the density in m² s rad⁻¹, directions that waves travel TO, clockwise from north, by number only, and
-nothing where there is land or next to no energy.
+Formats of wave models and of wavespectra are read here, formats of buoys in two other files:
 
-References
-----------
-ECMWF, "2D wave spectra": first direction half a step, first frequency 0.03453 Hz, each 1.1 times the one before.
-
-Reader of Octopus forecast files: variance per band of frequency and direction, directions waves come FROM.
-
-Reader of SWAN's standard spectral files and NetCDF.
-
-In text files nautical directions (``NDIR``) are where waves come FROM, Cartesian ones (``CDIR``) where they travel TO, counter-clockwise
-from the x axis; wavespectra turns these. In NetCDF directions are in radians, and an attribute says which of the two they are;
-wavespectra takes them for nautical always.
-
-Reader of wavespectra's own NetCDF: ``efth(..., freq, dir)`` in m² s deg⁻¹, directions FROM; without ``dir`` in m² s.
-
-Reader of WAVEWATCH III: NetCDF of the point output and text files of stations.
-
-Both have directions waves travel TO, clockwise from north; wavespectra turns them to where they come FROM, also for NetCDF whose attribute
-says that they do so already. Text rounds directions to three digits of a radian: they are put back on their even grid.
-
-Reader of wave spectra from a file: its format, the record nearest to a time and place, and its spectrum.
+- ERA5: two-dimensional spectra in NetCDF (parameter 251.140, d2fd), before and after the new layout of September 2024. Files hold the
+  decimal logarithm of the density in m² s rad⁻¹, directions that waves travel TO, clockwise from north, by number only, and no value on
+  land or at negligible energy. The first direction is half a step, the first frequency 0.03453 Hz, each 1.1 times the one before (ECMWF,
+  "2D wave spectra").
+- Octopus: forecasts of the variance per band of frequency and direction, directions waves come FROM.
+- SWAN: standard spectral files and NetCDF. In text files nautical directions (``NDIR``) are where waves come FROM, Cartesian ones
+  (``CDIR``) where they travel TO, counter-clockwise from the x axis; wavespectra turns these. In NetCDF directions are in radians,
+  nautical or Cartesian by an attribute; wavespectra always reads them as nautical.
+- wavespectra: NetCDF ``efth(..., freq, dir)`` in m² s deg⁻¹, directions FROM; without ``dir`` in m² s.
+- WAVEWATCH III: NetCDF of the point output and text files of stations. Both have directions waves travel TO, clockwise from north;
+  wavespectra turns them to where waves come FROM, even in NetCDF whose attribute states that waves come FROM them already. Text rounds
+  directions to three digits of a radian: they are put back on their even grid.
 """
 
 from __future__ import annotations
@@ -32,7 +23,7 @@ import logging
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, get_args
 
 import numpy as np
 
@@ -42,14 +33,25 @@ from seaglint.base.free_form import JsonObject
 from seaglint.formats.waves import buoys
 from seaglint.formats.waves import ndbc_buoys as ndbc
 from seaglint.formats.waves.ndbc_buoys import headings_of
-from seaglint.formats.waves.wave_records import Bands, Bins, Held, Plain, WaveChoice, held_by, open_dataset, parsed, reader, spectrum_of
+from seaglint.formats.waves.wave_records import (
+    Bands,
+    Bins,
+    Plain,
+    WaveChoice,
+    WaveRecords,
+    netcdf_records,
+    open_dataset,
+    parsed,
+    reader,
+    spectrum_of,
+)
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
 #: Numbers of frequencies and directions whose first frequency is 0.03453 Hz: ERA5 and the global forecast since 2010.
 _GRIDS: Final = {(30, 24), (36, 36)}
 
 
-def read_era5_waves(path: Path) -> Held:
+def read_era5_waves(path: Path) -> WaveRecords:
     """Read the records of a file."""
     reader("read_era5")
 
@@ -59,7 +61,7 @@ def read_era5_waves(path: Path) -> Held:
         for name in ("expver", "number"):
             if name in data["d2fd"].dims:
                 data = _one_of(data, name, path)
-        # wavespectra wants the numbers of frequencies and directions as coordinates; some files have bare dimensions.
+        # wavespectra needs the numbers of frequencies and directions as coordinates; some files have bare dimensions.
         data = data.assign_coords({name: np.arange(data.sizes[name]) for name in data["d2fd"].dims if name not in data.variables})
         if not np.any(np.isfinite(data["d2fd"].values)):
             raise DataError(f"{path}: has no spectrum there at that time (land, or outside); give a place at sea")
@@ -70,35 +72,43 @@ def read_era5_waves(path: Path) -> Held:
                 f"{path}: has {spectrum.shape[0]} frequencies and {spectrum.shape[1]} directions, and ERA5 has 30 and 24 (forecasts 36 and "
                 "36); ask for all of them"
             )
-        frequency, directions = (np.asarray(converted[name].values, dtype=np.float64) for name in ("freq", "dir"))
-        return Bins(frequency, directions, np.asarray(spectrum.values, dtype=np.float64))
+        return Bins(_floats(converted["freq"]), _floats(converted["dir"]), _floats(spectrum))
 
-    return held_by(path, "d2fd", convert)
+    return netcdf_records(path, "d2fd", convert)
+
+
+def _floats(variable: Any) -> FloatArray:
+    return np.asarray(variable.values, dtype=np.float64)
+
+
+def _bins(data: Any, directions: FloatArray) -> Bins:
+    """Return the densities of a dataset of wavespectra with other directions than it states [deg]."""
+    return Bins(_floats(data["freq"]), directions, _floats(data["efth"].transpose("freq", "dir")))
 
 
 def _one_of(data: Any, name: str, path: Path) -> Any:
     """Return the entry of a dimension that has values: final or preliminary data; more than one is refused."""
-    held = [i for i in range(data.sizes[name]) if np.any(np.isfinite(data["d2fd"].isel({name: i}).values))]
-    if len(held) > 1:
-        raise DataError(f"{path}: has {len(held)} entries of '{name}' at that time and place; select one, as in xarray: isel({name}=0)")
-    return data.isel({name: held[0] if held else 0})
+    finite = [i for i in range(data.sizes[name]) if np.any(np.isfinite(data["d2fd"].isel({name: i}).values))]
+    if len(finite) > 1:
+        raise DataError(f"{path}: has {len(finite)} entries of '{name}' at that time and place; select one, as in xarray: isel({name}=0)")
+    return data.isel({name: finite[0] if finite else 0})
 
 
-def read_octopus(path: Path) -> Held:
+def read_octopus(path: Path) -> WaveRecords:
     """Read the records of one place."""
     function = reader("read_octopus")
     data = parsed(path, "an Octopus file", lambda: function(str(path)))
     density = data["efth"].transpose("time", "site", "freq", "dir").values.astype(np.float64)
-    frequency, directions = (np.asarray(data[name].values, dtype=np.float64) for name in ("freq", "dir"))
+    frequency, directions = _floats(data["freq"]), _floats(data["dir"])
     times = np.asarray(data["time"].values).astype("datetime64[ns]")
     places = [np.broadcast_to(np.ravel(data[name].values), (times.size, 1)) for name in ("lat", "lon")]
-    return Held(lambda moment, _: Bins(frequency, directions, density[moment, 0]), times, ("1",), *places)
+    return WaveRecords(lambda moment, _: Bins(frequency, directions, density[moment, 0]), times, ("1",), *places)
 
 
 _HEADER_END: Final = "QUANT"
 
 
-def read_swan_text(path: Path) -> Held:
+def read_swan_text(path: Path) -> WaveRecords:
     """Read the records of a standard spectral file, plain or gzipped; a stationary run has no times."""
     header = parsed(path, "a SWAN spectral file", lambda: _header(path))
     if not {"NDIR", "CDIR"} & header:
@@ -108,7 +118,7 @@ def read_swan_text(path: Path) -> Held:
     read = reader("read_swan")
     # As sites always: for a grid wavespectra sorts the coordinates but not the spectra.
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # rows that cannot be read are warned of and left as NaN: refused when they are wanted
+        warnings.simplefilter("ignore")  # rows that cannot be read are warned of and left as NaN: refused when they are requested
         data = parsed(path, "a SWAN spectral file", lambda: read(str(path), as_site=True))
     spherical = "LONLAT" in header
 
@@ -116,12 +126,12 @@ def read_swan_text(path: Path) -> Held:
         density = np.asarray(data["efth"].values[moment, place], dtype=np.float64)
         if not np.any(np.isfinite(density)):
             raise DataError(f"{path}: has no spectrum at site {place + 1} at that time (NODATA: land or dry); choose another")
-        return Bins(np.asarray(data["freq"].values, dtype=np.float64), np.asarray(data["dir"].values, dtype=np.float64), density)
+        return Bins(_floats(data["freq"]), _floats(data["dir"]), density)
 
     count = data.sizes["time"]
     places = [np.broadcast_to(data[name].values, (count, data.sizes["site"])) if spherical else None for name in ("lat", "lon")]
     times = data["time"].values.astype("datetime64[ns]") if "TIME" in header else None
-    return Held(bands, times, tuple(str(name) for name in data["site"].values), *places)
+    return WaveRecords(bands, times, tuple(str(name) for name in data["site"].values), *places)
 
 
 def _header(path: Path) -> set[str]:
@@ -135,7 +145,7 @@ def _header(path: Path) -> set[str]:
     return words
 
 
-def read_swan_netcdf(path: Path) -> Held:
+def read_swan_netcdf(path: Path) -> WaveRecords:
     """Read the records of SWAN's NetCDF output of two-dimensional spectra."""
 
     def convert(data: Any) -> Bins:
@@ -143,41 +153,38 @@ def read_swan_netcdf(path: Path) -> Held:
 
         cartesian = _is_cartesian(data)
         converted = from_ncswan(data)
-        directions = np.asarray(converted["dir"].values, dtype=np.float64)
-        density = np.asarray(converted["efth"].transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(
-            np.asarray(converted["freq"].values, dtype=np.float64), (270.0 - directions) % 360.0 if cartesian else directions, density
-        )
+        directions = _floats(converted["dir"])
+        # Cartesian: TO, counter-clockwise from east; 270 deg less it is FROM, clockwise from north.
+        return _bins(converted, (270.0 - directions) % 360.0 if cartesian else directions)
 
     reader("read_ncswan")
-    return held_by(path, "density", convert)
+    return netcdf_records(path, "density", convert)
 
 
 def _is_cartesian(data: Any) -> bool:
     """Return true where directions are those waves travel TO, counter-clockwise from east; nautical is the default."""
-    said = {str(name).lower(): str(value).lower() for name, value in data.attrs.items()}.get("directional_convention", "")
+    convention = {str(name).lower(): str(value).lower() for name, value in data.attrs.items()}.get("directional_convention", "")
     standard = str(data["direction"].attrs.get("standard_name", "")).lower()
-    return said.startswith("cartesian") or (not said and "to_direction" in standard)
+    return convention.startswith("cartesian") or (not convention and "to_direction" in standard)
 
 
-def read_wavespectra(path: Path) -> Held:
+def read_wavespectra(path: Path) -> WaveRecords:
     """Read the records of a file."""
 
     def convert(data: Any) -> Bands:
-        frequency = np.asarray(data["freq"].values, dtype=np.float64)
+        frequency = _floats(data["freq"])
         spectrum = data["efth"].squeeze(drop=True)
         if "dir" not in spectrum.dims:
-            return Plain(frequency, np.asarray(spectrum.values, dtype=np.float64))
-        density = np.asarray(spectrum.transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(frequency, np.asarray(data["dir"].values, dtype=np.float64), density)
+            return Plain(frequency, _floats(spectrum))
+        return Bins(frequency, _floats(data["dir"]), _floats(spectrum.transpose("freq", "dir")))
 
-    return held_by(path, "efth", convert)
+    return netcdf_records(path, "efth", convert)
 
 
 _ROUNDED: Final = 0.6  # largest distance of a printed direction from its even grid [deg]: 0.005 rad and the offset's own
 
 
-def read_ww3_text(path: Path) -> Held:
+def read_ww3_text(path: Path) -> WaveRecords:
     """Read the records of a station's text file with one point."""
     header = parsed(path, "a WAVEWATCH III station file", lambda: path.read_text(encoding="utf-8").partition("\n")[0])
     points = parsed(path, "a WAVEWATCH III station file", lambda: int(header.split("'")[2].split()[2]))
@@ -185,18 +192,19 @@ def read_ww3_text(path: Path) -> Held:
         raise DataError(f"{path}: has {points} points, and files of one are read; split it by point, or write NetCDF (ww3_ounp)")
     read = reader("read_ww3_station")
     data = parsed(path, "a WAVEWATCH III station file", lambda: read(str(path)))
-    density = np.asarray(data["efth"].values, dtype=np.float64).reshape(-1, data.sizes["freq"], data.sizes["dir"])
-    directions = _even(np.asarray(data["dir"].values, dtype=np.float64), path)
-    frequency = np.asarray(data["freq"].values, dtype=np.float64)
+    density = _floats(data["efth"]).reshape(-1, data.sizes["freq"], data.sizes["dir"])
+    # Three digits of a radian are 0.06 deg: the exact directions are on an even grid.
+    directions, frequency = _even(_floats(data["dir"]), path), _floats(data["freq"])
     names = ("1",) if "site" not in data.coords else tuple(str(name) for name in np.atleast_1d(data["site"].values))
     places = [np.broadcast_to(np.ravel(data[name].values)[:1], (density.shape[0], 1)) for name in ("lat", "lon")]
     times = np.asarray(data["time"].values).astype("datetime64[ns]")
-    return Held(lambda moment, _: Bins(frequency, directions, density[moment]), times, names, *places)
+    return WaveRecords(lambda moment, _: Bins(frequency, directions, density[moment]), times, names, *places)
 
 
 def _even(directions: FloatArray, path: Path) -> FloatArray:
     """Return exact directions of a whole turn that were rounded when printed [deg]."""
     step = 360.0 / directions.size
+    # The median of the steps has the sense of rotation even where one step crosses north.
     turn = np.sign(np.median((np.diff(directions) + 180.0) % 360.0 - 180.0)) * step
     away = (directions - turn * np.arange(directions.size) + 180.0 - directions[0]) % 360.0 - 180.0
     if np.ptp(away) > 2.0 * _ROUNDED:
@@ -204,7 +212,7 @@ def _even(directions: FloatArray, path: Path) -> FloatArray:
     return np.asarray((directions[0] + away.mean() + turn * np.arange(directions.size)) % 360.0)
 
 
-def read_ww3_netcdf(path: Path) -> Held:
+def read_ww3_netcdf(path: Path) -> WaveRecords:
     """Read the records of WAVEWATCH III's NetCDF."""
 
     def convert(data: Any) -> Bins:
@@ -212,30 +220,18 @@ def read_ww3_netcdf(path: Path) -> Held:
 
         already_from = "from_direction" in str(data["direction"].attrs.get("standard_name", ""))
         converted = from_ww3(data)
-        directions = np.asarray(converted["dir"].values, dtype=np.float64) + (180.0 if already_from else 0.0)
-        density = np.asarray(converted["efth"].transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(np.asarray(converted["freq"].values, dtype=np.float64), directions % 360.0, density)
+        # wavespectra turns all directions by 180 deg: those that waves come FROM are turned back.
+        directions = _floats(converted["dir"]) + (180.0 if already_from else 0.0)
+        return _bins(converted, directions % 360.0)
 
     reader("read_ww3")
-    return held_by(path, "efth", convert)
+    return netcdf_records(path, "efth", convert)
 
 
 Format = Literal["ndbc", "cdip", "mhkit", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
 
 #: Names of the formats that ``sea.spectrum.format`` takes.
-FORMATS: Final[tuple[Format, ...]] = (
-    "ndbc",
-    "cdip",
-    "mhkit",
-    "spotter",
-    "swan",
-    "ww3",
-    "era5",
-    "triaxys",
-    "octopus",
-    "datawell",
-    "wavespectra",
-)
+FORMATS: Final[tuple[Format, ...]] = get_args(Format)
 
 _NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _BEGINNING: Final = 8192
@@ -248,7 +244,7 @@ class WavesFromFile:
     """Spectrum and its source."""
 
     spectrum: MeasuredSpectrum  #: The sea.
-    report: JsonObject  #: For the provenance: file, format, time, site, place, and how far they are from those wanted.
+    report: JsonObject  #: For the provenance: file, format, time, site, place, and their distances from the requested ones.
 
 
 def read_waves(
@@ -261,11 +257,11 @@ def read_waves(
     path : path
         The file; of a buoy's five NDBC files any one, or the name without its ending.
     choice : WaveChoice, optional
-        Time and place wanted, tolerances, and directions for files that have none.
+        Requested time and place, tolerances, and directions for files without directions.
     wind_to_azimuth : float
         Azimuth the wind blows TO [rad].
     format : str, optional
-        One of :data:`FORMATS`; recognised from the file where nothing is said.
+        One of :data:`FORMATS`; by default recognised from the file.
 
     Returns
     -------
@@ -276,7 +272,7 @@ def read_waves(
     DataError
         A file that is missing, cut, of no known format or without a record near enough; impossible values.
     DomainError
-        A choice that is missing or does not go with the file; ``name`` says which.
+        A choice that is missing or does not fit the file; ``name`` is its key.
     BackendError
         If wavespectra is not installed and needed.
     """
@@ -289,31 +285,31 @@ def read_waves(
 
 def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float) -> WavesFromFile:
     """Return the record nearest in time and place, and notes on it."""
-    held, what = _held(path, kind, choice), str(path)
-    moment, off = (0, None) if held.times is None else choice.nearest_time(held.times, what)
-    latitude, longitude = (None if values is None else values[moment] for values in (held.latitude_deg, held.longitude_deg))
-    site, away = choice.nearest_site(held.sites, latitude, longitude, what)
-    spectrum, directions = spectrum_of(held.bands(moment, site), choice, wind_to_azimuth, what)
+    records, what = _records(path, kind, choice), str(path)
+    moment, off = (0, None) if records.times is None else choice.nearest_time(records.times, what)
+    latitude, longitude = (None if values is None else values[moment] for values in (records.latitude_deg, records.longitude_deg))
+    site, away = choice.nearest_site(records.sites, latitude, longitude, what)
+    spectrum, directions = spectrum_of(records.bands(moment, site), choice, wind_to_azimuth, what)
     report: JsonObject = {
         "file": path.name,
         "format": kind,
         "directions": directions,
         "significant_height_m": spectrum.significant_height(),
     }
-    if held.times is not None:
-        report["time"] = f"{np.datetime_as_string(held.times[moment], unit='s')}Z"
+    if records.times is not None:
+        report["time"] = f"{np.datetime_as_string(records.times[moment], unit='s')}Z"
     if off is not None:
         report["seconds_from_time_wanted"] = off
-    if len(held.sites) > 1:
-        report["site"] = held.sites[site]
+    if len(records.sites) > 1:
+        report["site"] = records.sites[site]
     for name, values in (("latitude_deg", latitude), ("longitude_deg", longitude)):
         if values is not None:
             report[name] = float(values[site])
     if away is not None:
         report["km_from_place_wanted"] = away
-    if held.note is not None:
-        log.warning("%s: %s", what, held.note)
-        report["note"] = held.note
+    if records.note is not None:
+        log.warning("%s: %s", what, records.note)
+        report["note"] = records.note
     return WavesFromFile(spectrum, report)
 
 
@@ -323,7 +319,7 @@ def recognised(path: Path) -> Format:
     Raises
     ------
     DataError
-        A file that is missing or begins as none of them.
+        A file that is missing or of another format.
     """
     if not path.is_file():
         if ndbc.is_common_part(path):
@@ -377,7 +373,7 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
     return "ndbc" if path.name.removesuffix(".gz").endswith(ndbc.SUFFIXES) else None
 
 
-def _held(path: Path, kind: Format, choice: WaveChoice) -> Held:
+def _records(path: Path, kind: Format, choice: WaveChoice) -> WaveRecords:
     """Return the records of the file by the family of its format."""
     is_netcdf = False
     if path.is_file():
@@ -386,7 +382,7 @@ def _held(path: Path, kind: Format, choice: WaveChoice) -> Held:
     match kind:
         case "ndbc" if is_netcdf:
             other = _netcdf_format(path)  # NDBC's data come under the names of others as well
-            return _held(path, other, choice) if other in ("cdip", "mhkit") else ndbc.read_netcdf(path)
+            return _records(path, other, choice) if other in ("cdip", "mhkit") else ndbc.read_netcdf(path)
         case "ndbc":
             return ndbc.read_text(path, choice)
         case "cdip":

@@ -1,13 +1,9 @@
-"""Choice of a file's record, and tolerances of its time and place.
+"""Records of a wave file: times, places, the bands of each record in the kinds that files have, and their conversion to a spectrum.
 
-Wave data of one place and time in the kinds that files have, and their conversion to a spectrum.
+A :class:`WaveChoice` selects a record by time and place. Records of NetCDF files are found under various names of time and place.
 
 Directions here are where waves come FROM, in degrees clockwise from north, as CF and wavespectra have them; they are turned to where
 waves travel TO in one place, :func:`spectrum_of`. Only moments are complex numbers about the azimuth TO.
-
-Content of a wave file: times, places, and the bands of each record, read on request.
-
-NetCDF files of spectra: times, places and one record of many, under various names.
 """
 
 from __future__ import annotations
@@ -28,6 +24,7 @@ from seaglint.base.optional import optional
 from seaglint.sea.spectra.binned import of_bins, of_cosine
 from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 from seaglint.store.netcdf import drop_quietly, open_netcdf
+from seaglint.store.outputs import reason_of
 
 _EARTH_RADIUS_KM = 6371.0
 _LISTED = 8  # sites that an error lists by name
@@ -37,13 +34,13 @@ _LISTED = 8  # sites that an error lists by name
 class WaveChoice:
     """Requested time and place, and directions for a file that lacks them."""
 
-    time: str | datetime | np.datetime64 | None = None  #: Time wanted, UTC where no zone is said; None where the file has one record.
-    #: ``latitude_deg``, ``longitude_deg``: Place wanted, both or none [deg].
+    time: str | datetime | np.datetime64 | None = None  #: Requested time, UTC without a zone; None where the file has one record.
+    #: ``latitude_deg``, ``longitude_deg``: Requested place, both or none [deg].
     latitude_deg: float | None = None
     longitude_deg: float | None = None
     site: str | None = None  #: Name of a site, as the file calls it, or its number from 1.
-    time_tolerance: float = 3600.0  #: Farthest the record may be from the time wanted [s].
-    distance_tolerance_km: float = 50.0  #: Farthest it may be from the place wanted [km].
+    time_tolerance: float = 3600.0  #: Largest difference of the record from the requested time [s].
+    distance_tolerance_km: float = 50.0  #: Largest distance of the record from the requested place [km].
     #: ``from_deg``, ``spreading_deg``: Mean direction FROM and circular width, for files that have energy over frequency alone [deg].
     from_deg: float | None = None
     spreading_deg: float | None = None
@@ -56,7 +53,7 @@ class WaveChoice:
 
     def nearest_time(self, times: NDArray[np.datetime64], what: str) -> tuple[int, float | None]:
         """Return the index of the record nearest in time, and its difference from the requested time [s]."""
-        dated = np.flatnonzero(~np.isnat(times))  # what has no time is the nearest to NumPy
+        dated = np.flatnonzero(~np.isnat(times))  # argmin takes NaT for the smallest difference
         if dated.size == 0:
             raise DataError(f"{what} holds no record" + (" with a time" if times.size else ""))
         if self.time is None and dated.size == 1:
@@ -127,9 +124,9 @@ def distance_km(latitude: float, longitude: float, latitudes: FloatArray, longit
     >>> distance_km(0.0, 359.5, np.array([0.0]), np.array([0.5])).round(1)
     array([111.2])
     """
-    here, there = np.radians(latitude), np.radians(latitudes)
+    start, end = np.radians(latitude), np.radians(latitudes)
     turn = np.radians(np.asarray(longitudes) - longitude)
-    h = np.sin(0.5 * (there - here)) ** 2 + np.cos(here) * np.cos(there) * np.sin(0.5 * turn) ** 2
+    h = np.sin(0.5 * (end - start)) ** 2 + np.cos(start) * np.cos(end) * np.sin(0.5 * turn) ** 2
     return np.asarray(2.0 * _EARTH_RADIUS_KM * np.arcsin(np.sqrt(np.clip(h, 0.0, 1.0))))
 
 
@@ -197,7 +194,7 @@ def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: 
     try:
         match bands:
             case Bins():
-                degree = np.pi / 180.0
+                degree = np.pi / 180.0  # densities per degree become densities per radian
                 spectrum: MeasuredSpectrum = of_bins(
                     bands.frequency_hz, (bands.from_deg + 180.0) * degree, bands.density / degree, wind_to_azimuth
                 )
@@ -252,6 +249,7 @@ def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, Com
     """Return moments of every band, interpolated where they are not known."""
     frequency, energy = bands.frequency_hz, bands.energy
     known = np.isfinite(bands.first) & np.isfinite(bands.second)
+    # Bands without directions matter by their energy, not by their number.
     share = np.where(known, 0.0, energy) @ np.gradient(frequency) / max(float(energy @ np.gradient(frequency)), 1e-300)
     if share > LOST_SHARE or not np.any(known):
         raise DataError(f"lacks directions for {100 * share:.0f} % of its energy ({100 * LOST_SHARE:.0f} % allowed); choose another time")
@@ -260,13 +258,13 @@ def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, Com
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class WaveRecords:
     """Records of one file, read on request."""
 
     bands: Callable[[int, int], Bands]  #: ``bands(time, site)`` by index.
     times: NDArray[np.datetime64] | None = None  #: Time of every record, UTC; None where the file has none.
     sites: tuple[str, ...] = ("1",)  #: Names of the sites.
-    #: ``latitude_deg``, ``longitude_deg``: Place of every record and site [deg, (times, sites)]; None where the file does not say.
+    #: ``latitude_deg``, ``longitude_deg``: Place of every record and site [deg, (times, sites)]; None without a place in the file.
     latitude_deg: FloatArray | None = None
     longitude_deg: FloatArray | None = None
     note: str | None = field(default=None, kw_only=True)  #: Sentence on the record that the user should know.
@@ -287,7 +285,7 @@ def reader(name: str) -> Callable[..., Any]:
 def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
     """Return the result of a parser; its exceptions, which are of any type, become an error of one line.
 
-    Libraries' warnings of what their own libraries will change are theirs to act on, and not shown.
+    Warnings of libraries about future changes of other libraries are not shown.
     """
     try:
         with warnings.catch_warnings():
@@ -297,7 +295,7 @@ def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
     except SeaglintError:
         raise
     except Exception as error:
-        text = " ".join(str(error).split())[:200] or type(error).__name__
+        text = reason_of(error)
         drop_quietly(error)
         raise DataError(f"{path} cannot be read as {kind} ({text}); it may be cut or of another kind: see sea.spectrum.format") from error
 
@@ -314,7 +312,7 @@ def open_dataset(path: Path) -> Any:
     return parsed(path, "NetCDF", lambda: open_netcdf(path))
 
 
-def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
+def netcdf_records(path: Path, density: str, convert: Callable[[Any], Bands]) -> WaveRecords:
     """Return the records of a NetCDF file.
 
     Parameters
@@ -360,7 +358,7 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
                 require_one(data[density], str(time), np.flatnonzero(times == times[moment]), path)
             return convert(data.isel(chosen).load())
 
-    return Held(bands, None if times is None else times.astype("datetime64[ns]"), names, *places)
+    return WaveRecords(bands, None if times is None else times.astype("datetime64[ns]"), names, *places)
 
 
 def require_one(density: Any, time: str, indices: NDArray[np.intp], path: Path) -> None:

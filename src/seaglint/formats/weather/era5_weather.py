@@ -3,7 +3,7 @@
 Before: dimension ``time``, packed shorts with scale and offset, and a dimension ``expver`` where final (1) and preliminary (5) months meet,
 each empty where the other has values. After: dimension ``valid_time``, floats, ``expver`` and ``number`` beside it. Latitudes descend,
 longitudes run 0 to 359.75 or -180 to 179.75. Winds are components that the air blows towards; the sea's temperature and waves are masked on
-land. Waves come in files of their own, on a grid half as fine: they are joined by time and nearest place.
+land. Waves come in separate files, on a grid half as fine: they are joined by time and nearest place.
 
 References
 ----------
@@ -26,6 +26,7 @@ from seaglint.climate.weather_columns import relative_humidity, west_east, wind_
 from seaglint.climate.weather_selection import Selection, covered
 from seaglint.formats.weather.weather_cells import WeatherSource, order_of
 from seaglint.store.netcdf import drop_quietly
+from seaglint.store.outputs import reason_of
 
 #: Variables that are read, and the spellings allowed of the unit of each.
 UNITS: Final = {
@@ -80,11 +81,11 @@ def open_era5(path: Path) -> tuple[Any, tuple[str, ...]]:
     time = next((name for name in _TIMES if name in data.dims), None) or next((name for name in _TIMES if name in data.coords), None)
     if time is None or not {"latitude", "longitude"} <= set(data.coords):
         raise DataError(f"{path}: has {', '.join(map(str, data.coords))}; an ERA5 file of weather has time, latitude and longitude")
-    there = [name for name in UNITS if name in data.data_vars]
-    if not there:
+    known = [name for name in UNITS if name in data.data_vars]
+    if not known:
         raise DataError(f"{path}: has {', '.join(map(str, data.data_vars))}; of an ERA5 file {', '.join(UNITS)} are read")
-    data = data[there]
-    for name in there:
+    data = data[known]
+    for name in known:
         unit = data[name].attrs.get("units")
         if unit is not None and unit not in UNITS[name]:
             raise DataError(
@@ -140,7 +141,7 @@ def _opened(path: Path) -> Any:
     except SeaglintError:
         raise
     except Exception as error:  # xarray, h5py and eccodes raise nearly anything
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = reason_of(error)
         drop_quietly(error)
         raise DataError(f"{path}: cannot be read as ERA5 ({reason}); is it whole?") from None
 
@@ -150,6 +151,7 @@ def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
     versions = [int(v) for v in np.atleast_1d(data["expver"].values)]
     if not set(versions) <= {1, 5}:
         raise DataError(f"{path}: has expver {versions}; ERA5 has 1 (final) and 5 (preliminary): select one of them")
+    # 1 is final and 5 preliminary: the smaller number takes precedence.
     final = data.isel(expver=versions.index(min(versions)), drop=True)
     if len(versions) == 1:
         return final
@@ -167,7 +169,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
     path : Path
         A file with winds.
     selection : Selection
-        Places and times that are wanted: only those are read.
+        Requested places and times: only those are read.
     beside : sequence of Path
         Files without winds (waves, sea temperature), from which variables that this one lacks are taken at the same time and nearest place.
 
@@ -191,6 +193,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
     cells = int(times.sum() * places.sum())
     if cells > MOST_ROWS:
         raise DataError(f"{path}: {cells} rows are more than {MOST_ROWS}; choose a smaller box, fewer months, or hours='0,6,12,18'")
+    # Only the rows and columns of the grid that hold a selected place are read from the file.
     iy, ix = np.flatnonzero(places.any(1)), np.flatnonzero(places.any(0))
     part = data.isel(time=np.flatnonzero(times), latitude=iy, longitude=ix).load()
     own = frozenset(map(str, part.data_vars))
@@ -207,10 +210,10 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
         "latitude_deg": np.tile(latitude[np.ix_(iy, ix)][inside], count),
         "longitude_deg": np.tile(longitude[np.ix_(iy, ix)][inside], count),
     }
-    columns["weight"] = np.cos(np.radians(columns["latitude_deg"]))
+    columns["weight"] = np.cos(np.radians(columns["latitude_deg"]))  # cells of a regular grid shrink towards the poles
     left_out = {"outside the times and places wanted": total - cells} if total > cells else {}
     if "sst" in grids:
-        sea = ~np.isnan(grids["sst"])
+        sea = ~np.isnan(grids["sst"])  # ERA5 masks the sea's temperature on land
         if not sea.any():
             raise DataError(f"{path}: has no sea temperature in what is selected: all land; choose a place at sea")
         left_out |= {"on land (no sea temperature)": int(np.sum(~sea))} if not sea.all() else {}
@@ -226,7 +229,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
 
 
 def has_wind(path: Path) -> bool:
-    """Return true where a file has winds; a file without them must stand beside one that has them."""
+    """Return true where a file has winds; a file without them is only read together with one that has them."""
     return {"u10", "v10"} <= set(_opened(path).data_vars)
 
 
@@ -241,6 +244,7 @@ def _joined(part: Any, own: frozenset[str], other: Path) -> tuple[Any, tuple[str
     for name in ("latitude", "longitude"):
         added = added.reindex({name: part[name].values}, method="nearest", tolerance=_WAVE_GRID_DEG)
     values = {name: np.asarray(added[name].values, dtype=np.float64) for name in new}
+    # Values of earlier files stay; gaps take those of the further file.
     filled = {name: np.where(np.isnan(part[name].values), v, part[name].values) if name in part else v for name, v in values.items()}
     share = f"{int(common.sum())} of {common.size} times"
     notes = (*notes, f"{', '.join(new)} from {other.name}, same time and nearest place, {share}")

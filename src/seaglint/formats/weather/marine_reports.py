@@ -1,33 +1,21 @@
-"""Codes of marine reports in ICOADS: total cloud, visibility, direction and wave height.
+"""Readers of marine weather reports: ships (ICOADS as IMMA1 records or CSV), buoys (NDBC text), and any CSV file by a map of its columns.
+
+ICOADS: the core of IMMA1 records is read (columns 1-108 of each line), attachments behind it are not. Missing fields are blank. Longitudes
+run 0 to 359.99, or -179.99 to 180. A sky obscured by fog, rain or snow counts as overcast, one obscured otherwise is missing (Hahn et al.).
+
+NDBC: standard meteorological files, historical and realtime, of all generations of headings. Up to 1998 the year has two digits
+(``YY MM DD hh``), from 2000 four, minutes come in 2005, and from 2007 headings begin with ``#`` and a second line has units; dates are
+parsed by :mod:`seaglint.formats.waves.ndbc_buoys`. Missing values are filled with nines as wide as the field (99.0, 999, 9999.0) or, in
+realtime files, ``MM``. The files have no place and no cloud cover. Winds are measured at the anemometer, 3 to 5 m above most buoys.
 
 References
 ----------
 S. R. Smith et al., "The International Maritime Meteorological Archive (IMMA) Format", ICOADS Release 3.0 (2016), table C0;
 WMO Manual on Codes, code tables 2700 (total cloud) and 4377 (visibility).
 C. J. Hahn, S. G. Warren and J. London, "Edited synoptic cloud reports from ships and land stations over the globe, 1982-1991",
-ORNL/CDIAC-77, NDP-026B (1996), Sec. 3.B: a sky obscured by fog, rain or snow counts as overcast, one obscured otherwise is missing.
-
-Reader of ICOADS ship reports: the core of IMMA1 records (columns 1-108 of each line), and ICOADS as CSV.
-
-Attachments behind the core are not read. Missing fields are blank. Longitudes run 0 to 359.99, or -179.99 to 180.
-
-References
-----------
-S. R. Smith et al., "The International Maritime Meteorological Archive (IMMA) Format", ICOADS Release 3.0 (2016), table C0.
-
-Reader of NDBC standard meteorological text files of buoys, historical and realtime, of all generations of headings.
-
-Up to 1998 the year has two digits (``YY MM DD hh``), from 2000 four, minutes come in 2005, and from 2007 headings begin with ``#`` and a
-second line has units; dates are those of :mod:`seaglint.formats.waves.ndbc_buoys`. Missing values are filled with nines as wide as the
-field (99.0, 999, 9999.0) or, in realtime files, ``MM``. The files have no place and no cloud cover. Winds are those at the anemometer, 3 to
-5 m above most buoys.
-
-References
-----------
+ORNL/CDIAC-77, NDP-026B (1996), Sec. 3.B.
 NDBC, "Measurement descriptions and units", ndbc.noaa.gov/measdes.shtml: WSPD m/s, WDIR where the wind comes from, WVHT m,
 temperatures degC, VIS nautical miles; times UTC.
-
-Reader of any CSV file by a map of its columns.
 """
 
 from __future__ import annotations
@@ -61,30 +49,27 @@ CALM: Final = 361.0  #: Code of the wind direction of a calm; 362 is a variable 
 OBSCURED: Final = 9.0  #: Total cloud of a sky that cannot be seen.
 
 #: Present weather (code 4677) of fog, rain and snow that hide an overcast sky.
-OBSCURING: Final = np.array(
-    [10, 11, 12, *range(40, 50), *range(50, 76), 77, 79, *range(80, 100)],
-    dtype=np.float64,
-)
+OBSCURING: Final = np.array([10, 11, 12, *range(40, 50), *range(50, 76), 77, 79, *range(80, 100)], dtype=np.float64)
 
-#: Lower border of each step of code 4377 [km]; 90 is anything below 0.05 km and stands as half of it.
+#: Lower border of each step of code 4377 [km]; 90 is anything below 0.05 km and counts as half of it.
 VISIBILITY_KM: Final = {90: 0.025, 91: 0.05, 92: 0.2, 93: 0.5, 94: 1.0, 95: 2.0, 96: 4.0, 97: 10.0, 98: 20.0, 99: 50.0}
 
 HALF_METRES: Final = 0.5  #: Unit of the heights of waves and swell [m].
 
 
 def columns_of(report: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, int], list[str]]:
-    """Return the columns of a weather table from those of marine reports.
+    """Convert the columns of marine reports to the columns of a weather table.
 
     Parameters
     ----------
     report : dict of (rows,) arrays
         By their names in IMMA, NaN where missing: MO, HR [h], LAT, LON [deg], D [deg or 361, 362], W [m/s], VV (code 4377), WW (code 4677),
-        AT, DPT, SST [degC], N [oktas or 9], WH, SH [half metres]. What is not there is missing throughout.
+        AT, DPT, SST [degC], N [oktas or 9], WH, SH [half metres]. An absent column is missing throughout.
 
     Returns
     -------
     (dict, dict, list)
-        Columns; values set missing, by reason; what was assumed.
+        Columns; values set missing, by reason; notes on assumptions.
     """
     rows = next(iter(report.values())).size
 
@@ -92,6 +77,7 @@ def columns_of(report: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], di
         return report.get(name, np.full(rows, np.nan))
 
     direction, cloud, weather, visibility = get("D"), get("N"), get("WW"), get("VV")
+    # A calm may be reported by the code of its direction alone.
     speed = np.where(np.isnan(get("W")) & (direction == CALM), 0.0, get("W"))
     hidden = cloud == OBSCURED
     overcast = hidden & np.isin(weather, OBSCURING)
@@ -137,37 +123,16 @@ CORE: Final = (
 
 #: Fields that are used and the unit of each: hours, degrees, m/s, degC, oktas, half metres, or a code.
 _SCALE: Final = {
-    "MO": 1.0,
-    "HR": 0.01,
-    "LAT": 0.01,
-    "LON": 0.01,
-    "D": 1.0,
-    "W": 0.1,
-    "VV": 1.0,
-    "WW": 1.0,
-    "AT": 0.1,
-    "DPT": 0.1,
-    "SST": 0.1,
-    "N": 1.0,
-    "WH": 1.0,
-    "SH": 1.0,
-}
+    "MO": 1.0, "HR": 0.01, "LAT": 0.01, "LON": 0.01, "D": 1.0, "W": 0.1, "VV": 1.0, "WW": 1.0, "AT": 0.1, "DPT": 0.1, "SST": 0.1, "N": 1.0,
+    "WH": 1.0, "SH": 1.0,
+}  # fmt: skip
 
 #: Headings of NCEI's global marine CSV, which keeps IMMA's tenths, and the field of each.
 _NCEI: Final = {
-    "LATITUDE": ("LAT", 1.0),
-    "LONGITUDE": ("LON", 1.0),
-    "WIND_DIR": ("D", 1.0),
-    "WIND_SPEED": ("W", 0.1),
-    "VISIBILITY": ("VV", 1.0),
-    "PRES_WX": ("WW", 1.0),
-    "AIR_TEMP": ("AT", 0.1),
-    "DEW_PT_TEMP": ("DPT", 0.1),
-    "SEA_SURF_TEMP": ("SST", 0.1),
-    "TOT_CLD_AMT": ("N", 1.0),
-    "WAVE_HGT": ("WH", 1.0),
-    "SWELL_HGT": ("SH", 1.0),
-}
+    "LATITUDE": ("LAT", 1.0), "LONGITUDE": ("LON", 1.0), "WIND_DIR": ("D", 1.0), "WIND_SPEED": ("W", 0.1), "VISIBILITY": ("VV", 1.0),
+    "PRES_WX": ("WW", 1.0), "AIR_TEMP": ("AT", 0.1), "DEW_PT_TEMP": ("DPT", 0.1), "SEA_SURF_TEMP": ("SST", 0.1), "TOT_CLD_AMT": ("N", 1.0),
+    "WAVE_HGT": ("WH", 1.0), "SWELL_HGT": ("SH", 1.0),
+}  # fmt: skip
 
 
 def _layout() -> dict[str, tuple[int, int]]:
@@ -232,8 +197,8 @@ def _field(path: Path, lines: list[tuple[int, str]], name: str) -> FloatArray:
     return out
 
 
-def is_icoads_csv(header: tuple[str, ...]) -> bool:
-    """Return true where headings are those of ICOADS: IMMA's abbreviations, or NCEI's long names."""
+def is_icoads_csv(header: Sequence[str]) -> bool:
+    """Return true for the headings of ICOADS: IMMA's abbreviations, or NCEI's long names."""
     return {"MO", "LAT", "LON", "W"} <= set(header) or {"DATE", "LATITUDE", "LONGITUDE", "WIND_SPEED"} <= set(header)
 
 
@@ -301,15 +266,16 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     if not lines or not looks_like_ndbc(" ".join(lines[0][1])):
         raise DataError(f"{path}, line 1: is not the headings of an NDBC standard meteorological file (YY MM DD hh ... WSPD ...)")
     header = [_ALSO.get(name, name) for name in headings_of(" ".join(lines[0][1]))]
-    rows = [(number, cells) for number, cells in lines[1:] if not cells[0].startswith("#")]
+    # From 2007 a second line that begins with # has the units.
+    rows = {number: cells for number, cells in lines[1:] if not cells[0].startswith("#")}
     if not rows:
         raise DataError(f"{path}: holds no records; bring the file again")
-    for number, cells in rows:
+    for number, cells in rows.items():
         if len(cells) != len(header):
             raise DataError(f"{path}, line {number}: {len(cells)} cells under {len(header)} headings; is the file whole?")
-    table = {name: _column(path, rows, at, name) for at, name in enumerate(header) if name in _MISSING}
-    month, hour, time_notes = _times(path, rows, 5 if header[4] == "mm" else 4)
-    get = {name: table.get(name, np.full(len(rows), np.nan)) for name in _MISSING}
+    table = TextColumns(path, header, list(rows.values()), list(rows))
+    month, hour, time_notes = _times(table, 5 if header[4] == "mm" else 4)
+    get = {name: _column(table, name) if name in header else np.full(len(rows), np.nan) for name in _MISSING}
     air, dew = get["ATMP"] + ICE_POINT, get["DEWP"] + ICE_POINT
     notes = ["no cloud cover in NDBC files: it is missing throughout; fill it with --fill cloud_cover=0.6, or bring another source"]
     speed = get["WSPD"]
@@ -350,38 +316,33 @@ def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:
     """
     if not 1.0 <= height <= 150.0:
         raise DataError(f"anemometer_height={height:g} is outside 1 to 150 m; give the height on the buoy's page")
-    known, at = np.unique(speed, return_inverse=True)  # written in tenths: few values, each an iteration
+    known, at = np.unique(speed, return_inverse=True)  # written in tenths: few values, each solved by iteration
     try:
         return np.array([math.nan if math.isnan(wind) else u10_of_wind(wind, height) for wind in known.tolist()])[at]
     except DomainError as error:
         raise DataError(f"{error}; or leave anemometer_height out") from None
 
 
-def _column(path: Path, rows: list[tuple[int, list[str]]], at: int, name: str) -> FloatArray:
-    out = np.full(len(rows), np.nan)
-    for i, (number, cells) in enumerate(rows):
-        if cells[at] == "MM":
+def _column(table: TextColumns, name: str) -> FloatArray:
+    out = np.full(len(table), np.nan)
+    for i, cell in enumerate(table.text(name)):
+        if cell == "MM":
             continue
         try:
-            out[i] = plain_number(cells[at])
+            out[i] = plain_number(cell)
         except ValueError:
-            raise DataError(
-                f"{path}, row {i + 1} (line {number}), column {name}: '{cells[at]}' is not a number; correct it, or write MM"
-            ) from None
-    missing = _MISSING.get(name)
-    return out if missing is None else np.where(out == missing, np.nan, out)
+            raise DataError(f"{table.where(i)}, column {name}: '{cell}' is not a number; correct it, or write MM") from None
+    return np.where(out == _MISSING[name], np.nan, out)
 
 
-def _times(path: Path, rows: list[tuple[int, list[str]]], count: int) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+def _times(table: TextColumns, count: int) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Return months, hours of UTC and notes on their order, of dates of ``count`` cells."""
     moments = []
-    for i, (number, cells) in enumerate(rows):
+    for i, cells in enumerate(table.rows):
         try:
             moments.append(moment_of(cells[:count]))
         except ValueError:
-            raise DataError(
-                f"{path}, row {i + 1} (line {number}): '{' '.join(cells[:5])}' is no date and hour; correct or remove the record"
-            ) from None
+            raise DataError(f"{table.where(i)}: '{' '.join(cells[:5])}' is no date and hour; correct or remove the record") from None
     month = np.array([float(moment.month) for moment in moments])
     hour = np.array([moment.hour + moment.minute / 60.0 for moment in moments])
     return month, hour, order_of(np.array(moments, dtype="datetime64[m]"))

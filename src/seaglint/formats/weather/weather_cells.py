@@ -1,10 +1,6 @@
-"""Cells of a CSV file of weather by column: numbers with gaps, texts, and their position in the file.
+"""Content of weather files: cells of a CSV file by column, and the rows of a source with counts of what was left out.
 
-Columns read from one weather file, and the number of rows and values that were left out.
-
-Times of rows: month and hour of UTC, and notes on their order.
-
-Parsers of areas from text and files: boxes, polygons as text, CSV or GeoJSON.
+Also parsers of what a user states about them: times, and areas as boxes or polygons (text, CSV or GeoJSON).
 """
 
 from __future__ import annotations
@@ -22,26 +18,15 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.climate.weather_selection import GeographicBox, Polygon, Selection
 from seaglint.climate.weather_table import RANGES, TextArray
-from seaglint.formats.tables.table_text import plain_number, read_cell_lines
+from seaglint.formats.tables.table_text import TextTable, plain_number, read_cell_lines
 from seaglint.store.outputs import read_json
 
 _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
 
 
 @dataclass(frozen=True)
-class TextColumns:
-    """Text of a CSV file, column by column."""
-
-    path: Path  #: The file, for messages.
-    header: tuple[str, ...]  #: Headings in their order.
-    rows: list[list[str]]  #: Cells without blanks around them.
-    lines: list[int]  #: Line of the file that each row stands on, counted from 1.
-    comments: list[str]  #: Texts behind ``#`` before the headings.
-
-    def text(self, name: str) -> list[str]:
-        """Return the cells of a column."""
-        at = self.header.index(name)
-        return [row[at] for row in self.rows]
+class TextColumns(TextTable):
+    """Text of a CSV file of weather, column by column."""
 
     def numbers(self, name: str) -> FloatArray:
         """Return the cells of a column as numbers [(rows,)]; empty ones and NaN are missing.
@@ -61,28 +46,20 @@ class TextColumns:
                 raise DataError(f"{self.where(i)}, column {name}: '{cell}' is not a number{comma}") from None
         return out
 
-    def where(self, row: int) -> str:
-        """Return file, row and line, for messages."""
-        return f"{self.path}, row {row + 1} (line {self.lines[row]})"
-
     def within(self, name: str, values: FloatArray, column: str = "", advice: str = "") -> FloatArray:
         """Return the values of a weather column; refuse one outside its range with row and line."""
         low, high = RANGES[name]
-        bad = np.flatnonzero(~(np.isnan(values) | (np.isfinite(values) & (values >= low) & (values <= high))))
-        if bad.size:
-            allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
-            more = f" ({bad.size - 1} more row{'s' if bad.size > 2 else ''} like it)" if bad.size > 1 else ""
-            raise DataError(
-                f"{self.where(int(bad[0]))}, column {column or name}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; "
-                f"{advice or 'correct it, or leave it empty'}{more}"
-            )
+        good = np.isnan(values) | (np.isfinite(values) & (values >= low) & (values <= high))
+        allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
+        advice = advice or "correct it, or leave it empty"
+        self.check(good, column or name, lambda i: f"{name} = {values[i]:g} is outside the range allowed: {allowed}; {advice}")
         return values
 
 
 def read_cells(path: str | Path) -> TextColumns:
     """Read a CSV file with a line of headings; empty lines and lines that begin with ``#`` are skipped.
 
-    Commas, semicolons or tabs part the cells.
+    Cells are separated by commas, semicolons or tabs.
 
     Raises
     ------
@@ -100,7 +77,7 @@ def read_cells(path: str | Path) -> TextColumns:
     for number, _, row in rest:
         if len(row) != len(header):
             raise DataError(f"{path}, line {number}: {len(row)} cells under {len(header)} headings; is the file whole?")
-    return TextColumns(path, header, [line.cells for line in rest], [line.number for line in rest], comments)
+    return TextColumns(path, header, [line.cells for line in rest], [line.number for line in rest], comments=comments)
 
 
 @dataclass(frozen=True)
@@ -126,6 +103,7 @@ class WeatherSource:
         columns, lost = dict(self.columns), dict(self.set_missing)
         for name, values in self.columns.items():
             low, high = RANGES[name]
+            # A value outside its range is set missing; the other values of the row stay.
             bad = ~np.isnan(values) & ~((values >= low) & (values <= high))
             if bad.any():
                 columns[name] = np.where(bad, np.nan, values)
@@ -184,7 +162,7 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
     Returns
     -------
     (array, array, tuple of str)
-        Months 1-12; hours 0 to below 24, NaN where a time is missing or only a date; what is told.
+        Months 1-12; hours 0 to below 24, NaN where a time is missing or only a date; notes for the user.
 
     Raises
     ------
@@ -211,6 +189,7 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
             moment = moment.replace(tzinfo=UTC)
         moment = moment.astimezone(UTC)
         month[i], seconds[i] = moment.month, moment.timestamp()
+        # A date alone has 10 characters; fromisoformat makes it midnight, which nobody stated.
         hour[i] = np.nan if len(text) <= 10 else moment.hour + moment.minute / 60.0 + moment.second / 3600.0
     return month, hour, order_of(seconds)
 
@@ -274,7 +253,9 @@ def read_polygon(text: str) -> Polygon:
         except ValueError:
             raise DataError(f"polygon='{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
     if len(corners) > 3 and corners[0] == corners[-1]:
-        corners = corners[:-1]
+        corners = corners[
+            :-1
+        ]  # GeoJSON repeats the first corner at the end of a ring  # GeoJSON repeats the first corner at the end of a ring
     try:
         return Polygon(tuple(corners))
     except DomainError as error:
@@ -317,6 +298,7 @@ def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
             b = int(last) if dash else a
             if not (low <= a <= high and low <= b <= high):
                 raise ValueError
+            # Forward from a to b, around the end of the cycle if b is below a.
             count = (b - a) % (high - low + 1)
             out += [low + (a - low + step) % (high - low + 1) for step in range(count + 1)]
     except ValueError:

@@ -1,13 +1,13 @@
-"""Weather tables in the format of seaglint: CSV, or Parquet where PyArrow is installed.
+"""Weather tables in the format of seaglint, CSV or Parquet, and the choice of the reader of a weather file of any known format.
 
-Reader of weather files, whose format is recognised by their beginning.
+Parquet needs PyArrow. The format of a file is recognised by its beginning.
 """
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
@@ -21,9 +21,8 @@ from seaglint.climate.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
 from seaglint.formats.tables.table_text import require_parquet
 from seaglint.formats.weather import era5_weather as era5
 from seaglint.formats.weather import marine_reports
-from seaglint.formats.weather import marine_reports as ndbc
 from seaglint.formats.weather.weather_cells import TextColumns, WeatherSource, read_cells, text_of
-from seaglint.store.outputs import moved_when_whole, refuse_existing
+from seaglint.store.outputs import moved_when_whole, refuse_existing, write_text
 
 SUFFIXES: Final = (".csv", ".parquet")  #: Endings of the files that are written.
 
@@ -172,16 +171,15 @@ def write_weather(table: WeatherTable, output: str | Path, *, notes: Sequence[st
         pyarrow = require_parquet()
         arrays = {name: pyarrow.array(values, mask=np.isnan(values)) for name, values in table.columns.items()}
         arrays |= {name: pyarrow.array(values.tolist()) for name, values in table.texts.items()}
-        made = pyarrow.table(arrays).replace_schema_metadata({_NOTES: "\n".join(notes).encode()})
+        table_of_arrow = pyarrow.table(arrays).replace_schema_metadata({_NOTES: "\n".join(notes).encode()})
         with moved_when_whole(output) as partial:
-            pyarrow.parquet.write_table(made, partial)
+            pyarrow.parquet.write_table(table_of_arrow, partial)
         return output
     cells = [["" if np.isnan(v) else f"{v:.9g}" for v in values.tolist()] for values in table.columns.values()]
     cells += [[_quoted(v) for v in values.tolist()] for values in table.texts.values()]
     lines = [*(f"# {' '.join(note.split())}" for note in notes), ",".join([*table.columns, *table.texts])]
     lines += [",".join(row) for row in zip(*cells, strict=True)]
-    with moved_when_whole(output) as partial:
-        partial.write_bytes(("\n".join(lines) + "\n").encode())
+    write_text("\n".join(lines) + "\n", output)
     return output
 
 
@@ -212,7 +210,7 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     path : Path
         The file.
     selection : Selection
-        Places and times wanted; the region is not used here.
+        Requested places and times; the region is not used here.
     reading : WeatherReading
         Properties that the file does not state.
     beside : tuple of Path
@@ -231,8 +229,8 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
         return _own(path).selected(selection)
     text = text_of(path)
     first = next((line for line in text.splitlines() if line.strip()), "")
-    if ndbc.looks_like_ndbc(first):
-        return ndbc.read_ndbc(path, anemometer_m=reading.anemometer_m, place=reading.place).selected(selection)
+    if marine_reports.looks_like_ndbc(first):
+        return marine_reports.read_ndbc(path, anemometer_m=reading.anemometer_m, place=reading.place).selected(selection)
     if marine_reports.looks_like_imma(first):
         return marine_reports.read_imma(path).selected(selection)
     if not any(separator in text for separator in ",;\t"):
@@ -256,22 +254,14 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
 
 
 def _own(path: Path) -> WeatherSource:
-    table_file = read_weather(path)
-    return WeatherSource(
-        path,
-        "weather table",
-        table_file.table.columns,
-        len(table_file.table),
-        table_file.table.texts,
-        notes=(*table_file.notes, *table_file.remarks),
-    )
+    stored = read_weather(path)
+    notes = (*stored.notes, *stored.remarks)
+    return WeatherSource(path, "weather table", stored.table.columns, len(stored.table), texts=stored.table.texts, notes=notes)
 
 
 def _placed(source: WeatherSource, reading: WeatherReading) -> WeatherSource:
     """Return the source at the given place, where it has none."""
     if reading.place is None or "latitude_deg" in source.columns:
         return source
-    from dataclasses import replace
-
-    there = {name: np.full(source.rows, value) for name, value in zip(("latitude_deg", "longitude_deg"), reading.place, strict=True)}
-    return replace(source, columns={**source.columns, **there})
+    place = {name: np.full(source.rows, value) for name, value in zip(("latitude_deg", "longitude_deg"), reading.place, strict=True)}
+    return replace(source, columns={**source.columns, **place})
