@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DomainError
-from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, Unfiltered, as_frames
+from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, TopHat, Unfiltered, as_frames
 from seaglint.detection.interface import Detector, Frames
 
 #: Filters whose output for a sum of frames is the sum of their outputs.
@@ -63,6 +63,11 @@ class FilterThreshold:
     def __call__(self, frames: Frames) -> Frames:
         """Filtered frames, shape (k, rows, columns), unit of the input times that of the filter."""
         return self.filter.apply(frames)
+
+
+def top_hat() -> FilterThreshold:
+    """Return the detector behind a morphological top-hat, which keeps bright spots smaller than its square."""
+    return FilterThreshold(TopHat(), "top-hat")
 
 
 @dataclass(frozen=True)

@@ -234,9 +234,6 @@ def _closed(judged: Background) -> None:
         judged.detector.close()
 
 
-#: Detectors that are tried where none is stated; each looks at one frame, so that all of them share the frames.
-TRIED: Final = ("matched", "matched-global", "matched-local", "ca-cfar", "max-median")
-
 INJECTIONS: Final = 120  #: Most objects of each contrast that are tried for a choice; 120 of them know a P_d of 0.9 to 0.03.
 
 LARGEST: Final = 32.0  #: Largest margin that is measured [1]; larger ones count as this.

@@ -1,6 +1,6 @@
-"""Contrasts, detector and threshold of a request that states none of them, chosen from the clutter of the frames themselves.
+"""Detection on a recording: settings that suit its clutter, and the cases of one setting of the detector or several.
 
-Detection on a recording, with one setting of the detector or several, told as cases of a study.
+Contrasts, detector and threshold that a request does not state are chosen from the clutter of the frames themselves.
 """
 
 from __future__ import annotations
