@@ -36,7 +36,7 @@ from seaglint.store.detection_results import DetectionCase, Parts, RangePoint
 from seaglint.studies.detect import range_search
 from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
-from seaglint.studies.detect.designer import told_threshold
+from seaglint.studies.detect.designer import threshold_or_count
 from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, SceneRequest
 from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
 from seaglint.studies.detect.near_object import NearRows, background_of
@@ -413,12 +413,12 @@ def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:
     threshold = background.threshold(3.0, "sigma")
     count = count_false_alarms(background, threshold)
     tail = rare_tail(count.alarms.curve(), count.alarms.events(3.0))
-    found = told_threshold(count, tail, 0.011)
+    found = threshold_or_count(count, tail, 0.011)
     assert 20 <= found.p_fa * 2048 <= 22
     assert found.low < found.p_fa < found.high
     assert (found.how, found.believed) == ("counted", False)
     with pytest.raises(DataError, match="has no threshold"):
-        told_threshold(count, tail, 1e-6)
+        threshold_or_count(count, tail, 1e-6)
 
 
 def test_objects_of_some_rows_stay_there() -> None:

@@ -1,6 +1,6 @@
 """Constant-false-alarm detectors: comparison of each pixel with a ring of training pixels around it.
 
-The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, which keeps a target out of its own background.
+The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, which keeps a target out of the background that it is compared with.
 Both give equivalent standard deviations: z with Q(z) equal to the exact probability that independent clutter of the stated kind gives the
 observed ratio. Sea clutter is neither independent nor of that kind, which is what counting false alarms shows.
 Pixels nearer to the border than ``training``, and rings with missing values, give NaN.
@@ -32,7 +32,7 @@ _NODES: Final = np.linspace(-8.0, HIGHEST, 9001)
 
 
 class RingDetector:
-    """Members of both detectors, which see one frame and compare each pixel with its ring."""
+    """Members of both detectors, which use one frame and compare each pixel with its ring."""
 
     training: int
     guard: int
@@ -151,6 +151,7 @@ class CellAveraging(RingDetector):
         for k, frame in enumerate(frames):
             x = np.ascontiguousarray(frame, np.float64)
             finite = np.isfinite(x)
+            # Sums about the frame's level: squares of large values would lose the digits of their differences.
             level = float(x[finite].mean()) if self.clutter == "gaussian" and finite.any() else 0.0
             total, squares = np.full(x.shape, np.nan), np.full(x.shape, np.nan)
             _ring_sums(x, self.training, self.guard, level, total, squares)
@@ -160,6 +161,7 @@ class CellAveraging(RingDetector):
                     ratio = np.where(mean > 0, x / mean, np.nan)
                 else:
                     variance = (squares - n * mean * mean) / (n - 1)
+                    # A ring of equal values leaves only rounding, some 1e-16 of the squares.
                     flat = variance <= 1e-12 * squares / n
                     ratio = (x - level - mean) / np.sqrt(np.where(flat, np.nan, variance) * (1 + 1 / n))
             out[k] = _equivalent(ratio, nodes)
@@ -212,6 +214,7 @@ def _ring_quantiles(frame: np.ndarray, training: int, guard: int, ranks: tuple[i
                     n += 1
             if missing:
                 continue
+            # After the selection of the upper rank all smaller values lie before it: the lower rank is among them.
             upper[i, j] = _select(ring, 0, n - 1, ranks[1] - 1)
             lower[i, j] = upper[i, j] if ranks[0] == ranks[1] else _select(ring, 0, ranks[1] - 1, ranks[0] - 1)
 
@@ -244,6 +247,7 @@ def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
     """
     from scipy.special import log_ndtr, logsumexp
 
+    # Ranks as order statistics of n Gaussian values: their joint density is a product of powers of the distribution between and beyond.
     grid = np.linspace(-7.0, 7.0, 401)
     a, b = grid[:, None], grid[None, :]
     below, density = log_ndtr(grid), -0.5 * grid**2
@@ -254,13 +258,14 @@ def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
     joint = np.where(b > a, joint + (inner * between if inner else 0.0), -np.inf)
     joint -= logsumexp(joint)
     used = joint > -150.0
-    middle, spread, weight = ((a + b) / 2)[used], (b - a)[used], joint[used]
+    middle, width, weight = ((a + b) / 2)[used], (b - a)[used], joint[used]
     ratio = np.concatenate([np.linspace(0.0, 4.0, 81), np.geomspace(4.2, 30.0, 40)])
-    tail = np.array([logsumexp(weight + log_ndtr(-(middle + c * spread))) for c in ratio])
+    tail = np.array([logsumexp(weight + log_ndtr(-(middle + c * width))) for c in ratio])
     z = np.interp(tail, log_ndtr(-_NODES[::-1]), _NODES[::-1])
     z[0] = 0.0
     from scipy.interpolate import PchipInterpolator
 
+    # Monotone interpolation keeps z rising with the ratio.
     fine = np.linspace(0.0, 30.0, 6001)
     fine_z = np.asarray(PchipInterpolator(ratio, z)(fine))
     # Odd about 0: the two ranks are mirror images.

@@ -17,8 +17,8 @@ class DetectorEntry(NamedTuple):
     settings: dict[str, Any] = {}  # noqa: RUF012  #: Arguments of the class.
     needs_shape: bool = False  #: True if the detector is built for the shape of an object.
     analyzed: bool = False  #: True if ``seaglint analyze`` lists it beside the filter.
-    #: Place among the detectors that are tried for a range where none is stated; 0 for the others. Each of these uses one frame, so that all
-    #: of them share the frames.
+    #: Place among the detectors that are tried for a range where none is stated; 0 for the others. Each of them uses one frame: they share
+    #: the frames.
     tried: int = 0
 
 

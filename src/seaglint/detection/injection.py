@@ -56,6 +56,7 @@ def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArr
     """Displacements of injections ``first`` ... ``first + count - 1``, uniform within the pixel, shape (count, 2) [px]; 0 at centres."""
     if placement == "centre":
         return np.zeros((count, 2))
+    # Blocks of fixed size: a displacement does not depend on how many are drawn at once.
     parts = []
     for block in range(first // _BLOCK, (first + count - 1) // _BLOCK + 1):
         drawn = stream(seed, "object offsets", block).random((_BLOCK, 2)) - 0.5
@@ -88,9 +89,9 @@ class InjectionPlan:
     seed : int
         Seed of places and displacements.
     only_rows : (int, int), optional
-        Rows that hold objects, first and end; all within the margin where nothing is said [px].
+        Rows that hold objects, first and end; all within the margin by default [px].
     spread : bool
-        Whether all windows hold as many, however few: intervals of independent seas stand on how many there are.
+        Whether all windows hold as many, however few: intervals of independent seas depend on how many windows hold objects.
 
     Raises
     ------
@@ -122,7 +123,7 @@ class InjectionPlan:
 
     @property
     def row_range(self) -> tuple[int, int]:
-        """First and end row of the objects."""
+        """First row of the objects, and the row after the last."""
         first, end = self.only_rows or (0, self.rows)
         return max(first, self.margin), min(end, self.rows - self.margin)
 
@@ -157,8 +158,8 @@ class InjectionPlan:
 
 def free(batch: Batch, known: NDArray[np.bool_]) -> Batch:
     """Objects of a batch whose pixel has a statistic."""
-    keep = known[batch.row, batch.column]
-    return Batch(batch.window, batch.row[keep], batch.column[keep], batch.offset[keep])
+    free_pixels = known[batch.row, batch.column]
+    return Batch(batch.window, batch.row[free_pixels], batch.column[free_pixels], batch.offset[free_pixels])
 
 
 def nothing_free(batches: int) -> DataError:
@@ -207,6 +208,7 @@ def inject(
         back = count - 1 - k
         place = batch.place - back * np.asarray(velocity)
         pixel = np.floor(place + 0.5).astype(np.int64)
+        # Half a pixel of displacement must not round to the neighbour where the object is still at its own pixel.
         if back == 0 or velocity == (0.0, 0.0):
             pixel = np.stack([batch.row, batch.column], axis=1)
         _add(frames[k], shape.stamps(place - pixel), pixel[:, 0].copy(), pixel[:, 1].copy(), float(contrast))

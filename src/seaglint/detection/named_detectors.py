@@ -80,7 +80,7 @@ def _made(name: str, *arguments: Any) -> Detector:
 
 
 def core_of(signature: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the smallest middle of a signature that keeps 99.9 % of its energy: faint edges ask for covariances of many more pixels.
+    """Return the smallest middle of a signature that keeps 99.9 % of its energy: faint edges need covariances of many more pixels.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def core_of(signature: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _width(signature: NDArray[np.float64]) -> float:
-    """Standard deviation of the positive part along an axis [px]."""
+    """Return the standard deviation of the positive part along an axis [px]."""
     s = np.maximum(signature, 0.0)
     axis = np.arange(s.shape[0]) - s.shape[0] // 2
     return float(np.sqrt((s * (axis[:, None] ** 2 + axis**2)).sum() / (2.0 * s.sum())))

@@ -61,7 +61,7 @@ class FilterThreshold:
         return "Gaussian of the measured mean and standard deviation, Gaussian clutter" if self.linear else None
 
     def __call__(self, frames: Frames) -> Frames:
-        """Filtered frames, shape (k, rows, columns), unit of the input times that of the filter."""
+        """Filtered frames, shape (k, rows, columns), unit of the input times the unit of the filter."""
         return self.filter.apply(frames)
 
 
@@ -145,7 +145,7 @@ class DirectionalBackground:
 
         T = x - max(Z_row, Z_column, Z_diagonal, Z_other diagonal)
 
-    over ``size`` pixels of each line, the pixel itself among them: an edge along any of the lines is its own background.
+    over ``size`` pixels of each line, the pixel itself among them: an edge along any of the lines is part of its background.
 
     Parameters
     ----------

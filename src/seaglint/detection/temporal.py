@@ -72,10 +72,10 @@ class TemporalProfile:
         for k in range(out.shape[0]):
             past = source[k : k + n].astype(np.float64)
             with np.errstate(invalid="ignore", divide="ignore"):
-                spread = past.std(axis=0, ddof=1)
-                ratio = (source[k + self.lead] - past.mean(axis=0)) / (spread * np.sqrt(1.0 + 1.0 / n))
+                deviation = past.std(axis=0, ddof=1)
+                ratio = (source[k + self.lead] - past.mean(axis=0)) / (deviation * np.sqrt(1.0 + 1.0 / n))
             nodes, z = _student(n - 1)
-            out[k] = np.interp(np.where(spread > 0, ratio, np.nan), nodes, z)
+            out[k] = np.interp(np.where(deviation > 0, ratio, np.nan), nodes, z)
         return out
 
 

@@ -1,7 +1,7 @@
 """Requests for a detection study, one record for each kind: of a recording, of scenes, of the contrast needed, of the range.
 
-The commands ``seaglint detect recording``, ``scene``, ``design`` and ``range`` make their options from these records, Python passes the same
-names, and the studies take the records themselves. Importing this module loads no numerical package: a help page needs it.
+The commands ``seaglint detect recording``, ``scene``, ``design`` and ``range`` make their options from these records, Python passes the
+same names, and the studies take the records themselves. Importing this module loads no numerical package: a help page needs it.
 """
 
 from __future__ import annotations

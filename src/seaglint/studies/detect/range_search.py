@@ -63,18 +63,18 @@ _ROLL = "the mean of each row was removed, so expect less of a camera that rolls
 
 
 def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float | None) -> Scenario:
-    """The scenario with the object at a range along the line of sight, in the middle of the picture.
+    """Return the scenario with the object at a range along the line of sight, in the middle of the picture.
 
     Parameters
     ----------
     scenario : Scenario
-        With a sensor that stands.
+        Scenario with a sensor at rest.
     name : str
-        Of the object; it stays there, whatever its course.
+        Name of the object; it stays there, whatever its course.
     range_m : float
-        Along the sea [m].
+        Range along the sea [m].
     bearing_deg : float, optional
-        Of object and line of sight from the Sun's azimuth, clockwise [deg]; the sensor's own azimuth where nothing is said.
+        Bearing of object and line of sight from the Sun's azimuth, clockwise [deg]; by default the sensor's azimuth is kept.
 
     Raises
     ------
@@ -83,8 +83,8 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     """
     if scenario.platform is not None:
         raise DataError("the range of detection is that of a sensor that stands; leave [platform] out")
-    found = [item for item in scenario.objects or () if item.name == name]
-    if not found:
+    matches = [item for item in scenario.objects or () if item.name == name]
+    if not matches:
         names = ", ".join(item.name for item in scenario.objects or ()) or "none"
         raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
     sensor = scenario.sensor
@@ -92,8 +92,9 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     if bearing_deg is not None:
         azimuth = (math.degrees(sun_position(scenario).azimuth) + bearing_deg) % 360.0
     towards = math.radians(azimuth)
-    item = found[0]
+    item = matches[0]
     height = item.height_m if item.height_m is not None else 0.0
+    # The sea falls below the horizontal by the square of the range: the elevation is that of the object over the round Earth.
     drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
     elevation = math.degrees(math.atan2(height - sensor.height_m - drop, range_m))
     rest = {"track": None, "keyframes": None, "course_deg": None, "speed_m_s": None, "latitude_deg": None, "longitude_deg": None}
@@ -105,7 +106,7 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
 
 
 def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[str]:
-    """Return why a range is to be doubted: P_d that rises with the range, thresholds beyond belief, what lies behind the object.
+    """Return the reasons why a range is unreliable: P_d that rises with the range, an unreliable threshold, the horizon or the sky behind.
 
     Examples
     --------
@@ -129,7 +130,7 @@ def doubts(tried: Sequence[RangePoint], ends: Sequence[float | None]) -> list[st
 
 
 def horizon_note(point: RangePoint) -> str | None:
-    """Return where the horizon is, as far as it matters: behind the object, in the detector's window, or in the rows of the statistics.
+    """Return the place of the horizon where it matters: behind the object, in the detector's window, or in the rows of the statistics.
 
     Examples
     --------
@@ -155,7 +156,7 @@ def horizon_note(point: RangePoint) -> str | None:
 
 
 def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
-    """P_d of a matched filter by the Gaussian law: no frame is searched.
+    """Return P_d of a matched filter by the Gaussian law, without any search in frames.
 
     ``P_d = < Q(Q^-1(P_fa) - v c g / sigma) >`` over the places in the pixel and the seas, with the contrast ``c``, the share ``v`` of the
     object that waves leave in view, the filter's answer ``g`` and the standard deviation ``sigma`` of the filtered rows near the object.
@@ -163,9 +164,9 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
     Parameters
     ----------
     placed : Scenario
-        With the object in the middle of the picture.
+        Scenario with the object in the middle of the picture.
     seen : Seen
-        The object there.
+        Signal of the object there.
     design : Design
         Rate of false alarms.
     """
@@ -175,6 +176,7 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
     frames = np.concatenate([seas.sea(number, 1) for number in range(SEAS)])
     rows, columns = frames.shape[1:]
     statistic = detector(less_row_means(frames[:, first:end]))
+    # Rows and columns near the border repeat pixels; a third of the picture remains in any case.
     reach = min(detector.reach, (end - first) // 3, columns // 3)
     inner = statistic[:, reach : end - first - reach, reach : columns - reach]
     sigma = float(np.std(inner, dtype=np.float64))
@@ -190,7 +192,7 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
 
 
 def answers(shape: SpotShape, detector: Matched) -> FloatArray:
-    """Largest answer of the filter among the pixels of an object of contrast 1, for places within its pixel [1]."""
+    """Return the largest answer of the filter among the pixels of an object of contrast 1, for places within its pixel [1]."""
     down, right = np.meshgrid(_OFFSETS, _OFFSETS, indexing="ij")
     stamps = np.asarray(shape.stamps(np.stack([down.ravel(), right.ravel()], axis=1)), np.float32)
     wide = np.pad(stamps, ((0, 0), (detector.reach,) * 2, (detector.reach,) * 2))
@@ -204,10 +206,10 @@ class _Placed:
     near: FrameSource  #: Frames without the object, with their sign turned where it is dark.
     options: DetectionOptions  #: With the object's shape, in its rows.
     seen: Seen  #: The object.
-    shares: FloatArray  #: Share of it that each sea leaves in view [1].
+    shares: FloatArray  #: Visible share of the object in each sea [1].
     background: Background  #: Rows whose statistics are taken.
     horizon_rows: int | None  #: Rows from the object to the horizon [px].
-    frames: str  #: Name of the kept frames.
+    frames: str  #: Name of the stored frames.
 
 
 def _placed(whole: Scenario, request: RangeRequest, parts: Parts, in_view: float = 0.0) -> _Placed:
@@ -326,12 +328,12 @@ def tried_at(
 
 
 def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
-    """Return the scenario with the rows about the object alone, and the object as it is seen there.
+    """Return the scenario with only the rows about the object, and the signal of the object there.
 
     Raises
     ------
     DataError
-        Nothing of it is seen.
+        Nothing of the object is visible.
     """
     scene = middle_of(whole, _ROWS)
     seen = seen_object(scene, name)
@@ -341,7 +343,7 @@ def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
 
 
 def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Visible shares in eighths, each the mean of those in it, and how many seas have them [1]; hidden ones are left out.
+    """Return visible shares in eighths, each the mean of its members, and the share of the seas in each [1], without hidden objects.
 
     Examples
     --------
@@ -359,13 +361,13 @@ def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
 def _over_seas(
     rates: list[float], ends: list[list[float] | None], weights: NDArray[np.float64], seas: int
 ) -> tuple[float, list[float] | None]:
-    """P_d over all visible shares, and its interval: that of each share, and the seas that happened to be drawn."""
+    """Return P_d over all visible shares, and its interval from the interval of each share and the scatter of the drawn seas."""
     p_d = float(weights @ np.array(rates))
     if any(end is None for end in ends):
         return p_d, None
     low, high = (np.array([end[k] for end in ends if end is not None]) for k in (0, 1))
-    spread = float(weights @ np.array(rates) ** 2) - p_d**2
-    drawn = 1.96 * math.sqrt(max(spread, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
+    variance = float(weights @ np.array(rates) ** 2) - p_d**2
+    drawn = 1.96 * math.sqrt(max(variance, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
     below, above = math.hypot(p_d - float(weights @ low), drawn), math.hypot(float(weights @ high) - p_d, drawn)
     return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]
 
@@ -481,7 +483,7 @@ def detection_range(
         request, tried_first, low = replace(request, detector=choice.detector), choice.tried, choice.range_m
         high = min(far, low * STEP)
     try:
-        # Outwards in steps of the logarithm, twice as wide once the first step was not enough.
+        # Outwards by a factor of the range; the first step from the range at which a detector was chosen is half as wide in the logarithm.
         while rate(low) < goal and low > near:
             low, high = max(near, low / (STEP if tried_first and len(points) == 1 else STEP**2)), low
         if points[-1].p_d < goal:

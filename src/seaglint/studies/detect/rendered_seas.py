@@ -35,9 +35,9 @@ Reason = Literal["precision", "time budget", "frames"]
 
 @dataclass
 class Clock:
-    """Time that a case may take [s]; None for all that it needs."""
+    """Time limit of a case."""
 
-    budget: float | None
+    budget: float | None  #: Longest time [s]; None without a limit.
     now: Callable[[], float] = time.monotonic
 
     def __post_init__(self) -> None:
@@ -85,7 +85,7 @@ def run_scene(
     progress: Progress | None = None,
     workers: Workers | None = None,
 ) -> Judged:
-    """Judge a detector in one scene, of which ``workers`` render the seas.
+    """Evaluate a detector in one scene, of which ``workers`` render the seas.
 
     Raises
     ------
@@ -111,26 +111,26 @@ def run_scene(
     precise = request.precision is not None or request.precision_fa is not None
     target = min(FIRST_SEAS, request.seas) if precise else request.seas
 
-    def go_on(done: int) -> bool:
+    def proceed(done: int) -> bool:
         if progress is not None:
             progress(done, request.seas)
         return not clock.over
 
     while True:
-        source.grow(target, go_on)
-        found = detect(judged, options, name=name)
-        reason, message = _stopped(found, request, source.count, clock)
+        source.grow(target, proceed)
+        performance = detect(judged, options, name=name)
+        reason, message = _stopped(performance, request, source.count, clock)
         if reason is not None:
             break
         target = min(2 * target, request.seas)
-    result = found.as_dict() | {"units": "W m-2 sr-1", "frame_rate_hz": options.frame_rate, "seas": source.count}
+    result = performance.as_dict() | {"units": "W m-2 sr-1", "frame_rate_hz": options.frame_rate, "seas": source.count}
     result |= {"objects": request.kind, "contrast_unit": strength.unit, "stopped": reason}
     fill = 1.0 if seas.model is None or request.kind != "point" or request.own_shape is not None else seas.model.detector.fill_factor
     result |= {"point_response": share, "point_share": fill * share}
     result["notes"].append(message)
     if sign < 0.0:
         result["notes"].append("objects are darker than what is behind them: the frames are judged with their sign turned")
-    rows = found.rows()
+    rows = performance.rows()
     for k, (given, at) in enumerate(zip(strength.values, aperture, strict=True)):
         added = {"contrast": given, "contrast_unit": strength.unit, "contrast_aperture": at, "contrast_pixel": share * at}
         result["sweep"][k] |= added
@@ -139,12 +139,12 @@ def run_scene(
     design_request = request.design()
     if design_request is not None:
         inverse = _inverse(strength, seas, float(first.mean()), share)
-        figures = _designed(found, judged, options, design_request, lambda pixel: inverse(sign * pixel))
+        figures = _designed(performance, judged, options, design_request, lambda pixel: inverse(sign * pixel))
         result["design"] = figures | {"contrast_unit": strength.unit}
         for row in rows:
             row |= {f"design_{key}": result["design"].get(key) for key in ("contrast", "loss_db", "p_fa", "p_d")}
-    alarms = false_alarm_map(found, *seas.directions)
-    return Judged(result, rows, characteristic(found, strength.values), alarms, chips(found, judged), reason)
+    alarms = false_alarm_map(performance, *seas.directions)
+    return Judged(result, rows, characteristic(performance, strength.values), alarms, chips(performance, judged), reason)
 
 
 def _stopped(performance: Performance, request: SceneRequest, seas: int, clock: Clock) -> tuple[Reason | None, str]:
@@ -190,10 +190,10 @@ def _inverse(strength: Strength, seas: IndependentSeas, mean: float, share: floa
 
 
 def _designed(
-    found: Performance, source: FrameSource, options: DetectionOptions, request: Design, inverse: Callable[[float], float]
+    performance: Performance, source: FrameSource, options: DetectionOptions, request: Design, inverse: Callable[[float], float]
 ) -> JsonObject:
     """Return the designer's figures; where they do not exist, the reason."""
     try:
-        return design(found, source, options, request).stated_by(inverse).as_dict()
+        return design(performance, source, options, request).stated_by(inverse).as_dict()
     except SeaglintError as error:
         return {"note": str(error)}

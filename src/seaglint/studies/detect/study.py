@@ -33,10 +33,9 @@ Options = TypeVar("Options", bound=DetectionOptions | CasesRequest)
 class Study:
     """Results of all cases."""
 
-    #: What was set in each case, and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or why it failed.
-    cases: list[DetectionCase]
-    stopped: str | None  #: Why some cases were not begun.
-    unfinished: bool  #: Whether a resumed study has something left to compute.
+    cases: list[DetectionCase]  #: Parameters of each case with its result, or the reason why it failed.
+    stopped: str | None  #: Reason why some cases were not begun.
+    unfinished: bool  #: Whether a resumed study has more to compute.
 
     @property
     def errors(self) -> list[str]:
@@ -49,43 +48,43 @@ class Study:
         return [case for case in self.cases if case.error is None]
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: what was varied, and what came of it."""
-        lines = self.rows()
+        """Return the table that a notebook shows: varied parameters and results."""
+        rows = self.rows()
         varied = dict.fromkeys(key for case in self.cases for key in case.parameters)
-        names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(line.get(name) is not None for line in lines))]
-        told = [] if self.stopped is None else [self.stopped]
-        return card(f"Study of {len(self.cases)} cases", table(names, [[line.get(name) for name in names] for line in lines]) + notes(told))
+        names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(row.get(name) is not None for row in rows))]
+        remarks = [] if self.stopped is None else [self.stopped]
+        return card(f"Study of {len(self.cases)} cases", table(names, [[row.get(name) for name in names] for row in rows]) + notes(remarks))
 
     def rows(self) -> list[TableRow]:
-        """Tidy table: a row a contrast of each case, with what was varied first, then results, then the whole scenario."""
+        """Return a tidy table: a row for each contrast and case, with varied parameters first, then results, then the whole scenario."""
         columns: dict[str, None] = {}
         out = []
         for number, case in enumerate(self.cases):
-            lines: list[TableRow] = [{}] if case.judged is None else case.judged.rows or [{}]
-            for line in lines:
-                row = {"case": number, **case.parameters, **line, "stopped": case.stopped, "error": case.error}
+            contrasts: list[TableRow] = [{}] if case.judged is None else case.judged.rows or [{}]
+            for result in contrasts:
+                row = {"case": number, **case.parameters, **result, "stopped": case.stopped, "error": case.error}
                 row |= {key: value for key, value in case.scenario.items() if key not in row}
                 out.append(row)
                 columns |= dict.fromkeys(row)
-        # what only cases with a result have stands before the scenario all the same
+        # Columns of results are placed before the scenario, also where the first case has no result.
         full = next((row for row in out if row["error"] is None), {})
         order = list(dict.fromkeys([*full, *columns]))
         return [{name: row.get(name) for name in order} for row in out]
 
     def characteristic(self) -> dict[str, list[float]]:
-        """Columns of all operating characteristics."""
+        """Return the columns of all operating characteristics."""
         names = ("contrast", "threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high")
         numbered = [(k, case.judged.roc) for k, case in enumerate(self.cases) if case.judged is not None]
         out: dict[str, list[float]] = {"case": [float(k) for k, roc in numbered for _ in roc["contrast"]]}
         return out | {name: [v for _, roc in numbered for v in roc[name]] for name in names}
 
     def as_dict(self) -> JsonObject:
-        """Plain numbers and text; of a single case its own keys as well."""
-        told = [
+        """Return plain numbers and text; of a single case its keys at the top as well."""
+        results = [
             {"parameters": case.parameters, **({"error": case.error} if case.judged is None else case.judged.result)} for case in self.cases
         ]
-        whole: JsonObject = dict(told[0]) if len(told) == 1 else {}
-        return whole | {"cases": told, "study_stopped": self.stopped}
+        whole: JsonObject = dict(results[0]) if len(results) == 1 else {}
+        return whole | {"cases": results, "study_stopped": self.stopped}
 
 
 def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
