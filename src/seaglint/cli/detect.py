@@ -1,6 +1,6 @@
 """``seaglint detect``: probabilities of detection and false alarm of a detector, on a recording or in rendered scenes.
 
-Four commands, each with the options of its own request; ``seaglint detect SOURCE`` takes all options and chooses by the file's ending.
+Four commands, each with the options of its request; ``seaglint detect SOURCE`` takes all options and chooses by the file's ending.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ def likelihood(
 
 
 def lines(summary: LikelihoodSummary) -> list[str]:
-    """A result for people."""
+    """Return a result as lines of text."""
     out = [f"{summary.case}, {summary.quantity}; {summary.samples} draws, clouds by '{summary.clouds}'"]
     out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
     for row in summary.results:
@@ -79,7 +79,7 @@ def lines(summary: LikelihoodSummary) -> list[str]:
 
 
 def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
-    """Files to write, refused before the work where they exist."""
+    """Return the files to write, refused before the work where they exist."""
     from seaglint.base.errors import DataError
     from seaglint.store.outputs import made_folder, refuse_existing
 
@@ -124,7 +124,7 @@ def _mapped(
     inputs: list[Path],
     workers: Workers | None,
 ) -> None:
-    """The map by month: NetCDF and a picture."""
+    """Write the map by month: NetCDF and a picture."""
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.progress import progress
     from seaglint.plot.environment_charts import write_map
@@ -148,7 +148,7 @@ def _mapped(
 
 
 def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
-    """Chances along a ship's way."""
+    """Write and print chances along a ship's track."""
     from seaglint.base.errors import DataError
     from seaglint.formats.tables.result_tables import write_table
     from seaglint.store.outputs import refuse_existing, write_json

@@ -1,8 +1,8 @@
 """Constant-false-alarm detectors: comparison of each pixel with a ring of training pixels around it.
 
-The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, which keeps a target out of the background that it is compared with.
-Both give equivalent standard deviations: z with Q(z) equal to the exact probability that independent clutter of the stated kind gives the
-observed ratio. Sea clutter is neither independent nor of that kind, which is what counting false alarms shows.
+The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, so that a target is not part of the background
+with which it is compared. Both detectors give equivalent standard deviations: z with Q(z) equal to the exact probability that independent
+clutter of the stated kind gives the observed ratio. Sea clutter is neither independent nor of that kind, as counts of false alarms show.
 Pixels nearer to the border than ``training``, and rings with missing values, give NaN.
 
 References

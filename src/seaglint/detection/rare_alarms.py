@@ -1,10 +1,10 @@
 """Rare false alarms: rates below one in the data, from peaks over a threshold, and their reliability.
 
-The fit is explained in :mod:`seaglint.clutter.extremes`: a generalised Pareto distribution of the excess of all exceeding pixels, as uncertain
-as the number of declustered events makes it. Tails of clutter approach that form slowly (a Gaussian's shape is still -0.08 at three
-standard deviations), so that a fit to many exceedances is precise and wrong: no more than :data:`MOST_EVENTS` events are fitted.
+The fit is explained in :mod:`seaglint.clutter.extremes`: a generalised Pareto distribution of the excess of all exceeding pixels, whose
+uncertainty follows from the number of declustered events. Tails of clutter approach that form slowly (a Gaussian's shape is still -0.08 at
+three standard deviations), so that a fit to many exceedances is precise and wrong: no more than :data:`MOST_EVENTS` events are fitted.
 Intervals follow from the profile likelihood: far beyond the data a rate depends on the shape so strongly that intervals symmetric in the
-shape fall short on the side of more alarms.
+shape are too short on the side of more alarms.
 
 References
 ----------

@@ -1,6 +1,6 @@
 """Shapes of small objects in pixels: a Gaussian spot, a measured point spread, or a response sampled finer than pixels.
 
-A shape has the value 1 at its central pixel when it is centred there: its product with the contrast is the signal of an object in each pixel.
+A shape has the value 1 at its central pixel when it is centred there. Its product with the contrast is the signal in each pixel.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-
 
 _PAD = 12  #: Zeros about the samples of a spline [samples]: its coefficients fall by 0.27 a sample, here below 1e-6.
 

@@ -87,7 +87,7 @@ def _of_temperature(seas: IndependentSeas, mean: float, difference: float) -> fl
 
 
 def transmittance(seas: IndependentSeas, range_m: float, height_m: float) -> float:
-    """Return the mean over the band of the transmittance to a point, weighted by the response alone, as points are drawn [1].
+    """Return the mean over the band of the transmittance to a point [1], weighted by the response alone, as for drawn points.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def transmittance(seas: IndependentSeas, range_m: float, height_m: float) -> flo
 
 
 def fine_response(picture: NDArray[np.float64], steps: int, blur: Callable[[NDArray[np.float32]], NDArray[Any]]) -> FloatArray:
-    """Return the signal of pixels at every fine place of a picture with ``steps`` x ``steps`` values to a pixel; ``blur`` gives the pixels.
+    """Return the signal of pixels at every fine place of a picture with ``steps`` x ``steps`` values to a pixel, blurred by ``blur``.
 
     Element (i, j) is the value of a pixel centred on the picture's element i, j; half a fine pixel away from it where ``steps`` is even.
     """
@@ -135,7 +135,10 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
 
 
 def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
-    """Return the shape of a point behind the sensor, and its :func:`~seaglint.instrument.figures_of_merit.point_response`; without a sensor the pixel alone."""
+    """Return the shape of a point behind the sensor, and its :func:`~seaglint.instrument.figures_of_merit.point_response`.
+
+    Without a sensor the shape is a spot within one pixel.
+    """
     if model is None:
         return GaussianSpot(0.05), 1.0
     steps = max(model.oversampling, FINEST)
@@ -149,7 +152,7 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
 
 
 def _blur(model: SensorModel, size: int, steps: int, *, points: bool = False) -> Callable[[NDArray[np.float32]], NDArray[Any]]:
-    """Return the blur by optics, detector and stray light of a sensor, for a small square picture of means over pixels or of points."""
+    """Return the blur of a sensor's optics, detector and stray light, for a small square picture of means over pixels or of points."""
     small = replace(model, circle=False, _transfers=type(model._transfers)())
     transfer = small.transfer((size * steps, size * steps), steps, points=points)
     direct = 1.0 - model.optics.stray_share
@@ -170,7 +173,7 @@ class Seen:
     among: Scenario | None = None  #: The object alone among the scenario's waves; None where they are no geometry and hide nothing.
 
     def visible_shares(self, count: int, seas: IndependentSeas) -> FloatArray:
-        """Return the share of the object that independent seas leave visible, against the mean sea, which hides only parts below the horizon.
+        """Return the share of the object that independent seas leave visible, over the share that the mean sea leaves visible.
 
         Parameters
         ----------

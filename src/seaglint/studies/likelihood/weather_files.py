@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,10 +40,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Built:
-    """A table made of files."""
+    """Weather table built from files."""
 
-    table: WeatherTable  #: The rows.
-    notes: tuple[str, ...] = field(default_factory=tuple)  #: What was read, left out, assumed and filled, one sentence each, with counts.
+    table: WeatherTable  #: Rows of all files.
+    notes: tuple[str, ...] = field(default_factory=tuple)  #: Rows read, left out, assumed and filled, one sentence each, with counts.
 
     def dataset(self) -> xr.Dataset:
         """Return the columns as a dataset over ``row``."""
@@ -63,25 +63,25 @@ def build(
     *,
     fill: Mapping[str, float] | None = None,
 ) -> Built:
-    """Make one table of files of any kind.
+    """Build one table from files of any kind.
 
     Parameters
     ----------
     paths : sequence of Path
         Files; grids without winds (waves, sea temperature) are joined to those with winds.
     selection : Selection, optional
-        Places, times and region that are wanted. A region selects rows where a file has regions, and names the rows elsewhere.
+        Requested places, times and region. A region selects rows where a file has regions, and names the rows elsewhere.
     reading : WeatherReading, optional
-        What files do not say.
+        Properties that the files do not state.
     fill : mapping of str to float, optional
-        Values put where a column is missing; counted.
+        Values for missing entries of a column; counted.
 
     Raises
     ------
     DataError
-        A file that cannot be used, or nothing left of the selection.
+        A file that cannot be used, or a selection without rows.
     BackendError
-        A part that is not installed.
+        A package that is not installed.
     """
     selection, reading = selection or Selection(), reading or WeatherReading()
     notes = [f"made by seaglint {__version__} of {', '.join(path.name for path in paths)}"]
@@ -125,9 +125,7 @@ def _sources(paths: Sequence[Path], selection: Selection, reading: WeatherReadin
 
 
 def _of_region(source: WeatherSource, region: str | None) -> WeatherSource:
-    """Rows of a region where the file has regions; rows named after it where it has none."""
-    from dataclasses import replace
-
+    """Return the rows of a region; all rows, named after it, where the file has no regions."""
     if region is None or not source.rows:
         return source
     names = source.texts.get("region")
@@ -162,7 +160,7 @@ def _nothing(sources: Sequence[WeatherSource], selection: Selection) -> str:
 
 
 def _together(sources: Sequence[WeatherSource]) -> tuple[dict[str, FloatArray], dict[str, TextArray]]:
-    """Columns of all files below each other; the mean weight of each file is 1, so that each row counts alike."""
+    """Return the columns of all files one after the other; the mean weight of each file is 1, so that each row counts alike."""
     names = [name for name in RANGES if name != "weight" and any(name in source.columns for source in sources)]
     columns = {n: np.concatenate([s.columns.get(n, np.full(s.rows, np.nan)) for s in sources]) for n in {*names, *NEEDED}}
     weights = []
@@ -245,7 +243,7 @@ def describe(path: str | Path) -> tuple[WeatherFile, WeatherFacts]:
 
 
 def _plain(value: float) -> float | None:
-    """A number that JSON has; None for what it has not."""
+    """Return a number for JSON; None for NaN and infinity."""
     return float(value) if np.isfinite(value) else None
 
 
