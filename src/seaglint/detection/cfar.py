@@ -38,20 +38,9 @@ class RingDetector:
     guard: int
     clutter: Clutter
 
-    @property
-    def lead(self) -> int:
-        """Single frames are enough."""
-        return 0
-
-    @property
-    def calibrated(self) -> bool:
-        """The statistic is in equivalent standard deviations."""
-        return True
-
-    @property
-    def linear(self) -> bool:
-        """The statistic is no sum over pixels."""
-        return False
+    lead: int = 0  #: Single frames are enough.
+    calibrated: bool = True  #: The statistic is in equivalent standard deviations.
+    linear: bool = False  #: The statistic is no sum over pixels.
 
     @property
     def reach(self) -> int:

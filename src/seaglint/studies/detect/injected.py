@@ -16,6 +16,7 @@ from seaglint.detection.spot import FineSpot, GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.figures_of_merit import point_response
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.object_tables import Object
 from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.scene_objects import Drawn
@@ -204,6 +205,21 @@ def _in_view(drawn: Drawn) -> float:
     return float(any((share.radiance > 0.0).any() for share in sight.shares))
 
 
+def item_of(scenario: Scenario, name: str) -> Object:
+    """Return the object of a name.
+
+    Raises
+    ------
+    DataError
+        No object of that name.
+    """
+    for item in scenario.objects or ():
+        if item.name == name:
+            return item
+    names = ", ".join(item.name for item in scenario.objects or ()) or "none"
+    raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+
+
 def seen_object(scenario: Scenario, name: str) -> Seen:
     """Draw one object over the mean sea, through path and sensor.
 
@@ -212,12 +228,9 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     DataError
         No object of that name, or nothing of it is visible.
     """
-    matches = [item for item in scenario.objects or () if item.name == name]
-    if not matches:
-        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
-        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    item = item_of(scenario, name)
     plain = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None})
-    alone = scenario.model_copy(update={"objects": tuple(matches), "render": plain})
+    alone = scenario.model_copy(update={"objects": (item,), "render": plain})
     calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
     if calm.sensor.senses:
         sensed = prepare_sensed(calm)

@@ -31,7 +31,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.store.detection_results import DetectionRange, Parts, RangePoint, TriedDetector
 from seaglint.studies.detect.designer import SMALLEST, Design, best_of, choice_line, rate_threshold, tried_detectors
-from seaglint.studies.detect.injected import Seen, seen_object
+from seaglint.studies.detect.injected import Seen, item_of, seen_object
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, less_row_means, rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions, detect
 from seaglint.studies.detect.rendered_seas import lead_of
@@ -83,16 +83,12 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     """
     if scenario.platform is not None:
         raise DataError("the range of detection is that of a sensor that stands; leave [platform] out")
-    matches = [item for item in scenario.objects or () if item.name == name]
-    if not matches:
-        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
-        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    item = item_of(scenario, name)
     sensor = scenario.sensor
     azimuth = sensor.azimuth_deg
     if bearing_deg is not None:
         azimuth = (math.degrees(sun_position(scenario).azimuth) + bearing_deg) % 360.0
     towards = math.radians(azimuth)
-    item = matches[0]
     height = item.height_m if item.height_m is not None else 0.0
     # The sea falls below the horizontal by the square of the range: the elevation is that of the object over the round Earth.
     drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
 
@@ -225,13 +225,12 @@ class WeatherRows:
         return out
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class DrawnObjects:
     """Objects of a scene, drawn from templates: names, places and values."""
 
-    ensemble: Ensemble
-    numbers: UniformNumbers
-    _laws: dict[str, TomlTables] = field(default_factory=dict)
+    ensemble: Ensemble  #: Templates and laws.
+    numbers: UniformNumbers  #: Uniform numbers of the draws.
 
     def count(self, template: Template, scene: int) -> int:
         """Return the number of objects of a template."""

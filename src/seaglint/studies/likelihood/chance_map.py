@@ -1,7 +1,4 @@
-"""Maps of the likelihood of glint over a region, month by month, and its chances in three sea regions.
-
-The regions are for a figure of the documentation: they have one weather and differ by latitude alone.
-"""
+"""Maps of the likelihood of glint over a region, month by month."""
 
 from __future__ import annotations
 
@@ -19,18 +16,17 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.base.parameters import documented
-from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions, months_of
+from seaglint.climate.conditions import Conditions, GeographicRegion, Times, conditions
 from seaglint.climate.draws import SamplingPlan
 from seaglint.climate.weather_table import WeatherTable
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
-from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.store.provenance import provenance
 from seaglint.studies.build.profile_air import report_air
 from seaglint.studies.build.scenario_physics import band
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
-from seaglint.studies.likelihood.glint_chance import draw, draw_values, evaluated, uniform_numbers
+from seaglint.studies.likelihood.glint_chance import draw_values, evaluated, uniform_numbers
 from seaglint.studies.study_requests import LikelihoodRequest
 
 if TYPE_CHECKING:
@@ -290,43 +286,3 @@ def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> 
                 inside = np.array([np.argmin(north**2 + (east * np.cos(np.radians(lat))) ** 2)])
             out.append(np.concatenate([by_spot[k] for k in inside]))
     return out
-
-
-#: Latitudes and longitudes [deg].
-REGIONS: Final = {
-    "Norwegian Sea, 65-72 N": ((65.0, 72.0), (-5.0, 15.0)),
-    "open North Atlantic, 45-58 N": ((45.0, 58.0), (-45.0, -12.0)),
-    "Azores to Canaries, 27-40 N": ((27.0, 40.0), (-32.0, -14.0)),
-}
-
-THRESHOLDS: Final = (0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 25.0)
-_MONTHLY: Final = THRESHOLDS.index(0.25)
-
-
-def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
-    """Return chances by threshold, and by month at 0.25 W m-2 sr-1, of a look within 15 deg of the Sun; all with the packaged weather."""
-    results = {}
-    first: LikelihoodModel | None = None
-    for name, (latitudes, longitudes) in REGIONS.items():
-        settings = {
-            "threshold_w_m2_sr": list(THRESHOLDS),
-            "latitudes_deg": list(latitudes),
-            "longitudes_deg": list(longitudes),
-            "azimuth_from_sun_deg": [-15.0, 15.0],
-            "samples": samples,
-        }
-        model = LikelihoodModel.of(
-            parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": settings})
-        )
-        if first is not None:
-            model.share(first)
-        first = first or model
-        drawn = draw(model)
-        values = [draw_values(model, drawn, threshold) for threshold in THRESHOLDS]
-        month = months_of(drawn.where.time)
-        results[name] = {
-            "threshold": np.array(THRESHOLDS),
-            "probability": np.array([np.average(v, weights=drawn.weight) for v in values]),
-            "by_month": np.array([np.average(values[_MONTHLY][month == m], weights=drawn.weight[month == m]) for m in range(1, 13)]),
-        }
-    return results
