@@ -187,6 +187,7 @@ def detect(
 
     given = dict(locals())
     if not isinstance(source, Scenario) and not (isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"):
+        # Parameters that the other function has, by its signature.
         names = set(detect_recording.__kwdefaults__ or {}) & set(given)
         return detect_recording(source, **{name: given[name] for name in names})
     function = detect_design if design or p_fa is not None else detect_scene

@@ -28,6 +28,7 @@ class DetectGroup(TyperGroup):
 
     def __init__(self, **given: Any) -> None:
         super().__init__(**given)
+        # It is reached by a file as the first word, and not by a name.
         self.bare = self.commands.pop(BARE)
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
@@ -143,6 +144,7 @@ def detect_source(
         from seaglint.cli.detect_runs import detect_scene
 
         asked = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
+        # Without figures for a designer the request is one for scenes, with the same fields.
         own = {field.name: getattr(rendered, field.name) for field in fields(SceneRequest)}
         detect_scene(rendered if asked else SceneRequest(**own), results, run)
         return

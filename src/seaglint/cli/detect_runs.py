@@ -198,6 +198,7 @@ def _scenes(request: CasesRequest, results: ResultOptions, run: RunOptions, pict
     from seaglint.studies.detect.varied_cases import cases_of
 
     path = Path(request.source)
+    # Options that are not allowed are refused before anything is read.
     request.require_valid()
     show_logs(quiet=run.show is ProgressMode.NONE)
     cases = cases_of(path, vary=request.vary or (), table=request.cases, sensor=request.sensor)

@@ -35,6 +35,7 @@ def ensemble(
 
     show_logs(quiet=run.show is ProgressMode.NONE)
     loaded = load_ensemble(source)
+    # The folder is checked before the cost is measured, which takes seconds.
     if not (request.resume or request.draw_only):
         Folder(output).check(resume=False, overwrite=request.overwrite)
         tell_cost(loaded, run)

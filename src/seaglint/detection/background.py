@@ -28,6 +28,7 @@ _BLOCK_BYTES = 8e6
 
 def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> Iterator[Frames]:
     """Iterate over frames ``first`` to ``end`` (not included; by default all), in order, in blocks of some megabytes."""
+    # 4 bytes a value: frames are single precision.
     step = max(int(_BLOCK_BYTES / (4.0 * source.rows * source.columns)), 1)
     last = source.frames if end is None else end
     for start in range(first, last, step):
@@ -131,6 +132,7 @@ class Background:
         mean, deviation = (np.where(number > 0, v, 0.0) for v in (self.frame_mean, self.frame_sigma))
         self.mean = float(weight @ mean)
         self.sigma = float(np.sqrt(weight @ (deviation**2 + (mean - self.mean) ** 2)))
+        # Rounding alone leaves a deviation of some 1e-16 of the mean.
         if not self.sigma > 1e-12 * abs(self.mean):
             raise DataError(
                 f"detector {detector.name}: the statistic is {self.mean:g} in every pixel; clutter without variation is not judged"
@@ -138,6 +140,7 @@ class Background:
 
     def _sequences(self, source: FrameSource) -> Iterator[Iterator[Frames]]:
         """Blocks of each sequence; single frames, which need none before them, form one."""
+        # Without a lead no block needs frames before it, so that the sequences need not be separated.
         if self.lead == 0:
             yield blocks_of(source, 0, self.windows)
             return
@@ -236,6 +239,7 @@ def count_false_alarms(background: Background, threshold: Threshold, level: floa
         cells.add(k, z)
         with_alarm[k] = bool((z > threshold.sigma).any())
     curve = alarms.curve()
+    # The density of z converts a shift of the threshold to a number of pixels.
     density = curve_density(curve.threshold, curve.exceedances, threshold.sigma) / max(curve.pixels, 1)
     per_pixel = cells.false_alarm_interval(density, level)
     per_frame = interval(with_alarm[:, None, None], np.ones((windows, 1, 1), np.int64), None, level)
@@ -246,6 +250,7 @@ def curve_density(threshold: NDArray[np.float64], exceedances: NDArray[np.int64]
     """Return the number of pixels per standard deviation at a threshold, from a rate curve [1]."""
     if threshold.size < 2:
         return 0.0
+    # Central difference over 0.2 standard deviations: single bins of the curve may be empty.
     below, above = (float(np.interp(at + s * half, threshold, exceedances, left=exceedances[0], right=0.0)) for s in (-1, 1))
     return (below - above) / (2 * half)
 

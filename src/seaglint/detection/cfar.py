@@ -70,6 +70,7 @@ def _ring_sums(frame: np.ndarray, training: int, guard: int, level: float, total
         # Column sums over the rows beside and above or below the guard: nothing is subtracted, so a value missing in the guard stays there.
         far1, far2, near1, near2 = np.zeros(columns), np.zeros(columns), np.zeros(columns), np.zeros(columns)
         for r in range(i - training, i + training + 1):
+            # Rows of the guard count apart: their columns within the guard are left out below.
             near = abs(r - i) <= guard
             for j in range(columns):
                 x = frame[r, j] - level
@@ -97,6 +98,7 @@ def _averaging_ratios(clutter: Clutter, cells: int) -> FloatArray:
     from scipy.special import log_ndtr
     from scipy.stats import t
 
+    # Logarithms of tails: the tail itself falls to 1e-299 at the last node.
     tail = log_ndtr(-_NODES)
     if clutter == "exponential":
         return np.asarray(cells * np.expm1(-tail / cells))
@@ -220,6 +222,7 @@ def _ordered_ratios(cells: int, rank: int) -> FloatArray:
         c = np.exp(log_c)
         # log P = -sum log(1 + c / (n - i)), i = 0 ... k - 1: terms of one sign, where differences of log Gamma would cancel.
         step = (np.log1p(c / left).sum(0) + log_tail) / (c / (left + c)).sum(0)
+        # Bounded steps: far from the solution Newton would overshoot.
         log_c -= np.clip(step, -2.0, 2.0)
         if np.abs(step).max() < 1e-12:
             break
@@ -304,6 +307,7 @@ class OrderedStatistic(RingDetector):
         NaN where the ring's quantiles are equal, or in the exponential case not above 0.
         """
         n = self.cells
+        # A rank from 1 to n, whatever the rounding gives.
         rank = min(max(round(self.quantile * n), 1), n)
         gaussian = self.clutter == "gaussian"
         if gaussian:

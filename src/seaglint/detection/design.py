@@ -51,6 +51,7 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
     if p_fa * curve.pixels >= COUNTED:
         counted = curve.threshold_for(p_fa)
         if counted is not None and counted > 0:
+            # The threshold is an edge of the curve, up to rounding.
             place = int(np.searchsorted(curve.threshold, counted - 1e-9))
             number = int(curve.exceedances[place])
             half = 2.0 * math.sqrt(max(number, 1) * max(count.per_pixel.inflation if np.isfinite(count.per_pixel.inflation) else 1.0, 1.0))
@@ -101,9 +102,11 @@ def contrast_for(
     """
     sign = math.copysign(1.0, objects.contrasts[0])
     first = source.read(0, 1)
+    # A frame without variation is scaled by its largest value.
     scale = float(np.nanstd(first.astype(np.float64))) or float(np.nanmax(np.abs(first))) or 1.0
     # First round in decades of the frames' deviation; each further round between the contrasts that bracket P_d.
     grid: NDArray[np.float64] = np.asarray(scale * 10.0 ** (np.arange(_DECADES + 1) - 2.0), np.float64)
+    # P_d at every contrast tried: a later round keeps the results of the earlier ones.
     known: dict[float, Interval] = {}
     low, high = 0.0, math.inf
     for number in range(_ROUNDS + 1):

@@ -66,6 +66,7 @@ def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArr
 
 def pitch_for(detector: Detector, shape: SpotShape, match_radius: float, travel: int) -> int:
     """Least distance of objects [px] at which neither the statistics nor the fits of position affect another's match window."""
+    # Between two objects: the match window, the reach of the detector or of a fit, the object, and its travel.
     around = LOOSE_PITCH if detector.reach is None else max(detector.reach, shape.half)
     return int(match_radius) + around + shape.half + 1 + travel
 
@@ -131,6 +132,7 @@ class InjectionPlan:
     def per_batch(self) -> int:
         """Number of injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is space."""
         first, end = self.row_range
+        # Cells of the lattice inside the margin, at least one along each axis.
         cells = max((end - first) // self.pitch, 1) * max((self.columns - 2 * self.margin) // self.pitch, 1)
         return min(max(-(-self.injections // self.windows), 1 if self.spread else SHARED), cells, self.injections)
 
@@ -142,6 +144,7 @@ class InjectionPlan:
     def batch(self, number: int) -> Batch:
         """Batch of a given number, with all its places."""
         generator = stream(self.seed, "object places", number)
+        # A random origin of the lattice, and a random choice of its cells.
         first_row, first_column = generator.integers(0, self.pitch, 2)
         first, end = self.row_range
         # fewer rows than a pitch: all are equally likely, and each is used

@@ -169,6 +169,7 @@ class UserDetector:
             raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_error_line(error)}") from error
         expected = (frames.shape[0] - self.lead, *frames.shape[1:])
         try:
+            # Conversion to real numbers would drop the imaginary part with a mere warning.
             if np.iscomplexobj(result):
                 raise TypeError("no order among complex numbers")
             out = np.asarray(result, np.float32)

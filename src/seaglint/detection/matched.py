@@ -84,6 +84,7 @@ class Matched:
         weights = MatchedFilter(self.signature, self.covariance).weights
         if self.known_level:
             s = np.asarray(self.signature, np.float64)
+            # With a known level the weights need not add up to 0; they give the amplitude 1 on the signature.
             solved = s if self.covariance is None else whitened(s, self.covariance)
             weights = solved / (solved * s).sum()
         object.__setattr__(self, "_kernel", Kernel(weights, name=self.name))
@@ -150,6 +151,7 @@ class LocalMatched:
             row: list[Kernel | None] = []
             for left, right in zip(edges[1][:-1], edges[1][1:], strict=True):
                 part = frames[:, top:bottom, left:right]
+                # Lags up to the side of the signature cover all pairs of its pixels.
                 lags = autocovariance(part, side - 1)
                 if not lags[side - 1, side - 1] > 0:
                     row.append(None)

@@ -52,6 +52,7 @@ def displacement(earlier: ArrayLike, later: ArrayLike) -> tuple[float, float]:
     shape = np.shape(earlier)
     if not any(whole) or any(n - abs(d) < 16 for n, d in zip(shape, whole, strict=True)):
         return first
+    # The parts of both images that show the same scene, by the whole pixels of the first estimate.
     before = tuple(slice(max(-d, 0), n - max(d, 0)) for d, n in zip(whole, shape, strict=True))
     after = tuple(slice(max(d, 0), n - max(-d, 0)) for d, n in zip(whole, shape, strict=True))
     rest = _peak_displacement(np.asarray(earlier)[before], np.asarray(later)[after])
@@ -67,6 +68,7 @@ def _peak_displacement(earlier: NDArray[np.floating], later: NDArray[np.floating
     cross /= np.sqrt(np.maximum(size, 1e-12 * size.max()))
     rows, columns = cross.shape
     peak = np.unravel_index(int(np.argmax(np.fft.ifft2(cross).real)), cross.shape)
+    # Shifts beyond half the image are negative ones.
     centre = [float((p + n // 2) % n - n // 2) for p, n in zip(peak, cross.shape, strict=True)]
     fy, fx = np.fft.fftfreq(rows), np.fft.fftfreq(columns)
     # Twice a small transform about the peak, tenths of a pixel first: a whole padded one would cost FINENESS squared as much.
@@ -201,6 +203,7 @@ class RegisteredIntegration:
             for back in range(1, self.count):
                 frame = frames[k + self.lead - back]
                 shift = _displacement(frame, latest) if self.register else (0.0, 0.0)
+                # The shift of the scene, and the motion of the target in addition.
                 total += moved(frame, (shift[0] + back * self.velocity[0], shift[1] + back * self.velocity[1]))
             out[k] = total / self.count
         return out

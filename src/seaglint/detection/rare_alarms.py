@@ -81,6 +81,7 @@ class RareTail:
     def at(self, threshold_sigma: float) -> RareRate | None:
         """Return the rate at a threshold [standard deviations]; None below the threshold of the fit."""
         if self.levels is not None:
+            # Between two levels of a stepped statistic the rate is constant.
             threshold_sigma = self.levels.below(threshold_sigma)
         if self.fit is None or threshold_sigma < self.fit.threshold:
             return None
@@ -133,11 +134,13 @@ def _region(curve: RateCurve, fit: TailFit) -> tuple[FloatArray, FloatArray]:
     counts = -np.diff(curve.exceedances[edge:])
     used = counts > 0
     middle = (0.5 * (curve.threshold[edge:-1] + curve.threshold[edge + 1 :]) - fit.threshold)[used]
+    # Pixels of an event are not independent: the likelihood counts events.
     share = counts[used] * (fit.events / counts.sum())
     a, error = 1.0 + fit.fit.shape, 1.0 / math.sqrt(fit.events)
     # Six standard errors either way; the two are correlated, so that much of the grid is far below the threshold.
     steps = np.linspace(-6.0, 6.0, _GRID)
     shape = np.maximum(fit.fit.shape + a * error * steps, -0.99)
+    # The formula has 1 / shape: 0 is replaced by a shape close to it.
     shape = np.where(np.abs(shape) < 1e-9, 1e-9, shape)[:, None] + np.zeros(_GRID)
     scale = fit.fit.scale * np.exp(math.sqrt(2.0 * a) * error * steps) + np.zeros((_GRID, 1))
     likelihood = -share.sum() * np.log(scale)

@@ -47,6 +47,7 @@ def match_offsets(radius: float) -> IntArray:
         raise DomainError(f"match radius = {radius:g} px is outside 0-50 px")
     axis = np.arange(-int(radius), int(radius) + 1)
     rows, columns = (g.ravel() for g in np.meshgrid(axis, axis, indexing="ij"))
+    # A disc of pixels; a stable sort puts the pixel itself first.
     inside = rows**2 + columns**2 <= radius * radius
     offsets = np.stack([rows[inside], columns[inside]], axis=1)
     return np.asarray(offsets[np.argsort((offsets**2).sum(axis=1), kind="stable")], np.int64)
@@ -144,9 +145,11 @@ class SegmentSums:
 
     def __init__(self, frames: int, rows: int, columns: int, threshold: float, *, estimated: bool, each: int = 0) -> None:
         self.threshold, self.estimated = float(threshold), estimated
+        # Few sequences do not determine the scatter between them: then all cells count.
         self.each = each if each and frames // each >= FEWEST_SEQUENCES else 0
         self._sequences = np.zeros((frames // self.each if self.each else 0, 4))
         self.per_segment = -(-frames // SEGMENTS)
+        # Tiles of 4 pixels or more, and so large that there are at most TILES along an axis.
         self.tile = max(4, -(-max(rows, columns) // TILES))
         segments = -(-frames // self.per_segment)
         self.sums = np.zeros((segments, 4, -(-rows // self.tile), -(-columns // self.tile)))
@@ -371,6 +374,7 @@ def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level:
     level : float
         Confidence level of the bands, for each rate alone [1].
     """
+    # Thresholds end at the last one with a false alarm.
     last = int(np.flatnonzero(curve.exceedances)[-1]) if curve.exceedances.any() else 0
     # Even in the logarithm of the rate, where the interest is.
     rates = np.geomspace(0.999, 1.0 / max(curve.pixels, 2), POINTS)

@@ -147,6 +147,7 @@ def poisson_quantile(mean: FloatArray, share: FloatArray) -> FloatArray:
     out = np.empty(mean.shape)
     few = mean < _MANY
     out[few] = np.ceil(np.maximum(pdtrik(share[few], mean[few]), 0.0))
+    # Cornish and Fisher: the Gaussian quantile with the skewness of the Poisson distribution.
     z = ndtri(np.clip(share[~few], 1e-16, 1.0 - 1e-16))
     many = mean[~few]
     out[~few] = np.rint(many + np.sqrt(many) * z + (z * z - 1.0) / 6.0)
@@ -223,5 +224,6 @@ def level_shift(detector: Detector, source: FrameSource) -> float:
     if not source.offset or not detector.linear:
         return 0.0
     ones = np.ones((detector.lead + 1, source.rows, source.columns), np.float32)
+    # The statistic of a constant 1 in the middle of the frame is the weight of a level.
     answer = detector(ones)[-1]
     return source.offset * float(answer[source.rows // 2, source.columns // 2])

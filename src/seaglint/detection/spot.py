@@ -73,6 +73,7 @@ class GaussianSpot:
         from scipy.special import ndtr
 
         edges = np.arange(-self.half, self.half + 2) - 0.5
+        # The integral of a Gaussian over each pixel.
         steps = np.diff(ndtr((edges - displacement[:, None]) / self.sigma), axis=1)
         return np.asarray(steps / (2.0 * ndtr(0.5 / self.sigma) - 1.0))
 

@@ -50,11 +50,13 @@ def steps_of(background: Background, law: Law) -> Steps | None:
     """Return the levels of the statistic; None where it is continuous, or has steps finer than two bins of the rate curve."""
     rows, columns = background.statistic.shape[1:]
     number = min(max(_SAMPLE // (rows * columns), 1), background.windows)
+    # A sample of windows, evenly spread: levels show in few values.
     chosen = np.unique(np.linspace(0, background.windows - 1, number).astype(int))
     values = np.concatenate([background.z(int(k), law).ravel() for k in chosen]).astype(np.float64)
     values = np.sort(values[np.isfinite(values)])
     gaps = np.diff(values)
     gaps = gaps[gaps > 0.1 * BIN]
+    # Too few levels, or about as many levels as values: the statistic is continuous.
     if gaps.size < FEWEST_LEVELS or _SHARE * gaps.size > values.size:
         return None
     # Missing levels give multiples of the step: the smallest gaps are single steps.

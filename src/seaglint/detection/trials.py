@@ -53,6 +53,7 @@ def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray
     """
     above = patches - np.reshape(level, (-1, 1, 1))
     half = (patches.shape[1] - 1) / 2
+    # Places count from the middle pixel of the patch.
     axis = np.arange(patches.shape[1]) - half
     total = above.sum(axis=(1, 2))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -63,6 +64,7 @@ def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray
 def _derivatives(shape: SpotShape, place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shape and its derivatives with respect to row and column."""
     steps = _STEP * np.eye(2)
+    # Central differences over a thousandth of a pixel.
     down, right = ((shape.stamps(place + s) - shape.stamps(place - s)) / (2 * _STEP) for s in steps)
     return shape.stamps(place), down, right
 
@@ -93,6 +95,7 @@ def least_squares(patches: FloatArray, shape: SpotShape) -> FloatArray:
         # A vanishing amplitude leaves the place undetermined: the ridge keeps its step at 0.
         normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(4)
         step = np.linalg.solve(normal, np.einsum("npi,np->ni", design, values)[:, :, None])[:, 2:, 0]
+        # Bounded steps: a fit to noise must not leave the patch.
         place = np.clip(place + np.clip(step, -0.5, 0.5), -2 * FARTHEST, 2 * FARTHEST)
     near = np.abs(place).max(axis=1) < FARTHEST
     return np.where(near[:, None], place, np.nan)
@@ -301,6 +304,7 @@ def run_trials(
     stopped: str | None = None
     for number in range(most_batches(plan)):
         batch = plan.batch(number)
+        # Objects in masked pixels would be missed by every detector.
         batch = free(batch, np.isfinite(background.statistic[batch.window]))
         rest = objects.injections - tried
         if batch.size > rest:

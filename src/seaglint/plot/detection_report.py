@@ -31,6 +31,7 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
     left, right = figure.subplots(1, 2)
     contrast = np.asarray(roc["contrast"])
     values = np.unique(contrast)
+    # A few curves, evenly chosen from the sorted contrasts.
     for value in values[np.unique(np.linspace(0, values.size - 1, min(values.size, MOST_CURVES)).astype(int))]:
         one = contrast == value
         p_fa, p_d, low, high = (np.asarray(roc[name])[one] for name in ("p_fa", "p_d", "p_d_low", "p_d_high"))
@@ -48,6 +49,7 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
     if min(x) > 0 and max(x) > 8 * min(x):
         from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
+        # Contrasts over three octaves or more, such as the default sweep.
         right.set_xscale("log")
         right.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         right.xaxis.set_major_formatter(FormatStrFormatter("%g"))
@@ -132,6 +134,7 @@ def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
     axes: Any = figure.add_subplot(projection="polar" if polar else None)
     for name, some in lines.items():
         if polar:
+            # As on a compass: the Sun at the top, bearings clockwise.
             axes.set_theta_zero_location("N")
             axes.set_theta_direction(-1)
             ordered = sorted(some, key=lambda one: one.bearing_deg or 0.0)

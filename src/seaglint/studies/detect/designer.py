@@ -117,6 +117,7 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
     A field with a horizon or a corridor in it has a broad statistic that never comes far above its mean.
     """
     curve = count.alarms.curve()
+    # Enough pixels for a fit, but no more than a small share of all.
     lower = curve.threshold_for(min(TAIL_SHARE, max(MOST_EVENTS / max(curve.pixels, 1), FEWEST_PIXELS / max(curve.pixels, 1))))
     if tail.fit is not None or lower is None or not 0.0 < lower < LOWEST_THRESHOLD:
         return tail
@@ -269,6 +270,7 @@ def tried_detectors(
             margin = contrast_margin(source, replace(options, detector=name), contrast, design)
             note = None if margin is not None else f"it needs more than {1.0 / SMALLEST:g} times the contrast"
         except SeaglintError as error:
+            # A detector that fails is not chosen, and the others are tried.
             margin, note = None, str(error)
         out.append(TriedDetector(name, range_m, margin, note))
     return out
@@ -295,6 +297,7 @@ def contrast_margin(source: FrameSource, options: DetectionOptions, contrast: fl
     above = int(np.argmax(rates >= design.p_d))
     if above == 0:
         return LARGEST
+    # Linear in P_d between the two contrasts, in the logarithm of the contrast.
     between = float(np.interp(design.p_d, rates[above - 1 : above + 1], np.log(_FACTORS[above - 1 : above + 1])))
     return float(np.exp(-between))
 

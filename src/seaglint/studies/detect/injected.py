@@ -71,6 +71,7 @@ class Strength:
             case "W/sr":
                 share = transmittance(seas, self.range_m or 0.0, self.height_m)
                 angle = seas.pixel_solid_angle
+                # The slant distance, from the difference of heights.
                 distance = math.hypot(self.range_m or 0.0, seas.sequence.scene.view.sensor_height - self.height_m)
                 return tuple(v * share / (distance**2 * angle) for v in self.values)
 
@@ -129,6 +130,7 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
         raise DataError("the object leaves nothing in the picture: it is hidden, out of view, or as bright as what is behind it")
     whole = response / peak
     rim = [np.abs(whole) >= CUT]
+    # The faint rim is cut; the rest is rounded up to whole pixels about the peak.
     far = max(int(np.abs(np.nonzero(rim[0])[axis] - at).max()) for axis, at in ((0, row), (1, column)))
     half = min(max(-(-far // steps), 1), REACH) * steps
     padded = np.pad(whole, half)
@@ -142,6 +144,7 @@ def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
     """
     if model is None:
         return GaussianSpot(0.05), 1.0
+    # At least as fine as the rendering, and fine enough for displacements within a pixel.
     steps = max(model.oversampling, FINEST)
     steps += 1 - steps % 2  # an odd number has a fine pixel in the middle
     size = 2 * _AROUND + 1
@@ -231,6 +234,7 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     item = item_of(scenario, name)
     plain = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None})
     alone = scenario.model_copy(update={"objects": (item,), "render": plain})
+    # Over the mean sea: waves that are geometry would hide some of the object.
     calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
     if calm.sensor.senses:
         sensed = prepare_sensed(calm)
@@ -251,6 +255,7 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     row, column = (int(v.mean()) // steps for v in (rows_lit, columns_lit))
     reach = max(int(np.ptp(v)) // steps for v in (rows_lit, columns_lit)) // 2 + _AROUND
     size = 2 * reach + 1
+    # A margin, so that the object may lie at the border of the picture.
     padded = np.pad(difference, reach * steps)
     picture = padded[row * steps : (row + size) * steps, column * steps : (column + size) * steps]
     if not drawn.sights[0].whole > 0.0:  # a point, wherever it lies in its pixel

@@ -79,6 +79,7 @@ def rows_to_horizon(seas: IndependentSeas, row: int, extent: int) -> int | None:
     rows = seas.size[0]
     high, low, dip = _elevations(seas)
     at = min(max(row, 0), rows - 1)
+    # Below the dip of the horizon is sea, above it sky.
     for like, sign in ((high < -dip, 1), (low > -dip, -1)):
         if like[max(at - extent, 0) : at + extent + 1].all():
             others = np.flatnonzero(~like)
@@ -109,11 +110,13 @@ def background_of(seas: IndependentSeas, row: int, half: int) -> tuple[Backgroun
     """
     rows = seas.size[0]
     high, low, dip = _elevations(seas)
+    # Optics blur the horizon over some rows, which are neither sea nor sky.
     apart = MARGIN * seas.pixel_deg[0]
     at = min(max(row, 0), rows - 1)
     window = np.zeros(rows, dtype=bool)
     window[max(at - AROUND, 0) : at + AROUND + 1] = True
     kinds: tuple[tuple[Background, np.ndarray], ...] = (("sea", high < -dip - apart), ("sky", low > -dip + apart))
+    # The rows of the object itself, with three more on either side.
     own = slice(max(at - half - 3, 0), at + half + 4)
     for kind, like in kinds:
         if like[own].all() and np.count_nonzero(like & window) >= min(FEWEST, rows):

@@ -167,6 +167,7 @@ class Performance:
         windows = self.judged.windows
         events = count.alarms.events(self.threshold.sigma)
         per_frame, per_frame_events = count.cells.exceedances / windows, len(events) / windows
+        # Solid angle of the valid pixels of a frame.
         area = None if o.pixel_deg is None else o.pixel_deg[0] * o.pixel_deg[1] * count.cells.pixels / windows
         rate = o.frame_rate
         gaussian = float(gaussian_rate(self.threshold.sigma))
@@ -321,6 +322,7 @@ def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
     """Return the detector of the options, with the covariances of the source where it needs them."""
 
     def background() -> Frames:
+        # Whole frames, as many as give that number of values, evenly spread over the source.
         most = max(int(COVARIANCE_VALUES / (source.rows * source.columns)), 1)
         chosen = np.unique(np.linspace(0, source.frames - 1, min(most, source.frames)).astype(int))
         frames = np.concatenate([source.read(int(k), int(k) + 1) for k in chosen])

@@ -93,6 +93,7 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
     # The sea falls below the horizontal by the square of the range: the elevation is that of the object over the round Earth.
     drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
     elevation = math.degrees(math.atan2(height - sensor.height_m - drop, range_m))
+    # Whatever moves the object is taken away: it stays at its place.
     rest = {"track": None, "keyframes": None, "course_deg": None, "speed_m_s": None, "latitude_deg": None, "longitude_deg": None}
     heading = item.heading_deg if item.heading_deg is not None else item.course_deg
     place = {"east_m": range_m * math.sin(towards), "north_m": range_m * math.cos(towards), "heading_deg": heading}
@@ -180,6 +181,7 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
         return 1.0
     rate = design.p_fa
     if rate is None:
+        # Each pixel counts as a separate alarm here; a rate near one half has no threshold above the mean.
         rate = min(design.alarms_per_hour / (3600.0 * placed.sensor.frame_rate_hz * rows * columns), 0.4)
     answer = answers(seen.shape, detector)
     shares = seen.visible_shares(SEAS, seas)
@@ -363,6 +365,7 @@ def _over_seas(
         return p_d, None
     low, high = (np.array([end[k] for end in ends if end is not None]) for k in (0, 1))
     variance = float(weights @ np.array(rates) ** 2) - p_d**2
+    # Scatter between seas counts only where some hide the object.
     drawn = 1.96 * math.sqrt(max(variance, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
     below, above = math.hypot(p_d - float(weights @ low), drawn), math.hypot(float(weights @ high) - p_d, drawn)
     return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]

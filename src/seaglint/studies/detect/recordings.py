@@ -58,6 +58,7 @@ def options_of(request: SpotRequest, source: Recording, pixel_deg: tuple[float, 
     """
     if request.contrast is not None:
         return request.detection(request.contrast, source.frame_rate, pixel_deg)
+    # Covariances of tiles need frames of at least one tile.
     named = request.detector or (SUITED if min(source.rows, source.columns) >= 64 else "log")
     sigma = clutter_deviation(source)
     suited = replace(request, detector=named)

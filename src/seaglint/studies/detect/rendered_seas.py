@@ -100,6 +100,7 @@ def run_scene(
     if progress is not None:
         progress(source.count, request.seas)
     source.grow(1)
+    # Contrasts in kelvin or in standard deviations refer to the first sea.
     first = source.read(0, 1)[0].astype(np.float64)
     strength = request.strength() or Strength((own,) if own is not None else tuple(float(f"{v * first.std():.3g}") for v in SWEEP))
     aperture = strength.at_aperture(seas, float(first.mean()))
@@ -180,6 +181,7 @@ def _inverse(strength: Strength, seas: IndependentSeas, mean: float, share: floa
                     return (replace(strength, values=(kelvin,)).at_aperture(seas, mean)[0] if kelvin else 0.0) - at
 
                 try:
+                    # From 100 K colder to 5000 K warmer than the mean of the field.
                     return float(brentq(beyond, -100.0, 5000.0, xtol=1e-6))
                 except (ValueError, SeaglintError):
                     return float("nan")

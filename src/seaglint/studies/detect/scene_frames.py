@@ -101,6 +101,7 @@ class IndependentSeas:
         (width, height), (columns, rows) = sensor.fov_deg, sensor.pixels
         across = width / columns
         if sensor.projection == "equal-angle":
+            # Columns of equal azimuth come closer on the sky with the elevation.
             across *= math.cos(math.radians(sensor.elevation_deg))
         return height / rows, across
 
@@ -191,6 +192,7 @@ class SceneFrames(PlainFrames):
             return self.count
         while self.count < count:
             if not whole_sea(self.folder, self.count, shape):
+                # The first sea is always rendered: there is no result without one.
                 if self.count and not go_on(self.count):
                     break
                 keep_sea(self.folder, self.count, self.seas.sea(self.count, self.sequence_length))

@@ -76,6 +76,7 @@ def cases_of(
     if len(rows) * len(combined) > MOST_CASES:
         raise DataError(f"{len(rows) * len(combined)} cases are more than {MOST_CASES}; vary less, or part the study")
     out = []
+    # Every row of the table with every combination of the varied values.
     for (row, where), chosen in itertools.product(rows, combined):
         parameters = {**row, **dict(chosen)}
         study = {key: parameters[key] for key in STUDY_KEYS if key in parameters}

@@ -379,6 +379,7 @@ def ensemble_dataset(
         _require_rendered(Folder(source.folder), [scene.label for scene in drawn])
     table = ensemble.dataset
     known = {item.name for item in ensemble.objects} | {item.name for scene in drawn for item in scene.scenario.objects or ()}
+    # A misspelt name would leave its objects without their class.
     unknown = [name for name in table.classes if name not in known]
     if unknown:
         own = {item["name"] for item in ensemble.base.get("objects", []) if "name" in item} | {item.name for item in ensemble.objects}

@@ -169,6 +169,7 @@ class PreparedMap:
         known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
         alike = bool(rows is None and known)
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
+        # Sobol points are even in powers of two.
         plan = SamplingPlan(1, 2 ** round(math.log2(each)))
         months = tuple(likelihood.months or range(1, 13))
         return cls(
@@ -260,6 +261,7 @@ def _drawn(
 
 def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Return the places of the draws in each cell, cell by cell [deg]."""
+    # Uniform within each cell; the date line wraps.
     north = np.clip(latitude[:, None, None] + step * (u["across"] - 0.5), -90.0, 90.0)
     east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
     shape = (latitude.size, longitude.size, u["across"].size)
@@ -274,6 +276,7 @@ def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> 
     rows = np.flatnonzero(known)
     place = np.stack([table["latitude_deg"][rows], table["longitude_deg"][rows]], axis=1)
     spots, spot = np.unique(place, axis=0, return_inverse=True)
+    # Rows grouped by their place, so that each place is compared with a cell once.
     by_spot = np.split(rows[np.argsort(spot, kind="stable")], np.cumsum(np.bincount(spot))[:-1])
     step = float(latitude[1] - latitude[0]) if latitude.size > 1 else 1.0
     out = []

@@ -137,6 +137,7 @@ class LikelihoodModel:
         low, high = np.radians(self.settings.depression_deg)
         if "depression_deg" in self.looks:
             low, high = self.looks["depression_deg"].min(), self.looks["depression_deg"].max()
+        # Half of the field above and below the line of sight.
         more = 0.5 * math.radians(self.settings.field_deg[1]) if self.settings.case == "field-of-view" else 0.0
         return float(low) - more, min(float(high) + more, 0.5 * math.pi)
 
@@ -224,6 +225,7 @@ class LikelihoodModel:
 
     def share(self, other: LikelihoodModel) -> None:
         """Take over the tables of a model with the same air, sea, geometry and year."""
+        # Cached properties are copied: the other model need not have computed them before.
         self.__dict__.update({name: getattr(other, name) for name in _SHARED})
 
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:

@@ -142,6 +142,7 @@ class GlintLikelihood:
     def _looks_per_hour(self) -> float:
         """Independent looks of all pixels in an hour [1]: frames, but no more than one in a correlation time of glint."""
         sensor = self.model.scenario.sensor
+        # Frames within a correlation time see the same glint.
         rate = min(sensor.frame_rate_hz, 1.0 / self.model.scenario.sea.glint.correlation_time_s)
         return 3600.0 * rate * sensor.pixels[0] * sensor.pixels[1]
 
@@ -239,10 +240,12 @@ def evaluated(
     settings, table = model.settings, model.table
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
+        # Away from 0 and 1, where the Gaussian quantile is infinite.
         noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
         rows = smoothed(table, where.rows, noise, model.bandwidth)
         wind, cover = rows["wind_speed_m_s"], rows["cloud_cover"]
     missing = model.scenario.wind.from_deg if model.gives_wind_direction else 360.0 * u["wind"]
+    # Winds are named by where they come from.
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
     sun = model.sun
     if sun is not None:

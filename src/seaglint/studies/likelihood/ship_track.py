@@ -183,6 +183,7 @@ def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
     >>> spells(np.array([[True, False, False, True]]), np.ones(4))
     Spells(mean_duration_hours=1.0, mean_return_hours=2.0)
     """
+    # Without glint before and after the track, every spell has a begin and an end.
     padded = np.pad(glints, ((0, 0), (1, 1)))
     change = np.diff(padded.astype(np.int8), axis=1)
     draws, begin = np.nonzero(change == 1)
@@ -190,6 +191,7 @@ def spells(glints: np.ndarray, hours: FloatArray) -> Spells:
     if begin.size == 0:
         return Spells(None, None)
     clock = np.concatenate([[0.0], np.cumsum(hours)])
+    # A gap between spells of two draws is no return.
     again = draws[1:] == draws[:-1]
     gaps = clock[begin[1:]] - clock[end[:-1]]
     return Spells(float(np.mean(clock[end] - clock[begin])), float(np.mean(gaps[again])) if again.any() else None)
