@@ -38,7 +38,7 @@ from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import threshold_or_count
 from seaglint.studies.detect.detection_requests import DesignRequest, RangeRequest, SceneRequest
-from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
+from seaglint.studies.detect.injected import ObjectSignal, Strength, fine_response, object_signal, point_shape, spot_of
 from seaglint.studies.detect.near_object import NearRows, background_of
 from seaglint.studies.detect.range_search import detection_range, placed_at
 from seaglint.studies.detect.rendered_seas import Clock, run_scene
@@ -288,7 +288,9 @@ def test_range_is_found_by_bisection(path: Path, tmp_path: Path, monkeypatch) ->
     scenario = cases_of(path)[0].scenario
     # a point whose contrast falls with the square of its range: P_d 0.9 at the contrast of the q functions
     monkeypatch.setattr(
-        detect_range, "seen_object", lambda scene, name: Seen(GaussianSpot(0.8), 2e7 / math.hypot(*_place(scene)) ** 2, 20.0, 24.0)
+        detect_range,
+        "object_signal",
+        lambda scene, name: ObjectSignal(GaussianSpot(0.8), 2e7 / math.hypot(*_place(scene)) ** 2, 20.0, 24.0),
     )
     found = detection_range(scenario, range_request(), parts_at(tmp_path), bearing_deg=90.0)
     sigma = SIGMA / 5.0 * 7.0
@@ -354,10 +356,10 @@ def test_ranges_are_those_of_the_closed_form_under_a_warm_sky(
     def contrast(at: float) -> float:
         return amplitude * math.exp(-at / extinction_m) / at**2
 
-    def seen(scene: Any, name: str) -> Seen:
-        return Seen(spot, contrast(math.hypot(*_place(scene))), scene.sensor.pixels[1] / 2, columns / 2)
+    def seen(scene: Any, name: str) -> ObjectSignal:
+        return ObjectSignal(spot, contrast(math.hypot(*_place(scene))), scene.sensor.pixels[1] / 2, columns / 2)
 
-    monkeypatch.setattr(detect_range, "seen_object", seen)
+    monkeypatch.setattr(detect_range, "object_signal", seen)
     sensor = {"pixels": [columns, 96], "fov_deg": [0.025 * columns, 2.4], "elevation_deg": -3.0}
     boat = {"name": "boat", "preset": "small-boat", "north_m": 2000.0}
     scenario = parse_scenario({"seed": 5, "wind": {"speed_m_s": 5.0}, "sensor": sensor, "objects": [boat]})
@@ -494,8 +496,8 @@ def test_both_spellings_of_a_command_print_the_same(
 
     from seaglint.cli.app import main
 
-    seen = Seen(GaussianSpot(0.8), 5.0, 20.0, 24.0)
-    monkeypatch.setattr(detect_range, "seen_object", lambda scene, name: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2))
+    seen = ObjectSignal(GaussianSpot(0.8), 5.0, 20.0, 24.0)
+    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2))
     printed = []
     for words in (("detect", command, *(word for word in bare if word != f"--{command}")), ("detect", *bare)):
         common = ("--threshold", "3", "--frames", "6", "--injections", "100", "--progress", "none", *form)
@@ -548,7 +550,7 @@ def test_a_drawn_point_is_seen_as_its_shape_says() -> None:
     scenario = parse_scenario(
         {"sensor": {"pixels": [48, 40], "elevation_deg": -0.3, "azimuth_deg": 0.0, "height_m": 30.0, **tables}, "objects": [point]}
     )
-    seen = seen_object(scenario, "point")
+    seen = object_signal(scenario, "point")
     seas = IndependentSeas.of(scenario)
     _, share = point_shape(seas.model)
     watts = Strength((500.0,), "W/sr", 4000.0, 20.0).at_aperture(seas, 1.0)[0]
@@ -556,7 +558,7 @@ def test_a_drawn_point_is_seen_as_its_shape_says() -> None:
     assert seen.contrast == pytest.approx(share * watts, rel=0.08)
 
 
-class HalfHidden(Seen):
+class HalfHidden(ObjectSignal):
     """An object that every second sea hides, and every fourth leaves half of."""
 
     def visible_shares(self, count: int, seas: Any) -> np.ndarray:
@@ -566,7 +568,7 @@ class HalfHidden(Seen):
 def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Path, monkeypatch) -> None:
     scenario = cases_of(path)[0].scenario
     contrast = 12.0 * SIGMA / 5.0 * 7.0
-    monkeypatch.setattr(detect_range, "seen_object", lambda scene, name: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
+    monkeypatch.setattr(detect_range, "object_signal", lambda scene, name: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
     found = detect_range.p_d_at(scenario, range_request(), 1000.0, None, parts_at(tmp_path))
     # at twelve and six standard deviations all that is seen is found
     assert found.p_d == pytest.approx(0.5, abs=0.01)
@@ -590,7 +592,7 @@ def test_seas_hide_a_post_as_lines_of_sight_over_the_same_seas_say() -> None:
     post = {"name": "post", "shape": {"kind": "box", "size_m": [0.3, 0.3, 1]}, "temperature_k": 300, "height_m": 0.5, "north_m": far}
     sensor = {"pixels": [48, 40], "fov_deg": [1.4, 1.2], "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": eye}
     scenario = parse_scenario({"seed": 3, "sensor": sensor, "wind": {"speed_m_s": 10.0}, "objects": [post]})
-    shares = seen_object(scenario, "post").visible_shares(seas, IndependentSeas.of(scenario))
+    shares = object_signal(scenario, "post").visible_shares(seas, IndependentSeas.of(scenario))
     sequence = prepare_sequence(scenario)
     arcs = np.arange(1800.0, far + 0.1, 0.4)
     drop = eye + arcs**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)

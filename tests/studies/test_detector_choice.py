@@ -22,7 +22,7 @@ from seaglint.store.detection_results import Parts, RangePoint
 from seaglint.studies.detect import range_search
 from seaglint.studies.detect.designer import LARGEST, SMALLEST, Design, contrast_margin
 from seaglint.studies.detect.detection_requests import RangeRequest
-from seaglint.studies.detect.injected import Seen
+from seaglint.studies.detect.injected import ObjectSignal
 from seaglint.studies.detect.near_object import rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import detection_range, doubts, horizon_note, p_d_at
@@ -68,12 +68,12 @@ class White(Swell):
 def seas(request, monkeypatch) -> None:
     for module in (range_search, range_search):
         monkeypatch.setattr(module, "IndependentSeas", request.param)
-    monkeypatch.setattr(range_search, "seen_object", _seen)
+    monkeypatch.setattr(range_search, "object_signal", _seen)
 
 
-def _seen(scene: Any, name: str) -> Seen:
+def _seen(scene: Any, name: str) -> ObjectSignal:
     at = math.hypot(scene.objects[0].east_m, scene.objects[0].north_m)
-    return Seen(SPOT, 4e7 / at**2, ROWS / 2, COLUMNS / 2)
+    return ObjectSignal(SPOT, 4e7 / at**2, ROWS / 2, COLUMNS / 2)
 
 
 def _asked(detector: str | None) -> tuple[Any, RangeRequest]:

@@ -395,20 +395,20 @@ def detect_range(
     far = None if bearings is None else tuple(float(value) for value in bearings)
     request = request_of(RangeRequest, locals(), source="scenario", vary=None, cases=None, bearings=far)
     varied = _cases(source, vary, cases, sensor)
-    found = []
+    ranges = []
     with parts_folder(None) as (parts, _), absent_numbers():
         for number, case in enumerate(varied):
-            found += ranges_of([case], request, parts)
+            ranges += ranges_of([case], request, parts)
             if progress is not None:
                 progress(number + 1, len(varied))
 
     def draw() -> Figure:
         from seaglint.plot.detection_report import draw_ranges
 
-        return draw_ranges(found)
+        return draw_ranges(ranges)
 
-    values = {"ranges": [one.as_dict() for one in found]}
-    return ResultRecord(values, draw=draw, html=lambda: _range_table(found), title="ranges of detection")
+    values = {"ranges": [one.as_dict() for one in ranges]}
+    return ResultRecord(values, draw=draw, html=lambda: _range_table(ranges), title="ranges of detection")
 
 
 def _of_scene(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -449,9 +449,9 @@ def _study(
     return judged_record(study, {"source": named, **study.as_dict()}, unit)
 
 
-def _range_table(found: Sequence[Any]) -> str:
+def _range_table(ranges: Sequence[Any]) -> str:
     """Return the table of ranges that a notebook shows."""
     from seaglint.base.representation import card, table
 
-    rows = [(one.object, one.named, one.bearing_deg, one.p_d, one.range_m, one.range_interval_m, one.note) for one in found]
+    rows = [(one.object, one.named, one.bearing_deg, one.p_d, one.range_m, one.range_interval_m, one.note) for one in ranges]
     return card("Ranges of detection", table(("object", "case", "bearing [deg]", "P_d", "range [m]", "interval [m]", "note"), rows))

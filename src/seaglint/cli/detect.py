@@ -143,10 +143,10 @@ def detect_source(
             return
         from seaglint.cli.detect_runs import detect_scene
 
-        asked = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
+        designed = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
         # Without figures for a designer the request is one for scenes, with the same fields.
         own = {field.name: getattr(rendered, field.name) for field in fields(SceneRequest)}
-        detect_scene(rendered if asked else SceneRequest(**own), results, run)
+        detect_scene(rendered if designed else SceneRequest(**own), results, run)
         return
     flags = (("--resume", run.resume), ("--design", as_design), ("--range", find_range))
     wrong = [*given(rendered, far, besides=(recorded,)), *(option for option, on in flags if on)]

@@ -58,14 +58,14 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
     return figure
 
 
-def draw_map(found: FalseAlarmMap) -> Figure:
+def draw_map(alarms: FalseAlarmMap) -> Figure:
     """Draw P_fa over azimuth and elevation; tiles without a valid pixel are left out."""
     figure = new_figure(7.0, 3.6)
     axes = figure.subplots()
-    pixels = np.asarray(found.pixels, float)
-    rate = np.asarray(found.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
-    grid = found.in_degrees
-    drawn = axes.pcolormesh(found.right, found.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
+    pixels = np.asarray(alarms.pixels, float)
+    rate = np.asarray(alarms.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
+    grid = alarms.in_degrees
+    drawn = axes.pcolormesh(alarms.right, alarms.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
     if not grid:
         axes.invert_yaxis()
     axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
@@ -74,9 +74,9 @@ def draw_map(found: FalseAlarmMap) -> Figure:
     return figure
 
 
-def draw_chips(found: Chips, threshold_sigma: float) -> Figure | None:
+def draw_chips(chips: Chips, threshold_sigma: float) -> Figure | None:
     """Draw missed objects above and false alarms below; None without either."""
-    lines = [(name, some) for name, some in (("missed", found.missed), ("false", found.false)) if some]
+    lines = [(name, cut_outs) for name, cut_outs in (("missed", chips.missed), ("false", chips.false)) if cut_outs]
     if not lines:
         return None
     columns = max(len(items) for _, items in lines)
@@ -110,8 +110,8 @@ def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     lines: dict[str, list[TableRow]] = {}
     for row in rows:
         lines.setdefault(row["_line"], []).append(row)
-    for name, some in lines.items():
-        ordered = sorted(some, key=lambda row: row[key])
+    for name, group in lines.items():
+        ordered = sorted(group, key=lambda row: row[key])
         x = [row[key] for row in ordered]
         (line,) = left.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, label=name)
         low, high = ([row["p_d"] if row[end] is None else row[end] for row in ordered] for end in ("p_d_low", "p_d_high"))
@@ -124,20 +124,20 @@ def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     return figure
 
 
-def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
+def draw_ranges(ranges: Sequence[DetectionRange]) -> Figure:
     """Draw ranges of detection as polar curves over the bearing from the Sun; for a single bearing P_d against range."""
     lines: dict[str, list[DetectionRange]] = {}
-    for one in found:
+    for one in ranges:
         lines.setdefault(one.named, []).append(one)
-    polar = len({one.bearing_deg for one in found}) > 1
+    polar = len({one.bearing_deg for one in ranges}) > 1
     figure = new_figure(5.6, 5.2)
     axes: Any = figure.add_subplot(projection="polar" if polar else None)
-    for name, some in lines.items():
+    for name, group in lines.items():
         if polar:
             # As on a compass: the Sun at the top, bearings clockwise.
             axes.set_theta_zero_location("N")
             axes.set_theta_direction(-1)
-            ordered = sorted(some, key=lambda one: one.bearing_deg or 0.0)
+            ordered = sorted(group, key=lambda one: one.bearing_deg or 0.0)
             theta = np.radians([one.bearing_deg or 0.0 for one in ordered])
             metres = [((one.range_interval_m[0] or 0.0) if one.range_m is None else one.range_m) / 1e3 for one in ordered]
             around = np.diff(theta, append=theta[0] + 2.0 * np.pi).max() < 0.6 * np.pi  # the curve is closed where no wide gap is left
@@ -146,7 +146,7 @@ def draw_ranges(found: Sequence[DetectionRange]) -> Figure:
             open_ended = [k for k, one in enumerate(ordered) if one.range_m is None]
             axes.plot(theta[open_ended], np.array(metres)[open_ended], "o", markersize=7, fillstyle="none", color=line.get_color())
         else:
-            for one in some:
+            for one in group:
                 points = one.points
                 axes.plot([p.range_m / 1e3 for p in points], [p.p_d for p in points], marker="o", markersize=3, label=name or None)
             axes.set(xscale="log", xlabel="range [km]", ylabel="P_d", ylim=(-0.02, 1.02))

@@ -164,7 +164,7 @@ def _blur(model: SensorModel, size: int, steps: int, *, points: bool = False) ->
 
 
 @dataclass(frozen=True)
-class Seen:
+class ObjectSignal:
     """Signal of an object of a scenario over the mean sea."""
 
     shape: SpotShape  #: Shape of the object, behind the sensor if the scenario has one.
@@ -223,7 +223,7 @@ def item_of(scenario: Scenario, name: str) -> Object:
     raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
 
 
-def seen_object(scenario: Scenario, name: str) -> Seen:
+def object_signal(scenario: Scenario, name: str) -> ObjectSignal:
     """Draw one object over the mean sea, through path and sensor.
 
     Raises
@@ -241,7 +241,7 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
         sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
         # Fewer than three steps to a pixel do not give a shape that can be displaced within it.
         if steps < 3 and scenario.render.oversampling is None:
-            return seen_object(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
+            return object_signal(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
     else:
         steps, model = 3, None
         columns, rows = calm.sensor.pixels
@@ -264,7 +264,7 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
         centre = [(float(at) + 0.5) / steps - 0.5 for at in where]
         extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
         among = alone if scenario.sea.resolve_waves else None
-        return Seen(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
+        return ObjectSignal(shape, share * float(difference.sum()) / steps**2, centre[0], centre[1], extent, _in_view(drawn), among)
     if model is None:
         response = fine_response(picture, steps, lambda p: p.reshape(size, steps, size, steps).mean(axis=(1, 3)))
     else:
@@ -276,4 +276,4 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
     extent = int(columns_lit[0]) // steps, int(columns_lit[-1]) // steps + 1
-    return Seen(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)
+    return ObjectSignal(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)

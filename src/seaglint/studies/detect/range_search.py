@@ -31,7 +31,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.store.detection_results import DetectionRange, Parts, RangePoint, TriedDetector
 from seaglint.studies.detect.designer import SMALLEST, Design, best_of, choice_line, rate_threshold, tried_detectors
-from seaglint.studies.detect.injected import Seen, item_of, seen_object
+from seaglint.studies.detect.injected import ObjectSignal, item_of, object_signal
 from seaglint.studies.detect.near_object import AROUND, Background, NearRows, background_of, half_height, less_row_means, rows_to_horizon
 from seaglint.studies.detect.performance import DetectionOptions, detect
 from seaglint.studies.detect.rendered_seas import lead_of
@@ -152,7 +152,7 @@ def horizon_note(point: RangePoint) -> str | None:
     return None
 
 
-def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
+def estimated_p_d(placed: Scenario, target: ObjectSignal, design: Design) -> float:
     """Return P_d of a matched filter by the Gaussian law, without any search in frames.
 
     ``P_d = < Q(Q^-1(P_fa) - v c g / sigma) >`` over the places in the pixel and the seas, with the contrast ``c``, the share ``v`` of the
@@ -162,14 +162,14 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
     ----------
     placed : Scenario
         Scenario with the object in the middle of the picture.
-    seen : Seen
+    target : ObjectSignal
         Signal of the object there.
     design : Design
         Rate of false alarms.
     """
     seas = IndependentSeas.of(placed)
-    _, first, end = background_of(seas, round(seen.row), seen.shape.half)
-    detector = Matched(seen.shape.stamps(np.zeros((1, 2)))[0])
+    _, first, end = background_of(seas, round(target.row), target.shape.half)
+    detector = Matched(target.shape.stamps(np.zeros((1, 2)))[0])
     frames = np.concatenate([seas.sea(number, 1) for number in range(SEAS)])
     rows, columns = frames.shape[1:]
     statistic = detector(less_row_means(frames[:, first:end]))
@@ -183,9 +183,9 @@ def estimated_p_d(placed: Scenario, seen: Seen, design: Design) -> float:
     if rate is None:
         # Each pixel counts as a separate alarm here; a rate near one half has no threshold above the mean.
         rate = min(design.alarms_per_hour / (3600.0 * placed.sensor.frame_rate_hz * rows * columns), 0.4)
-    answer = answers(seen.shape, detector)
-    shares = seen.visible_shares(SEAS, seas)
-    signal = np.multiply.outer(shares, answer) * abs(seen.contrast) / sigma
+    answer = answers(target.shape, detector)
+    shares = target.visible_shares(SEAS, seas)
+    signal = np.multiply.outer(shares, answer) * abs(target.contrast) / sigma
     return float(np.where(signal > 0.0, ndtr(signal + ndtri(rate)), 0.0).mean())
 
 
@@ -203,7 +203,7 @@ class _Placed:
 
     near: FrameSource  #: Frames without the object, with their sign turned where it is dark.
     options: DetectionOptions  #: With the object's shape, in its rows.
-    seen: Seen  #: The object.
+    target: ObjectSignal  #: The object.
     shares: FloatArray  #: Visible share of the object in each sea [1].
     background: Background  #: Rows whose statistics are taken.
     horizon_rows: int | None  #: Rows from the object to the horizon [px].
@@ -219,29 +219,29 @@ def _placed(whole: Scenario, request: RangeRequest, parts: Parts, in_view: float
         Nothing of the object is visible, or it is hidden in all seas, or visible in less than a share ``in_view`` of them.
     """
     name = request.object or ""
-    scene, seen = seen_nearby(whole, name)
+    scene, target = seen_nearby(whole, name)
     seas = IndependentSeas.of(scene)
-    shares = seen.visible_shares(request.seas, seas)
+    shares = target.visible_shares(request.seas, seas)
     if not shares.any():
         raise DataError(f"object '{name}' is hidden behind waves in all of {request.seas} seas")
     if np.count_nonzero(shares) < in_view * shares.size:
         raise DataError(f"object '{name}' is hidden behind waves in {np.count_nonzero(shares == 0.0)} of {request.seas} seas")
-    length = lead_of(request.detector_name, request.time_limit, seen.shape) + 1
+    length = lead_of(request.detector_name, request.time_limit, target.shape) + 1
     key = frames_key(scene, length)
     source = SceneFrames(seas, parts.frames(key), length)
     source.grow(request.seas)
-    background, first, end = background_of(seas, round(seen.row), seen.shape.half)
+    background, first, end = background_of(seas, round(target.row), target.shape.half)
     near: FrameSource = NearRows(source, first, end)
-    row = round(seen.row) - first
-    options = request.detection((1.0,), scene.sensor.frame_rate_hz, seas.pixel_deg, seen.shape)
+    row = round(target.row) - first
+    options = request.detection((1.0,), scene.sensor.frame_rate_hz, seas.pixel_deg, target.shape)
     options = replace(options, objects=replace(options.objects, only_rows=(row - ROWS, row + ROWS + 1)))
     return _Placed(
-        near=Rescaled(near, -1.0) if seen.contrast < 0 else near,
+        near=Rescaled(near, -1.0) if target.contrast < 0 else near,
         options=options,
-        seen=seen,
+        target=target,
         shares=shares,
         background=background,
-        horizon_rows=rows_to_horizon(seas, round(seen.row), half_height(seen.shape)),
+        horizon_rows=rows_to_horizon(seas, round(target.row), half_height(target.shape)),
         frames=key,
     )
 
@@ -269,7 +269,7 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
         point = RangePoint(range_m, note=str(error))
     else:
         levels, weights = levels_of(placed.shares)
-        contrasts = tuple(float(abs(placed.seen.contrast) * level) for level in levels)
+        contrasts = tuple(float(abs(placed.target.contrast) * level) for level in levels)
         options = replace(placed.options, objects=replace(placed.options.objects, contrasts=contrasts))
         performance = detect(placed.near, options, name=request.object or "", locate=False)
         at = rate_threshold(performance, request.design())
@@ -281,9 +281,9 @@ def p_d_at(scenario: Scenario, request: RangeRequest, range_m: float, bearing: f
             p_d=p_d,
             p_d_interval=ends,
             visible_share=float(placed.shares.mean()),
-            contrast_pixel=placed.seen.contrast,
+            contrast_pixel=placed.target.contrast,
             threshold_sigma=at.sigma,
-            note=dark if placed.seen.contrast < 0 else None,
+            note=dark if placed.target.contrast < 0 else None,
             believed=at.believed,
             background_sigma=performance.background[1],
             background=placed.background,
@@ -319,13 +319,13 @@ def tried_at(
     design = request.design()
     placed = _placed(whole, replace(request, detector=names[0]), parts, design.p_d)
     # The share that is visible in as many seas as the object is to be detected in: the mean share is too large where waves hide the object.
-    contrast = abs(placed.seen.contrast) * float(np.quantile(placed.shares, 1.0 - design.p_d, method="higher"))
+    contrast = abs(placed.target.contrast) * float(np.quantile(placed.shares, 1.0 - design.p_d, method="higher"))
     tried = tried_detectors(names, placed.near, placed.options, contrast, design, range_m)
     parts.keep_case(key, {"tried": [asdict(one) for one in tried]})
     return tried
 
 
-def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
+def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, ObjectSignal]:
     """Return the scenario with only the rows about the object, and the signal of the object there.
 
     Raises
@@ -334,10 +334,10 @@ def seen_nearby(whole: Scenario, name: str) -> tuple[Scenario, Seen]:
         Nothing of the object is visible.
     """
     scene = middle_of(whole, _ROWS)
-    seen = seen_object(scene, name)
-    if 2 * seen.shape.half < AROUND:
-        return scene, seen
-    return whole, seen if scene is whole else seen_object(whole, name)
+    target = object_signal(scene, name)
+    if 2 * target.shape.half < AROUND:
+        return scene, target
+    return whole, target if scene is whole else object_signal(whole, name)
 
 
 def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -349,10 +349,10 @@ def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     >>> levels.tolist(), weights.tolist()
     ([0.5, 1.0], [0.25, 0.5])
     """
-    seen = shares[shares > 0.0]
-    eighth = np.ceil(8.0 * seen)
+    target = shares[shares > 0.0]
+    eighth = np.ceil(8.0 * target)
     kinds = np.unique(eighth)
-    levels = np.array([seen[eighth == kind].mean() for kind in kinds])
+    levels = np.array([target[eighth == kind].mean() for kind in kinds])
     return levels, np.array([np.count_nonzero(eighth == kind) / shares.size for kind in kinds])
 
 
@@ -382,7 +382,7 @@ def first_estimate(scenario: Scenario, request: RangeRequest, bearing: float | N
     def detected(at: float) -> bool:
         placed = middle_of(placed_at(scenario, name, at, bearing), _ROWS, COLUMNS)
         try:
-            return estimated_p_d(placed, seen_object(placed, name), design) >= design.p_d
+            return estimated_p_d(placed, object_signal(placed, name), design) >= design.p_d
         except DataError:
             return False
 

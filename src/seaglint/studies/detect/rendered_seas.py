@@ -21,7 +21,7 @@ from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.scenario.model import Scenario
 from seaglint.store.detection_results import Judged, Parts
 from seaglint.studies.detect.designer import Design, design
-from seaglint.studies.detect.injected import SWEEP, Strength, point_shape, seen_object
+from seaglint.studies.detect.injected import SWEEP, Strength, object_signal, point_shape
 from seaglint.studies.detect.performance import DetectionOptions, Performance, characteristic, chips, detect, false_alarm_map
 from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
@@ -71,8 +71,8 @@ def injected(scenario: Scenario, request: SceneRequest, seas: IndependentSeas) -
         case "gaussian":
             return GaussianSpot(0.8), 1.0, None
         case name:
-            seen = seen_object(scenario, name)
-            return seen.shape, 1.0, seen.contrast
+            signal = object_signal(scenario, name)
+            return signal.shape, 1.0, signal.contrast
 
 
 def run_scene(

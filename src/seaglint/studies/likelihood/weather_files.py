@@ -170,8 +170,8 @@ def _together(sources: Sequence[WeatherSource]) -> tuple[dict[str, FloatArray], 
             raise DataError(f"{source.path}: all rows selected have the weight 0; select others, or correct the column weight")
         weights.append(weight / weight.mean() if len(sources) > 1 else weight)
     ordered = {"weight": np.concatenate(weights)} | {n: columns[n] for n in RANGES if n in columns}
-    there = [n for n in TEXTS if any(n in source.texts for source in sources)]
-    return ordered, {n: np.concatenate([s.texts.get(n, np.full(s.rows, "")) for s in sources]) for n in there}
+    present = [n for n in TEXTS if any(n in source.texts for source in sources)]
+    return ordered, {n: np.concatenate([s.texts.get(n, np.full(s.rows, "")) for s in sources]) for n in present}
 
 
 def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[str]:
@@ -198,11 +198,11 @@ def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
         count = int(np.sum(np.isnan(table[name])))
         if count:
             notes.append(f"{count} of {len(table)} rows have no {name}: kept here, left out by what needs it")
-    there = table.months
-    if not there:
+    present = table.months
+    if not present:
         notes.append("no months: every row serves all the year")
         return notes
-    missing = [m for m in selection.months or range(1, 13) if m not in there]
+    missing = [m for m in selection.months or range(1, 13) if m not in present]
     if missing:
         used = table.month_used
         notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (draws in that month use {MONTHS[used[m] - 1]})" for m in missing))
